@@ -1,0 +1,60 @@
+# The functions that make Pintle's own targets, the same for each precision.
+
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# Warnings are private: what includes or links Pintle keeps its own.
+function(pintle_set_warnings target)
+  if(NOT MSVC)
+    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor ${ARGN})
+  endif()
+  if(PINTLE_WARNINGS_AS_ERRORS AND NOT MSVC)
+    # What gcc guesses after inlining is often wrong: a warning, but no error.
+    target_compile_options(${target} PRIVATE -Werror 
+      "$<$<CXX_COMPILER_ID:GNU>:-Wno-error=array-bounds;-Wno-error=maybe-uninitialized;-Wno-error=stringop-overflow>")
+  endif()
+endfunction()
+
+# pintle::<precision>, if `wanted` is ON, or AUTO and that Bullet was found.
+function(pintle_add_library precision wanted)
+  if(wanted STREQUAL "AUTO")
+    set(wanted ${PintleBullet_${precision}_FOUND})
+  endif()
+  if(NOT wanted)
+    return()
+  endif()
+  if(NOT PintleBullet_${precision}_FOUND)
+    string(TOUPPER ${precision} PRECISION)
+    message(FATAL_ERROR "Pintle: PINTLE_${PRECISION} is on, but no Bullet of ${precision} precision was found "
+                        "(PINTLE_BULLET_${PRECISION}_ROOT can name where it is installed).")
+  endif()
+
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS
+    "${PROJECT_SOURCE_DIR}/adapters/pintle/*.cpp" "${PROJECT_SOURCE_DIR}/plugin/pintle/*.cpp")
+  set(target pintle_${precision})
+  add_library(${target} STATIC ${sources})
+  add_library(pintle::${precision} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${precision} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  target_include_directories(${target} PUBLIC
+    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/adapters>"
+    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+  target_link_libraries(${target} PUBLIC PintleBullet::${precision} Eigen3::Eigen)
+  pintle_set_warnings(${target} -Wconversion)
+  set(PINTLE_PRECISIONS ${PINTLE_PRECISIONS} ${precision} PARENT_SCOPE)
+endfunction()
+
+# One export set a precision, so that a component can be had without the other's Bullet.
+function(pintle_install)
+  set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/pintle")
+  foreach(precision IN LISTS PINTLE_PRECISIONS)
+    install(TARGETS pintle_${precision} EXPORT pintle-${precision} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+    install(EXPORT pintle-${precision} NAMESPACE pintle:: FILE pintle-targets-${precision}.cmake DESTINATION "${package_dir}")
+  endforeach()
+  install(DIRECTORY adapters/pintle plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+  set(version_file "${PROJECT_BINARY_DIR}/pintle-config-version.cmake")
+  write_basic_package_version_file("${version_file}" COMPATIBILITY SameMinorVersion)
+  install(FILES adapters/cmake/pintle-config.cmake adapters/cmake/FindPintleBullet.cmake "${version_file}"
+          DESTINATION "${package_dir}")
+endfunction()

@@ -1,0 +1,41 @@
+# find_package(pintle [COMPONENTS single double]) -> pintle::single, pintle::double.
+# Without components: each installed precision whose Bullet is there.
+
+if(NOT TARGET Eigen3::Eigen)
+  include(CMakeFindDependencyMacro)
+  find_dependency(Eigen3 NO_MODULE)
+endif()
+list(INSERT CMAKE_MODULE_PATH 0 "${CMAKE_CURRENT_LIST_DIR}")
+find_package(PintleBullet QUIET)
+list(REMOVE_AT CMAKE_MODULE_PATH 0)
+
+set(_pintle_components ${pintle_FIND_COMPONENTS})
+if(NOT _pintle_components)
+  set(_pintle_components single double)
+endif()
+
+set(pintle_FOUND FALSE)
+set(pintle_NOT_FOUND_MESSAGE "")
+set(_pintle_required_missing FALSE)
+foreach(_pintle_component IN LISTS _pintle_components)
+  set(pintle_${_pintle_component}_FOUND FALSE)
+  set(_pintle_targets "${CMAKE_CURRENT_LIST_DIR}/pintle-targets-${_pintle_component}.cmake")
+  if(NOT EXISTS "${_pintle_targets}")
+    string(APPEND pintle_NOT_FOUND_MESSAGE "Pintle's component '${_pintle_component}' is not installed here. ")
+  elseif(NOT PintleBullet_${_pintle_component}_FOUND)
+    string(TOUPPER ${_pintle_component} _pintle_upper)
+    string(APPEND pintle_NOT_FOUND_MESSAGE "Pintle's component '${_pintle_component}' needs Bullet in "
+      "${_pintle_component} precision, which was not found (PINTLE_BULLET_${_pintle_upper}_ROOT can name where it is installed). ")
+  else()
+    include("${_pintle_targets}")
+    set(pintle_${_pintle_component}_FOUND TRUE)
+    set(pintle_FOUND TRUE)
+  endif()
+  if(pintle_FIND_REQUIRED_${_pintle_component} AND NOT pintle_${_pintle_component}_FOUND)
+    set(_pintle_required_missing TRUE)
+  endif()
+endforeach()
+
+if(_pintle_required_missing)
+  set(pintle_FOUND FALSE)
+endif()

@@ -1,0 +1,80 @@
+// Purpose: Bullet's two bodies of a joint in the document's symbols (1.2): x, R, v, w, m^-1, I^-1.
+// Everything is world space and SI. Nothing is copied: the accessors are Eigen views of Bullet's
+// own numbers, so that a joint pays for what it reads.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+using VectorView = Eigen::Map<const Vec3>;
+using MatrixView = Eigen::Map<const Eigen::Matrix<Scalar, 3, 3, Eigen::RowMajor>, Eigen::Unaligned,
+                              Eigen::OuterStride<sizeof(btVector3) / sizeof(btScalar)>>;
+
+inline VectorView view(const btVector3& v) {
+  return VectorView(static_cast<const btScalar*>(v));
+}
+inline MatrixView view(const btMatrix3x3& m) {
+  return MatrixView(static_cast<const btScalar*>(m[0]));
+}
+inline btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+class BodyPair {
+ public:
+  /// The bodies where they are.
+  BodyPair(const btRigidBody& a, const btRigidBody& b)
+      : BodyPair(a, a.getCenterOfMassTransform(), b, b.getCenterOfMassTransform()) {}
+  /// The bodies as they would be at other poses; keep the poses alive as long as the pair.
+  BodyPair(const btRigidBody& a, const btTransform& pose_a, const btRigidBody& b,
+           const btTransform& pose_b)
+      : m_a(a), m_b(b), m_pose_a(pose_a), m_pose_b(pose_b) {}
+
+  VectorView x_a() const { return view(m_pose_a.getOrigin()); }
+  VectorView x_b() const { return view(m_pose_b.getOrigin()); }
+  MatrixView R_a() const { return view(m_pose_a.getBasis()); }
+  MatrixView R_b() const { return view(m_pose_b.getBasis()); }
+  VectorView v_a() const { return view(m_a.getLinearVelocity()); }
+  VectorView v_b() const { return view(m_b.getLinearVelocity()); }
+  VectorView w_a() const { return view(m_a.getAngularVelocity()); }
+  VectorView w_b() const { return view(m_b.getAngularVelocity()); }
+  Scalar inv_mass_a() const { return m_a.getInvMass(); }
+  Scalar inv_mass_b() const { return m_b.getInvMass(); }
+  MatrixView inv_inertia_a() const { return view(m_a.getInvInertiaTensorWorld()); }
+  MatrixView inv_inertia_b() const { return view(m_b.getInvInertiaTensorWorld()); }
+
+  const btRigidBody& a() const { return m_a; }
+  const btRigidBody& b() const { return m_b; }
+  const btTransform& pose_a() const { return m_pose_a; }
+  const btTransform& pose_b() const { return m_pose_b; }
+
+  /// False if a pose, a velocity, a force or a mass of either body holds NaN or infinity.
+  bool finite() const {
+    // A sum is finite only if its terms are, and costs less than looking at each.
+    return is_finite(sum(m_a, m_pose_a) + sum(m_b, m_pose_b));
+  }
+
+  static bool is_finite(Scalar s) { return s - s == Scalar(0); }
+
+ private:
+  static Scalar sum(const btRigidBody& body, const btTransform& pose) {
+    const MatrixView R = view(pose.getBasis());
+    const MatrixView I = view(body.getInvInertiaTensorWorld());
+    return (R.row(0) + R.row(1) + R.row(2) + I.row(0) + I.row(1) + I.row(2)).transpose().sum() +
+           (view(pose.getOrigin()) + view(body.getLinearVelocity()) +
+            view(body.getAngularVelocity()) + view(body.getTotalForce()) +
+            view(body.getTotalTorque()))
+               .sum() +
+           body.getInvMass();
+  }
+
+  const btRigidBody& m_a;
+  const btRigidBody& m_b;
+  const btTransform& m_pose_a;
+  const btTransform& m_pose_b;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

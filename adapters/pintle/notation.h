@@ -1,0 +1,48 @@
+// Purpose: the document's symbols (1.1, 1.2) as Eigen types, for any scalar T (float, double, or an
+// automatic differentiation scalar). No Bullet here: the equations are written in these types only.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace pintle {
+
+// DontAlign: these are stored in objects that Bullet's allocator and plain `new` place, neither of
+// which promises the alignment that vectorised Eigen types ask for.
+template <class T>
+using Vector3 = Eigen::Matrix<T, 3, 1, Eigen::DontAlign>;
+template <class T>
+using Matrix3 = Eigen::Matrix<T, 3, 3, Eigen::DontAlign>;
+
+/// A quaternion as the document writes it: real part w and imaginary vector v.
+template <class T>
+struct Quaternion {
+  T w;
+  Vector3<T> v;
+};
+
+/// a x b, for any two Eigen 3-vector expressions. (Eigen's own cross() would pull in its
+/// decompositions, which are most of its compile time.)
+template <class A, class B>
+Vector3<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a_, const Eigen::MatrixBase<B>& b_) {
+  const Vector3<typename A::Scalar> a = a_, b = b_;
+  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
+          a.x() * b.y() - a.y() * b.x()};
+}
+
+/// A unit vector normal to the unit vector `a`, the same one for the same `a`.
+template <class T>
+Vector3<T> any_tangent(const Vector3<T>& a) {
+  using std::abs;
+  using std::sqrt;
+  if (abs(a.z()) > T(0.7)) {
+    const T k = T(1) / sqrt(a.y() * a.y() + a.z() * a.z());
+    return {T(0), -a.z() * k, a.y() * k};
+  }
+  const T k = T(1) / sqrt(a.x() * a.x() + a.y() * a.y());
+  return {-a.y() * k, a.x() * k, T(0)};
+}
+
+constexpr double pi = 3.14159265358979323846;
+
+}  // namespace pintle

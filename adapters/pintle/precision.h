@@ -1,0 +1,26 @@
+// Purpose: Bullet's precision as an inline namespace, so that a program compiled for one precision
+// does not link with a library compiled for the other.
+#pragma once
+
+#include <pintle/notation.h>
+
+#include <LinearMath/btScalar.h>
+
+#ifdef BT_USE_DOUBLE_PRECISION
+#define PINTLE_PRECISION f64
+#else
+#define PINTLE_PRECISION f32
+#endif
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+using Scalar = btScalar;
+using Vec3 = Vector3<Scalar>;
+using Mat3 = Matrix3<Scalar>;
+
+/// No bound. Bullet's own SIMD_INFINITY is a finite number, and its solver expects that one.
+constexpr Scalar infinity = SIMD_INFINITY;
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,443 @@
+// Runs every scene with Bullet's hinge and with Pintle's, and prints what was measured.
+//
+// The ratios are Pintle's number over the stock joint's: below 1 Pintle is better, above 1 worse.
+// Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
+// not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
+
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <pintle/joints/quaternion_hinge.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scenes/chain.h"
+#include "scenes/door.h"
+#include "scenes/pendulum.h"
+#include "scenes/recovery.h"
+#include "scenes/valve.h"
+
+namespace {
+
+using scenes::degrees;
+using scenes::radians;
+using Stock = btHingeConstraint;
+using StockCounting = btHingeAccumulatedAngleConstraint;
+using Ours = pintle::QuaternionHinge;
+
+// Two variants of ours, to see what the defaults are worth.
+const auto plain_rows = [](Ours& hinge) { hinge.setBlockRows(false); };
+const auto document = [](Ours& hinge) { hinge.setFormulation(pintle::Formulation::document); };
+
+template <class... Arguments>
+std::string text(const char* format, Arguments... arguments) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, format, arguments...);
+  return buffer;
+}
+
+// What one run measured. `values` go with the table's columns; infinity: never reached, or lost;
+// NaN: there is no such quantity.
+struct Measurement {
+  std::vector<double> values;
+  double error = 0;                  // what the ratio compares
+  double microseconds_per_step = 0;  // 0: no time to compare
+};
+
+struct Contender {
+  std::string who;
+  std::function<Measurement()> run;
+};
+
+struct Column {
+  std::string quantity;
+  std::string unit;
+  const char* format;  // of one double, at most 9 wide
+  const char* infinite = "never";
+};
+
+// Writes the long form: one line a number.
+class Csv {
+ public:
+  // Given twice, the last file counts.
+  bool open(const std::string& path) {
+    if (file_.is_open()) file_.close();
+    file_.open(path);
+    file_.precision(9);
+    file_ << "precision,scene,case,who,quantity,unit,value\n";
+    return bool(file_);
+  }
+
+  void write(const std::string& scene, const std::string& name, const std::string& who,
+             const std::string& quantity, const std::string& unit, double value) {
+    if (!file_.is_open()) return;
+    const char* precision = sizeof(btScalar) == sizeof(double) ? "double" : "single";
+    file_ << precision << ',' << scene << ',' << name << ',' << who << ',' << quantity << ','
+          << unit << ',' << value << '\n';
+  }
+
+  // False: something was not written.
+  bool close() {
+    if (!file_.is_open()) return true;
+    file_.close();
+    return bool(file_);
+  }
+
+ private:
+  std::ofstream file_;
+};
+
+// Prints one scene's table, line by line as the runs end, 80 columns wide. The first contender
+// whose name begins with "stock" is the one that all others are compared with.
+class Table {
+ public:
+  Table(Csv& csv, const std::string& scene, const std::string& title, std::vector<Column> columns)
+      : csv_(csv), scene_(scene), columns_(std::move(columns)) {
+    std::printf("\n%s: %s\n%-22s%-8s", scene.c_str(), title.c_str(), "", "");
+    for (const Column& column : columns_) std::printf("%9s", column.quantity.c_str());
+    std::printf("%7s%7s\n%-22s%-8s", "error", "time", "case", "who");
+    for (const Column& column : columns_) std::printf("%9s", column.unit.c_str());
+    std::printf("%7s%7s\n", "/stock", "/stock");
+  }
+
+  void compare(const std::string& name, const std::vector<Contender>& contenders) {
+    std::vector<Measurement> results;
+    for (const Contender& contender : contenders) results.push_back(contender.run());
+    repeat(name, contenders, results);
+
+    const Measurement* stock = nullptr;
+    for (std::size_t i = 0; i < contenders.size(); ++i) {
+      const std::string& who = contenders[i].who;
+      std::printf("%-22s%-8s", i == 0 ? name.c_str() : "", who.c_str());
+      for (std::size_t c = 0; c < columns_.size(); ++c) {
+        const double value = results[i].values[c];
+        print(columns_[c], value);
+        csv_.write(scene_, name, who, columns_[c].quantity, columns_[c].unit, value);
+      }
+      if (stock != nullptr) {
+        print_ratio(results[i].error, stock->error);
+        print_ratio(results[i].microseconds_per_step, stock->microseconds_per_step);
+        csv_.write(scene_, name, who, "time", "stock=1",
+                   results[i].microseconds_per_step / stock->microseconds_per_step);
+      } else if (who.rfind("stock", 0) == 0) {
+        stock = &results[i];
+      }
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+  }
+
+  static bool all_repeated() { return all_repeated_; }
+
+ private:
+  // Runs all contenders again, in turns, for the best time of each.
+  void repeat(const std::string& name, const std::vector<Contender>& contenders,
+              std::vector<Measurement>& results) {
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    for (int turn = 0; turn < 100; ++turn) {
+      if (turn >= 2 && Clock::now() - start > std::chrono::milliseconds(250)) break;
+      for (std::size_t i = 0; i < contenders.size(); ++i) {
+        if (results[i].microseconds_per_step == 0) continue;
+        const Measurement again = contenders[i].run();
+        results[i].microseconds_per_step =
+            std::min(results[i].microseconds_per_step, again.microseconds_per_step);
+        // Bit by bit, so that NaN equals NaN.
+        if (std::memcmp(again.values.data(), results[i].values.data(),
+                        again.values.size() * sizeof(double)) != 0) {
+          std::fprintf(stderr, "%s, %s, %s: a second run gave other numbers\n", scene_.c_str(),
+                       name.c_str(), contenders[i].who.c_str());
+          all_repeated_ = false;
+        }
+      }
+    }
+  }
+
+  static void print(const Column& column, double value) {
+    if (std::isinf(value)) {
+      std::printf("%9s", column.infinite);
+    } else if (std::isnan(value)) {
+      std::printf("%9s", "none");
+    } else {
+      std::printf("%9s", text(column.format, value).c_str());
+    }
+  }
+
+  static void print_ratio(double ours, double stock) {
+    const double ratio = ours / stock;
+    if (std::isnan(ratio)) {  // both 0, or both infinite
+      std::printf("%7s", "-");
+    } else if (ratio != 0 && (ratio < 0.01 || ratio >= 1000)) {
+      std::printf("%7.0e", ratio);
+    } else {
+      std::printf("%7.2f", ratio);
+    }
+  }
+
+  Csv& csv_;
+  std::string scene_;
+  std::vector<Column> columns_;
+  static inline bool all_repeated_ = true;
+};
+
+double or_infinite(bool reached, double value) { return reached ? value : HUGE_VAL; }
+
+template <class Hinge, class Configure = scenes::AsConstructed>
+Measurement measure(const scenes::ChainSettings& settings, Configure configure = {}) {
+  const scenes::ChainResult r = scenes::chain<Hinge>(settings, configure);
+  const double mean_gap = or_infinite(r.finite, r.mean_gap);
+  return {
+      {mean_gap, or_infinite(r.finite, r.max_gap), or_infinite(r.finite, degrees(r.max_axis_angle)),
+       or_infinite(r.finite, r.end_energy_error)},
+      mean_gap,
+      r.microseconds_per_step};
+}
+
+void run_chain(Csv& csv) {
+  Table table(csv, "chain", "fall for 5 s (number of links x mass of the last, iterations)",
+              {{"mean gap", "m", "%.2e", "lost"},
+               {"max gap", "m", "%.2e", "lost"},
+               {"axes", "deg", "%.2f", "lost"},
+               {"energy", "mgN^2/2", "%+.1e", "lost"}});
+  struct Case {
+    int links;
+    double ratio, hz;
+    int iterations;
+  };
+  std::vector<Case> cases;
+  for (const double ratio : {1, 10, 100}) {
+    for (const int iterations : {4, 10, 20, 50, 100}) cases.push_back({10, ratio, 60, iterations});
+  }
+  cases.push_back({10, 1e4, 60, 10});
+  cases.push_back({10, 1e4, 1000, 10});
+  cases.push_back({100, 1000, 240, 10});
+  for (const Case& c : cases) {
+    scenes::ChainSettings settings;
+    settings.links = c.links;
+    settings.ratio = c.ratio;
+    settings.dt = 1 / c.hz;
+    settings.iterations = c.iterations;
+    table.compare(text("%dx%g %gHz %dit", c.links, c.ratio, c.hz, c.iterations),
+                  {{"stock", [&] { return measure<Stock>(settings); }},
+                   {"pintle", [&] { return measure<Ours>(settings); }},
+                   {"plain", [&] { return measure<Ours>(settings, plain_rows); }}});
+  }
+}
+
+template <class Hinge, class Configure = scenes::AsConstructed>
+Measurement measure(const scenes::RecoverySettings& settings, Configure configure = {}) {
+  const scenes::RecoveryResult r = scenes::recovery<Hinge>(settings, configure);
+  const double steps = or_infinite(r.steps >= 0, r.steps);
+  return {{steps, r.max_angular_speed, degrees(r.end_axis_angle), r.max_gap},
+          steps,
+          r.microseconds_per_step};
+}
+
+void run_recovery(Csv& csv) {
+  Table table(csv, "recovery", "two free boxes, their axes apart at the start",
+              {{"steps", "to 1 deg", "%.0f"},
+               {"speed", "rad/s", "%.1f"},
+               {"end", "deg", "%.1e"},
+               {"max gap", "m", "%.2e"}});
+  struct Direction {
+    const char* name;
+    Eigen::Vector3d about;
+  };
+  const Direction directions[] = {
+      {"x", {1, 0, 0}}, {"y", {0, 1, 0}}, {"(0.6 0.8 0)", {0.6, 0.8, 0}}};
+  for (const Direction& direction : directions) {
+    for (const double angle : {45, 90, 120, 170, 179, 180}) {
+      scenes::RecoverySettings settings;
+      settings.angle = radians(angle);
+      settings.about = direction.about;
+      table.compare(text("%g about %s", angle, direction.name),
+                    {{"stock", [&] { return measure<Stock>(settings); }},
+                     {"pintle", [&] { return measure<Ours>(settings); }},
+                     {"doc.", [&] { return measure<Ours>(settings, document); }}});
+    }
+  }
+}
+
+template <class Hinge, class Configure = scenes::AsConstructed>
+Measurement measure(const scenes::PendulumSettings& settings, Configure configure = {}) {
+  const scenes::PendulumResult r = scenes::pendulum<Hinge>(settings, configure);
+  const double period_error = or_infinite(r.period > 0, r.period_error);
+  return {{period_error, r.max_gap, degrees(r.max_axis_angle), r.max_energy_error},
+          std::abs(period_error),
+          r.microseconds_per_step};
+}
+
+void run_pendulum(Csv& csv) {
+  Table table(csv, "pendulum", "one link swings for 20 s on an axis tilted by 30 deg",
+              {{"period", "relative", "%+.2e"},
+               {"max gap", "m", "%.2e"},
+               {"axes", "deg", "%.1e"},
+               {"energy", "relative", "%.2e"}});
+  for (const double hz : {60, 240, 1000}) {
+    for (const double amplitude : {10, 120, 170}) {
+      scenes::PendulumSettings settings;
+      settings.amplitude = radians(amplitude);
+      settings.dt = 1 / hz;
+      table.compare(text("from %g deg %gHz", amplitude, hz),
+                    {{"stock", [&] { return measure<Stock>(settings); }},
+                     {"pintle", [&] { return measure<Ours>(settings); }},
+                     {"doc.", [&] { return measure<Ours>(settings, document); }}});
+    }
+  }
+}
+
+template <class Hinge>
+Measurement measure(const scenes::ValveSettings& settings) {
+  const scenes::ValveResult r = scenes::valve<Hinge>(settings);
+  const double top_error = std::abs(r.top - 2 * scenes::pi * settings.turns);
+  return {{degrees(r.top), degrees(r.bottom), degrees(r.overshoot),
+           r.has_reading ? degrees(r.max_reading_error) : NAN},
+          std::max(top_error, std::abs(r.bottom)),
+          r.microseconds_per_step};
+}
+
+void run_valve(Csv& csv) {
+  Table table(csv, "valve", "a motor turns a wheel up to 1800 deg and back to 0",
+              {{"up", "deg", "%.3f"},
+               {"down", "deg", "%.3f"},
+               {"beyond", "deg", "%.3f"},
+               {"miscount", "deg", "%.1e"}});
+  for (const double speed : {6, 12, 20}) {
+    scenes::ValveSettings settings;
+    settings.speed = speed;
+    settings.seconds_each_way = 40 / speed + 3;
+    table.compare(text("%g rad/s 60Hz", speed),
+                  {{"stock", [&] { return measure<Stock>(settings); }},
+                   {"stock c.", [&] { return measure<StockCounting>(settings); }},
+                   {"pintle", [&] { return measure<Ours>(settings); }}});
+  }
+}
+
+Measurement door_measurement(const scenes::DoorResult& r, double right_overshoot) {
+  return {{degrees(r.overshoot), r.rebound, double(r.bounces),
+           or_infinite(r.rest_time >= 0, r.rest_time)},
+          std::abs(r.overshoot - right_overshoot),
+          r.microseconds_per_step};
+}
+
+void run_door(Csv& csv) {
+  Table table(csv, "door", "thrown at a soft stop (spring of 3 Hz, damping ratio z)",
+              {{"beyond", "deg", "%.2f"},
+               {"rebound", "of speed", "%.3f"},
+               {"bounces", "", "%.0f"},
+               {"rest at", "s", "%.2f"}});
+  for (const double hz : {60, 240, 1000}) {
+    for (const double damping_ratio : {0.1, 0.3, 1.0}) {
+      scenes::DoorSettings settings;
+      settings.damping_ratio = damping_ratio;
+      settings.dt = 1 / hz;
+      // The stock joint's other way to a soft stop: the spring as ERP and CFM of the stop, with the
+      // door's inertia put in by hand, and without the softening by setLimit's bias.
+      const auto spring_as_cfm = [&settings](Stock& hinge) {
+        const double w = 2 * scenes::pi * settings.frequency;
+        const double k = scenes::door_inertia() * w * w;
+        const double c = 2 * settings.damping_ratio * scenes::door_inertia() * w;
+        const double gain = settings.dt * k + c;
+        hinge.setLimit(hinge.getLowerLimit(), hinge.getUpperLimit(), btScalar(0.9), 1, 0);
+        hinge.setParam(BT_CONSTRAINT_STOP_ERP, btScalar(settings.dt * k / gain));
+        hinge.setParam(BT_CONSTRAINT_STOP_CFM, btScalar(1 / (settings.dt * gain)));
+      };
+      const scenes::DoorResult wanted = scenes::door_reference(settings);
+      const auto measure = [&](const scenes::DoorResult& result) {
+        return door_measurement(result, wanted.overshoot);
+      };
+      table.compare(
+          text("z=%g %gHz", damping_ratio, hz),
+          {{"wanted", [&] { return measure(wanted); }},
+           {"stock", [&] { return measure(scenes::door<Stock>(settings)); }},
+           {"s. cfm", [&] { return measure(scenes::door<Stock>(settings, spring_as_cfm)); }},
+           {"pintle", [&] { return measure(scenes::door<Ours>(settings)); }}});
+    }
+  }
+}
+
+struct Scene {
+  const char* name;
+  void (*run)(Csv&);
+};
+constexpr Scene all_scenes[] = {{"chain", run_chain},
+                                {"recovery", run_recovery},
+                                {"pendulum", run_pendulum},
+                                {"valve", run_valve},
+                                {"door", run_door}};
+
+void print_help(std::FILE* out) {
+  std::fprintf(out,
+               "Runs the scenes with Bullet's hinge and with Pintle's, and compares them.\n"
+               "  --scene NAME   only this scene; may be given more than once\n"
+               "                 ");
+  for (const Scene& scene : all_scenes) std::fprintf(out, "%s ", scene.name);
+  std::fprintf(out,
+               "\n"
+               "  --csv FILE     also write every number to FILE, one a line\n"
+               "                 (inf: never reached, or lost; nan: no such quantity)\n"
+               "  --help         this\n");
+}
+
+void print_legend() {
+  std::printf(
+      "Pintle and Bullet's hinge, %s precision. A ratio below 1: better than stock;\n"
+      "above 1: worse. Times are those of the world's whole step.\n"
+      "  stock   btHingeConstraint; stock c. btHingeAccumulatedAngleConstraint;\n"
+      "          s. cfm btHingeConstraint with the spring as ERP and CFM of its stop\n"
+      "  pintle  pintle::QuaternionHinge; plain without block rows;\n"
+      "          doc. with Formulation::document\n",
+      sizeof(btScalar) == sizeof(double) ? "double" : "single");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<const Scene*> chosen;
+  Csv csv;
+  for (int i = 1; i < argc; i += 2) {  // an option and its value
+    const std::string argument = argv[i];
+    if (argument == "--help") {
+      print_help(stdout);
+      return EXIT_SUCCESS;
+    }
+    const std::string value = i + 1 < argc ? argv[i + 1] : "";
+    if (argument == "--scene" && !value.empty()) {
+      const auto scene = std::find_if(std::begin(all_scenes), std::end(all_scenes),
+                                      [&](const Scene& s) { return s.name == value; });
+      if (scene == std::end(all_scenes)) {
+        std::fprintf(stderr, "no scene is called %s\n", value.c_str());
+        print_help(stderr);
+        return EXIT_FAILURE;
+      }
+      chosen.push_back(scene);
+    } else if (argument == "--csv" && !value.empty()) {
+      if (!csv.open(value)) {
+        std::fprintf(stderr, "cannot write %s\n", value.c_str());
+        return EXIT_FAILURE;
+      }
+    } else {
+      std::fprintf(stderr, "%s is not understood\n", argument.c_str());
+      print_help(stderr);
+      return EXIT_FAILURE;
+    }
+  }
+  if (chosen.empty()) {
+    for (const Scene& scene : all_scenes) chosen.push_back(&scene);
+  }
+
+  print_legend();
+  for (const Scene* scene : chosen) scene->run(csv);
+  if (!csv.close()) {
+    std::fprintf(stderr, "the CSV file could not be written to its end\n");
+    return EXIT_FAILURE;
+  }
+  return Table::all_repeated() ? EXIT_SUCCESS : EXIT_FAILURE;
+}

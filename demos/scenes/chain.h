@@ -1,0 +1,126 @@
+// A chain of boxes hangs on hinges from the origin, and falls from horizontal.
+//
+// N boxes of half extents (0.5, 0.1, 0.1) m lie in a line along +x. Each has mass 1 kg, but the
+// last has mass `ratio`. Hinge i stands at x = i; its axis is (0, 1, 0) for even i and
+// (0, 0.8, 0.6) for odd i, so that the chain leaves its plane. Hinge 0 holds the first box to the
+// world.
+//
+// Measured, over all hinges after each step:
+//   gap         distance between the two anchors of a hinge, m
+//   axis angle  angle between the two axes of a hinge, rad
+//   energy      its change since the start over g N^2/2, the height energy of N unit links
+//   tip         centre of the last box at the end, m
+// An ideal hinge has gap and axis angle 0; the energy would stay. Heavy tips (large ratio) and few
+// iterations are hard for an iterative solver.
+
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "world.h"
+
+namespace scenes {
+
+struct ChainSettings {
+  int links = 10;        // N
+  double ratio = 1;      // mass of the last link, kg
+  double dt = 1.0 / 60;  // s
+  int iterations = 10;   // of the solver
+  double seconds = 5;    // duration of the run
+  SolverFactory make_solver = {};
+};
+
+struct ChainResult {
+  double mean_gap = 0;               // m: the mean over all steps of the step's largest gap
+  double max_gap = 0;                // m
+  double max_axis_angle = 0;         // rad
+  double max_energy_error = 0;       // relative, absolute value
+  double end_energy_error = 0;       // relative, positive: gained energy
+  double start_gap = 0;              // m: 0, but for rounding
+  double start_axis_angle = 0;       // rad: 0, but for rounding
+  Eigen::Vector3d tip = {0, 0, 0};   // m
+  bool finite = true;                // false: the run ended in NaN or infinity
+  double microseconds_per_step = 0;  // wall-clock: does not repeat
+};
+
+inline Eigen::Vector3d chain_axis(int hinge) {
+  return hinge % 2 == 0 ? Eigen::Vector3d(0, 1, 0) : Eigen::Vector3d(0, 0.8, 0.6);
+}
+
+struct ChainErrors {
+  double gap = 0;
+  double axis_angle = 0;
+};
+
+// The largest gap and axis angle in the chain as it stands. The world's side of hinge 0 is the
+// origin; each other anchor is an end of a box.
+inline ChainErrors chain_errors(const std::vector<btRigidBody*>& links) {
+  const Eigen::Vector3d front(-0.5, 0, 0), back(0.5, 0, 0);
+  ChainErrors errors;
+  for (int i = 0; i < int(links.size()); ++i) {
+    const Eigen::Vector3d axis = chain_axis(i);
+    Eigen::Vector3d other_anchor(0, 0, 0), other_axis = axis;
+    if (i > 0) {
+      other_anchor = point_in_world(*links[i - 1], back);
+      other_axis = direction_in_world(*links[i - 1], axis);
+    }
+    const double gap = (point_in_world(*links[i], front) - other_anchor).norm();
+    const double angle = angle_between(direction_in_world(*links[i], axis), other_axis);
+    if (!std::isfinite(gap) || !std::isfinite(angle)) return {HUGE_VAL, HUGE_VAL};
+    errors.gap = std::max(errors.gap, gap);
+    errors.axis_angle = std::max(errors.axis_angle, angle);
+  }
+  return errors;
+}
+
+// `configure` is called with each hinge before the first step.
+template <class Hinge, class Configure = AsConstructed>
+ChainResult chain(const ChainSettings& settings, Configure configure = {}) {
+  World world(standard_gravity, settings.iterations, settings.make_solver);
+  const btVector3 front(btScalar(-0.5), 0, 0), back(btScalar(0.5), 0, 0);
+  std::vector<btRigidBody*> links;
+  for (int i = 0; i < settings.links; ++i) {
+    const double mass = i + 1 == settings.links ? settings.ratio : 1;
+    const btVector3 half_extents(btScalar(0.5), btScalar(0.1), btScalar(0.1));
+    links.push_back(&world.add_box(mass, half_extents, pose_at({btScalar(i + 0.5), 0, 0})));
+    const btVector3 axis = to_bullet(chain_axis(i));
+    // With two bodies, A is the link nearer to the origin.
+    if (i == 0) {
+      configure(world.add_joint<Hinge>(*links[0], front, axis));
+    } else {
+      configure(world.add_joint<Hinge>(*links[i - 1], *links[i], back, front, axis, axis));
+    }
+  }
+
+  const auto total_energy = [&links] {
+    double sum = 0;
+    for (const btRigidBody* link : links) sum += energy(*link, standard_gravity);
+    return sum;
+  };
+  const double energy_scale = standard_gravity * settings.links * settings.links / 2;
+  const double start_energy = total_energy();
+
+  ChainResult result;
+  const ChainErrors start = chain_errors(links);
+  result.start_gap = start.gap;
+  result.start_axis_angle = start.axis_angle;
+  const int steps = int(std::lround(settings.seconds / settings.dt));
+  for (int step = 0; step < steps; ++step) {
+    world.step(settings.dt);
+    const ChainErrors errors = chain_errors(links);
+    result.mean_gap += errors.gap / steps;
+    result.max_gap = std::max(result.max_gap, errors.gap);
+    result.max_axis_angle = std::max(result.max_axis_angle, errors.axis_angle);
+    result.end_energy_error = (total_energy() - start_energy) / energy_scale;
+    result.max_energy_error = std::max(result.max_energy_error, std::abs(result.end_energy_error));
+    result.finite = std::isfinite(errors.gap) && std::isfinite(result.end_energy_error);
+    if (!result.finite) break;
+  }
+  result.tip = position(*links.back());
+  result.microseconds_per_step = world.microseconds_per_step();
+  return result;
+}
+
+}  // namespace scenes

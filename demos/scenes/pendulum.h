@@ -1,0 +1,126 @@
+// A compound pendulum swings far: its period has a closed form at any amplitude.
+//
+// A box of half extents (0.5, 0.1, 0.1) m and 1 kg hangs by the end (-0.5, 0, 0) on a hinge to the
+// world and is released at rest, `amplitude` away from its lowest position. The hinge axis is level
+// for tilt 0; otherwise it is tilted out of the level by `tilt`, so that the hinge also carries a
+// load along its axis, and only g cos(tilt) drives the swing.
+//
+// The exact period, with d = 0.5 m and I the moment of inertia about the hinge axis:
+//   T = 2 pi sqrt(I / (m g cos(tilt) d)) / AGM(1, cos(amplitude / 2)),
+// where AGM is the arithmetic-geometric mean: 4 K(sin(amplitude / 2)) in place of 2 pi, K the
+// complete elliptic integral of the first kind.
+//
+// Measured:
+//   period      mean over all full swings of the run, s; its error relative to T. A joint that
+//               loses energy swings less far and so faster: the error is negative
+//   gap         distance between the two anchors of the hinge, m
+//   axis angle  angle between the two axes of the hinge, rad
+//   energy      its largest change over the energy of the swing m g cos(tilt) d (1 - cos amplitude)
+
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "world.h"
+
+namespace scenes {
+
+struct PendulumSettings {
+  double amplitude = radians(120);  // rad, from the lowest position, below pi
+  double tilt = radians(30);        // rad, of the hinge axis out of the level
+  double dt = 1.0 / 60;             // s
+  int iterations = 10;
+  double seconds = 20;
+  SolverFactory make_solver = {};
+};
+
+struct PendulumResult {
+  double period = 0;            // s; 0: not one full swing
+  double exact_period = 0;      // s
+  double period_error = -1;     // relative, positive: too slow; -1: not one full swing
+  double max_gap = 0;           // m
+  double max_axis_angle = 0;    // rad
+  double max_energy_error = 0;  // relative, absolute value
+  bool finite = true;
+  double microseconds_per_step = 0;  // wall-clock: does not repeat
+};
+
+inline double arithmetic_geometric_mean(double a, double b) {
+  // Each round doubles the number of right digits.
+  for (int i = 0; i < 8; ++i) {
+    const double mean = (a + b) / 2;
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return a;
+}
+
+// s; inertia about the hinge axis in kg m^2, torque = m g d in N m.
+inline double pendulum_period(double inertia, double torque, double amplitude) {
+  return 2 * pi * std::sqrt(inertia / torque) /
+         arithmetic_geometric_mean(1, std::cos(amplitude / 2));
+}
+
+// `configure` is called with the hinge before the first step.
+template <class Hinge, class Configure = AsConstructed>
+PendulumResult pendulum(const PendulumSettings& settings, Configure configure = {}) {
+  constexpr double arm = 0.5;
+  const Eigen::Vector3d anchor(-arm, 0, 0), hinge_axis(0, 1, 0);
+
+  // The swing's plane in the world: `down` is the lowest direction square to the axis.
+  const Eigen::Vector3d axis(0, std::cos(settings.tilt), std::sin(settings.tilt));
+  const Eigen::Vector3d down(0, std::sin(settings.tilt), -std::cos(settings.tilt));
+  const Eigen::Vector3d side = axis.cross(down);
+  Eigen::Matrix3d lowest;  // the box's rotation in its lowest position: x down, y along the axis
+  lowest << down, axis, down.cross(axis);
+  const Eigen::Matrix3d start = Eigen::AngleAxisd(settings.amplitude, axis) * lowest;
+
+  World world(standard_gravity, settings.iterations, settings.make_solver);
+  const btVector3 half_extents(btScalar(arm), btScalar(0.1), btScalar(0.1));
+  btRigidBody& box = world.add_box(
+      1, half_extents, btTransform(matrix_to_bullet(start), to_bullet(-(start * anchor))));
+  configure(world.add_joint<Hinge>(box, to_bullet(anchor), to_bullet(hinge_axis)));
+
+  const double inertia = double(box.getLocalInertia().y()) + arm * arm;
+  const double torque = standard_gravity * std::cos(settings.tilt) * arm;
+  const double start_energy = energy(box, standard_gravity);
+  const double swing_energy = torque * (1 - std::cos(settings.amplitude));
+
+  PendulumResult result;
+  result.exact_period = pendulum_period(inertia, torque, settings.amplitude);
+  double last_angle = settings.amplitude;
+  double first_pass = 0, last_pass = 0;  // s, upward through the lowest position
+  int passes = 0;
+  const int steps = int(std::lround(settings.seconds / settings.dt));
+  for (int step = 1; step <= steps; ++step) {
+    world.step(settings.dt);
+    const Eigen::Vector3d arm_direction = direction_in_world(box, {1, 0, 0});
+    const double angle = std::atan2(arm_direction.dot(side), arm_direction.dot(down));
+    // The pass between two steps: a straight line is good to third order there, for the angular
+    // acceleration is 0 in the lowest position. The jump of the angle from pi to -pi is no pass.
+    if (last_angle < 0 && angle >= 0 && angle - last_angle < pi) {
+      const double fraction = -last_angle / (angle - last_angle);
+      last_pass = (step - 1 + fraction) * settings.dt;
+      if (passes++ == 0) first_pass = last_pass;
+    }
+    last_angle = angle;
+    const double gap = point_in_world(box, anchor).norm();
+    const double energy_error =
+        std::abs(energy(box, standard_gravity) - start_energy) / swing_energy;
+    result.finite = std::isfinite(gap) && std::isfinite(energy_error);
+    if (!result.finite) break;
+    result.max_gap = std::max(result.max_gap, gap);
+    result.max_axis_angle =
+        std::max(result.max_axis_angle, angle_between(direction_in_world(box, hinge_axis), axis));
+    result.max_energy_error = std::max(result.max_energy_error, energy_error);
+  }
+  if (passes > 1) {
+    result.period = (last_pass - first_pass) / (passes - 1);
+    result.period_error = result.period / result.exact_period - 1;
+  }
+  result.microseconds_per_step = world.microseconds_per_step();
+  return result;
+}
+
+}  // namespace scenes

@@ -1,0 +1,205 @@
+// The small Bullet world that every scene runs in, and measurements of its bodies' poses.
+//
+// Bodies never collide (group and mask 0) and never sleep, so that a scene measures its joints and
+// nothing else. SI units, z up. The world owns what is added to it. The same calls in the same
+// order give the same bits: a scene repeats exactly on one machine.
+//
+// Measurements are made in double whatever btScalar is, and from the poses of the bodies alone:
+// what a joint believes about itself is not evidence.
+
+#pragma once
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace scenes {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double standard_gravity = 9.81;  // m/s^2
+
+constexpr double radians(double degrees) { return degrees * (pi / 180); }
+constexpr double degrees(double radians) { return radians * (180 / pi); }
+
+// Makes the solver of a world; empty: Bullet's sequential impulses.
+using SolverFactory = std::function<std::unique_ptr<btConstraintSolver>()>;
+
+// What a joint may offer beyond btHingeConstraint's methods; a scene asks before it uses them.
+template <class Joint, class = void>
+struct HasAccumulatedAngle : std::false_type {};
+template <class Joint>
+struct HasAccumulatedAngle<Joint,
+                           std::void_t<decltype(std::declval<Joint&>().getAccumulatedHingeAngle())>>
+    : std::true_type {};
+
+template <class Joint, class = void>
+struct HasLimitSpring : std::false_type {};
+template <class Joint>
+struct HasLimitSpring<
+    Joint, std::void_t<decltype(std::declval<Joint&>().setLimitSpring(btScalar(1), btScalar(1)))>>
+    : std::true_type {};
+
+// The default last argument of a scene: leaves each joint as its constructor made it.
+struct AsConstructed {
+  template <class Joint>
+  void operator()(Joint&) const {}
+};
+
+class World {
+ public:
+  explicit World(double gravity = standard_gravity, int iterations = 10,
+                 const SolverFactory& make_solver = {})
+      : dispatcher_(&configuration_),
+        solver_(make_solver ? make_solver()
+                            : std::make_unique<btSequentialImpulseConstraintSolver>()),
+        world_(&dispatcher_, &broadphase_, solver_.get(), &configuration_) {
+    world_.setGravity(btVector3(0, 0, btScalar(-gravity)));
+    world_.getSolverInfo().m_numIterations = iterations;
+  }
+
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  ~World() {
+    for (const auto& joint : joints_) world_.removeConstraint(joint.get());
+    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+  }
+
+  // Mass 0 makes a static body.
+  btRigidBody& add_box(double mass, const btVector3& half_extents, const btTransform& pose) {
+    shapes_.push_back(std::make_unique<btBoxShape>(half_extents));
+    btVector3 inertia(0, 0, 0);
+    if (mass > 0) shapes_.back()->calculateLocalInertia(btScalar(mass), inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, shapes_.back().get(),
+                                                  inertia);
+    info.m_startWorldTransform = pose;
+    bodies_.push_back(std::make_unique<btRigidBody>(info));
+    btRigidBody& body = *bodies_.back();
+    body.setActivationState(DISABLE_DEACTIVATION);
+    world_.addRigidBody(&body, 0, 0);
+    return body;
+  }
+
+  // Constructs a joint in place from its constructor's arguments, and adds it.
+  template <class Joint, class... Arguments>
+  Joint& add_joint(Arguments&&... arguments) {
+    auto joint = std::make_unique<Joint>(std::forward<Arguments>(arguments)...);
+    Joint& reference = *joint;
+    joints_.push_back(std::move(joint));
+    world_.addConstraint(&reference, true);
+    return reference;
+  }
+
+  // One step of exactly dt seconds: no substeps, no remainder carried to the next call.
+  void step(double dt) {
+    const auto before = std::chrono::steady_clock::now();
+    world_.stepSimulation(btScalar(dt), 0);
+    const auto after = std::chrono::steady_clock::now();
+    microseconds_ += std::chrono::duration<double, std::micro>(after - before).count();
+    ++steps_;
+  }
+
+  // Mean time of a step. The one number here that does not repeat: compare it only as a ratio to
+  // another world that took turns with this one.
+  double microseconds_per_step() const { return steps_ > 0 ? microseconds_ / steps_ : 0; }
+
+  btDiscreteDynamicsWorld& bullet() { return world_; }
+
+ private:
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_;
+  btDbvtBroadphase broadphase_;
+  std::unique_ptr<btConstraintSolver> solver_;
+  btDiscreteDynamicsWorld world_;
+  std::vector<std::unique_ptr<btBoxShape>> shapes_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+  std::vector<std::unique_ptr<btTypedConstraint>> joints_;
+  double microseconds_ = 0;
+  int steps_ = 0;
+};
+
+inline Eigen::Vector3d to_eigen(const btVector3& v) {
+  return {double(v.x()), double(v.y()), double(v.z())};
+}
+
+inline btVector3 to_bullet(const Eigen::Vector3d& v) {
+  return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
+}
+
+inline btMatrix3x3 matrix_to_bullet(const Eigen::Matrix3d& m) {
+  btMatrix3x3 result;
+  for (int i = 0; i < 3; ++i) result[i] = to_bullet(m.row(i).transpose());
+  return result;
+}
+
+inline btTransform pose_at(const btVector3& position) {
+  return btTransform(btQuaternion::getIdentity(), position);
+}
+
+inline Eigen::Vector3d position(const btRigidBody& body) {
+  return to_eigen(body.getCenterOfMassPosition());
+}
+
+inline Eigen::Matrix3d rotation(const btRigidBody& body) {
+  const btMatrix3x3& basis = body.getCenterOfMassTransform().getBasis();
+  Eigen::Matrix3d r;
+  for (int i = 0; i < 3; ++i) r.row(i) = to_eigen(basis[i]).transpose();
+  return r;
+}
+
+// A point or a direction of the body's frame, in the world.
+inline Eigen::Vector3d point_in_world(const btRigidBody& body, const Eigen::Vector3d& local) {
+  return position(body) + rotation(body) * local;
+}
+
+inline Eigen::Vector3d direction_in_world(const btRigidBody& body, const Eigen::Vector3d& local) {
+  return rotation(body) * local;
+}
+
+// Angle between two directions, rad, in [0, pi]. By atan2: acos loses half of the digits near 0.
+inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+// Counts the turns of an angle that is known modulo 2 pi: each value continues the last one by the
+// shortest way. Exact while the angle moves less than pi between two calls; Bullet turns a body by
+// at most pi/4 a step, so a call after each step always is.
+class Unwrap {
+ public:
+  explicit Unwrap(double start) : angle_(start) {}
+  double operator()(double wrapped) {
+    angle_ += std::remainder(wrapped - angle_, 2 * pi);
+    return angle_;
+  }
+
+ private:
+  double angle_;
+};
+
+// Kinetic energy plus height energy above z = 0, J. Bullet steps velocities first (symplectic
+// Euler), so even an ideal joint shows an error that is proportional to dt and to the speed.
+inline double energy(const btRigidBody& body, double gravity) {
+  const double mass = 1 / double(body.getInvMass());
+  const Eigen::Vector3d v = to_eigen(body.getLinearVelocity());
+  const Eigen::Vector3d w = rotation(body).transpose() * to_eigen(body.getAngularVelocity());
+  const Eigen::Vector3d inertia = to_eigen(body.getLocalInertia());
+  return 0.5 * mass * v.squaredNorm() + 0.5 * inertia.dot(w.cwiseProduct(w)) +
+         mass * gravity * position(body).z();
+}
+
+}  // namespace scenes

@@ -1,0 +1,54 @@
+// Purpose: the full position constraint (document, section 3.1.3): the anchors p_a and p_b coincide.
+//   C = d = p_b - p_a                                      m, world
+//   J = [-D, -[r_a]x^T.., D, ..]: row u is [-u, -(lever x u), u, r_b x u]
+// Terms, world space: r_a = p_a - x_a, r_b = p_b - x_b, d, and a unit vector u for each row.
+#pragma once
+
+#include <pintle/equations/effective_mass.h>
+
+namespace pintle::equations {
+
+/// d, in the order of operations that keeps its digits far from the origin.
+template <class X, class R>
+auto position_error(const X& x_a, const R& r_a, const X& x_b, const R& r_b) {
+  return Vector3<typename X::Scalar>((x_b - x_a) + (r_b - r_a));                          // (3.6)
+}
+
+/// The document's row: u is fixed in the world, each body is held at its own anchor. The two levers
+/// differ by d, so that while the joint is violated the row's impulse adds angular momentum u x d.
+template <class T>
+Jacobian<T> position_row(const Vector3<T>& u, const Vector3<T>& r_a, const Vector3<T>& r_b) {
+  return {u, cross(r_a, u), cross(r_b, u)};                                               // (3.7)
+}
+
+/// The same with u fixed in body a: C = u.d then also feels w_a x u, which moves the lever of body a
+/// to p_b. Both bodies are held at one point, and angular momentum is conserved at any violation.
+template <class T>
+Jacobian<T> position_row_conserving(const Vector3<T>& u, const Vector3<T>& r_a,
+                                    const Vector3<T>& d, const Vector3<T>& r_b) {
+  return {u, cross(r_a + d, u), cross(r_b, u)};
+}
+
+/// d^2/dt^2 of d at constant v, w: the centripetal part, which J v leaves out. (Of the levers that
+/// the rows use.)
+template <class T>
+Vector3<T> position_curvature(const Vector3<T>& w_a, const Vector3<T>& r_a, const Vector3<T>& w_b,
+                              const Vector3<T>& r_b) {
+  return cross(w_b, cross(w_b, r_b)) - cross(w_a, cross(w_a, r_a));
+}
+
+/// K of the three world rows as one block.
+template <class T>
+Matrix3<T> position_inverse_mass(const InverseMass<T>& M, const Vector3<T>& r_a,
+                                 const Vector3<T>& r_b) {
+  const auto skew = [](const Vector3<T>& r) {
+    Matrix3<T> m;
+    m << T(0), -r.z(), r.y(), r.z(), T(0), -r.x(), -r.y(), r.x(), T(0);
+    return m;
+  };
+  const Matrix3<T> r_ax = skew(r_a), r_bx = skew(r_b);
+  return (M.m_a + M.m_b) * Matrix3<T>::Identity() + r_ax * M.I_a * r_ax.transpose() +
+         r_bx * M.I_b * r_bx.transpose();                                                 // (3.8)
+}
+
+}  // namespace pintle::equations

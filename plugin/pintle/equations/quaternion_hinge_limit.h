@@ -1,0 +1,53 @@
+// Purpose: the angle of a hinge and the row of its limit (document, section 3.2.5), in the
+// document's half-sine space and in plain radians.
+// th is the rotation of b against a about the hinge axis c, p and F as in quaternion_hinge.h, and
+// m the number of whole turns in th (th - 2 pi m in [-pi, pi]); J_a = -J_b.
+#pragma once
+
+#include <pintle/equations/quaternion_hinge.h>
+
+namespace pintle::equations {
+
+/// An angle in the document's half-sine space: l = sin(th/2) within half a turn, continued
+/// monotonely over any number of turns by 2 for each. Needs the turns as state: a quaternion
+/// repeats after two turns, whatever range the document claims.
+template <class T>
+T half_sine(T remainder, T turns) {
+  using std::sin;
+  return T(2) * turns + sin(remainder / 2);                                              // (3.31)
+}
+
+/// The document's coordinate and row about c. p is negated if w < 0, and J with it, so that the row
+/// always pushes the same way. The two conditions printed for w < 0 are exchanged; written with
+/// the turns m they are one: c_lim + 2 m. |J| = |w|/2: nothing at odd multiples of pi.
+template <class T>
+AngularRow<T> quaternion_hinge_limit_row(Quaternion<T> p, const Matrix3<T>& F, const Vector3<T>& c,
+                                         T turns) {
+  if (p.w < T(0)) p = {-p.w, -p.v};
+  const T c_lim = p.v.dot(c);                                                            // (3.29)
+  AngularRow<T> row;
+  row.C = c_lim + T(2) * turns;                                                          // (3.35)
+  row.J_b = T(0.5) * (F * (p.w * c + cross(p.v, c)));
+  return row;
+}
+
+/// Twist as a direction in the plane: th = atan2(y, x), both scaled by 1 + cos(swing). From the joint
+/// frames' axes, which is 2 atan2(v.c, w) of p without the quaternion.
+template <class T>
+struct Twist {
+  T x, y;
+};
+
+template <class V>
+auto twist(const V& a_a, const V& b_a, const V& a_b, const V& b_b) {
+  using T = typename V::Scalar;
+  return Twist<T>{a_a.dot(a_b) + b_a.dot(b_b), b_a.dot(a_b) - a_a.dot(b_b)};
+}
+
+/// J_b of th: exactly c on a hinge that is satisfied, 1/cos(swing/2) long on one that is not.
+template <class T>
+Vector3<T> twist_row(const Vector3<T>& c_a, const Vector3<T>& c_b) {
+  return (c_a + c_b) / (T(1) + c_a.dot(c_b));
+}
+
+}  // namespace pintle::equations

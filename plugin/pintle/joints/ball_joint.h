@@ -1,0 +1,62 @@
+// Purpose: the ball joint (document, 3.1.3), in the place of btPoint2PointConstraint.
+#pragma once
+
+#include <pintle/joints/joint.h>
+
+#include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// A point of each body coincide; rotation is free.
+///
+/// Everything that btPoint2PointConstraint has, under the same name, with the same signs and defaults.
+/// The document's formulation holds each body at its own anchor; the conditioned one holds both at
+/// the same point, and so conserves angular momentum while the joint is violated.
+class BallJoint : public Joint {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  /// Pivots (m) in the bodies' frames.
+  BallJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+            const btVector3& pivotInB);
+  /// To the world, where the pivot is now.
+  BallJoint(btRigidBody& rbA, const btVector3& pivotInA);
+  /// The pivots are the origins of joint frames.
+  BallJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+            const btTransform& frameInB);
+  BallJoint(btRigidBody& rbA, const btTransform& frameInA);
+
+  void setPivotA(const btVector3& pivotA) { m_pivot_a = point("pivotA", pivotA); }
+  void setPivotB(const btVector3& pivotB) { m_pivot_b = point("pivotB", pivotB); }
+  const btVector3& getPivotInA() const { return m_pivot_a; }
+  const btVector3& getPivotInB() const { return m_pivot_b; }
+
+  /// As Bullet's: m_damping is the part of the velocity that the joint takes away (1: all of it),
+  /// m_impulseClamp > 0 the most that each world axis may apply in a step (N s), m_tau is not used.
+  btConstraintSetting m_setting;
+
+  /// ERP (and STOP_ERP), CFM (and STOP_CFM): both >= 0. Axis -1.
+  void setParam(int num, btScalar value, int axis = -1) override;
+  btScalar getParam(int num, int axis = -1) const override;
+  /// BT_P2P_FLAGS_* of the parameters that were set.
+  int getFlags() const {
+    return (m_erp.is_set ? BT_P2P_FLAGS_ERP : 0) | (m_cfm.is_set ? BT_P2P_FLAGS_CFM : 0);
+  }
+
+  const char* name() const override { return "BallJoint"; }
+  void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ protected:
+  Scalar damping() const override { return m_setting.m_damping; }
+  bool rowsMayMix() const override {
+    return Joint::rowsMayMix() && !(m_setting.m_impulseClamp > 0);
+  }
+
+ private:
+  btVector3 m_pivot_a, m_pivot_b;
+  RowMemory<3> m_row_memory;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,115 @@
+// Purpose: the base of all joints. A joint is a list of rows at a pose (addRows); this turns it into
+// what Bullet's solver asks for, step by step.
+#pragma once
+
+#include <pintle/rows/row.h>
+
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class BodyPair;
+
+/// Which form of its equations a joint solves.
+enum class Formulation : unsigned char {
+  document,    ///< the document's, with its misprints corrected
+  conditioned  ///< the same constraint, well conditioned at every error; the default
+};
+
+/// A `btTypedConstraint` made of rows. Joints are added to a world, enabled, broken and read as any
+/// Bullet constraint is. Settings throw std::invalid_argument, naming joint, field and value, and
+/// then change nothing; a step never throws, allocates or locks. An object belongs to one world;
+/// different objects may be used from different threads.
+class Joint : public btTypedConstraint {
+ public:
+  Joint(const Joint&) = delete;
+  Joint& operator=(const Joint&) = delete;
+
+  /// The type's name, as errors say it.
+  virtual const char* name() const = 0;
+
+  /// Appends the rows of the joint at the pair's poses and velocities. Does not change the joint:
+  /// call it at any pose.
+  virtual void addRows(const BodyPair& pair, Rows& rows) const = 0;
+
+  /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of Bullet's
+  /// solver solves the joint by itself, and with the residual of the last step in view. Default on.
+  /// A joint with a breaking threshold has plain rows all the same: Bullet compares the threshold
+  /// with the impulse of each single row.
+  void setBlockRows(bool block) { m_block_rows = block; }
+  bool getBlockRows() const { return m_block_rows; }
+
+  void setFormulation(Formulation formulation) { m_formulation = formulation; }
+  Formulation getFormulation() const { return m_formulation; }
+
+  /// The angular speed (rad/s, > 0) at which a step may at most take away an error of orientation.
+  /// Default 8: a joint that starts far off neither explodes nor lingers.
+  void setMaxCorrectionSpeed(btScalar speed);
+  btScalar getMaxCorrectionSpeed() const { return m_max_correction_speed; }
+
+  // Bullet's solver calls these.
+  void buildJacobian() final;
+  void getInfo1(btConstraintInfo1* info) final;
+  void getInfo2(btConstraintInfo2* info) final;
+  void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) final;
+
+ protected:
+  /// `rows` is made from a RowMemory, which may be a member of the joint.
+  Joint(btRigidBody& a, btRigidBody& b, Rows rows);
+  Joint(btRigidBody& a, Rows rows);  ///< b is Bullet's fixed body
+
+  /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
+  virtual void updateState(const BodyPair&) {}
+  /// Bullet's damping: the part of the velocity that the rows take away.
+  virtual Scalar damping() const { return 1; }
+  /// Whether rows may be mixed: not if their impulses are bounded one by one.
+  virtual bool rowsMayMix() const { return getBreakingImpulseThreshold() >= infinity; }
+
+  /// The length of the last step; before the first one, Bullet's default.
+  Scalar timeStep() const { return m_time_step; }
+  /// The impulse of one part of the axis row in the last step, positive along the coordinate.
+  Scalar axisImpulse(Axis::Part part) const {
+    return m_axis_row.impulse(part, -m_axis_sign * m_appliedImpulse);
+  }
+
+  /// A parameter as Bullet's constraints have it: one that is set overrides the world's.
+  struct Parameter {
+    Scalar value = 0;
+    bool is_set = false;
+    Scalar orElse(Scalar other) const { return is_set ? value : other; }
+  };
+  Parameter m_erp, m_cfm;              ///< of equalities
+  Parameter m_limit_erp, m_limit_cfm;  ///< of limits
+  Parameter m_motor_cfm;
+
+  // Throw std::invalid_argument naming the joint, `field` and the value.
+  [[noreturn]] void reject(const char* field, double value, const char* why) const;
+  Scalar finite(const char* field, Scalar value) const;
+  Scalar notNegative(const char* field, Scalar value) const;  ///< finite and >= 0
+  Scalar positive(const char* field, Scalar value) const;     ///< finite and > 0
+  Scalar bound(const char* field, Scalar value) const;        ///< >= 0; infinite is Bullet's infinity
+  const btVector3& point(const char* field, const btVector3& value) const;
+  btVector3 direction(const char* field, const btVector3& value) const;  ///< made unit
+  const btTransform& frame(const char* field, const btTransform& value) const;
+
+ private:
+  struct Step;
+
+  AxisMotion axisMotion(const Row& row, const Step& step, const BodyPair& pair) const;
+
+  Rows m_rows;
+  AxisRow m_axis_row;
+  Scalar m_axis_sign = 1;
+  // The speed at which a limit was reached: what this step has seen, and what the last one saw. Two,
+  // so that getInfo2 may be called again.
+  Scalar m_incoming = 0, m_last_incoming = 0;
+  Scalar m_time_step = Scalar(1) / 60;
+  Scalar m_max_correction_speed = 8;
+  int m_iterations_left = 0;  ///< until the residual is taken
+  bool m_block_rows = true;
+  Formulation m_formulation = Formulation::conditioned;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

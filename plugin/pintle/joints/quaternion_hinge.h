@@ -1,0 +1,168 @@
+// Purpose: the hinge (document, 3.1.3 + 3.2.4 + 3.2.5), in the place of btHingeConstraint and
+// btHingeAccumulatedAngleConstraint.
+#pragma once
+
+#include <pintle/joints/joint.h>
+#include <pintle/rows/unwrapped_angle.h>
+
+#include <LinearMath/btTransform.h>
+
+namespace pintle {
+namespace equations {
+template <class T>
+struct Swing;
+}
+
+inline namespace PINTLE_PRECISION {
+
+/// One rotation about an axis common to two bodies. The axis is z of a joint frame in each body.
+///
+/// The hinge angle (rad) is Bullet's: with `useReferenceFrameA` false it is the rotation of a against
+/// b, with true that of b against a. It is zero when the joint frames coincide. Limits and
+/// accumulated angles may span any number of turns.
+///
+/// Everything that btHingeConstraint has, under the same name, with the same signs and defaults.
+class QuaternionHinge : public Joint {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  // --- btHingeConstraint -------------------------------------------------------------------------
+  /// Pivots (m) and axes in the bodies' frames. Axes are made unit.
+  QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+                  const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
+                  bool useReferenceFrameA = false);
+  /// To the world, where the body is now.
+  QuaternionHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
+                  bool useReferenceFrameA = false);
+  /// Joint frames in the bodies' frames, z the hinge axis.
+  QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
+                  const btTransform& rbBFrame, bool useReferenceFrameA = false);
+  /// To the world, as Bullet has it: the pivot where it is now, but the frame's axes as they
+  /// stand in `rbAFrame`, not turned with the body.
+  QuaternionHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
+
+  btTransform& getFrameOffsetA() { return m_frame_a; }
+  btTransform& getFrameOffsetB() { return m_frame_b; }
+  const btTransform& getAFrame() const { return m_frame_a; }
+  const btTransform& getBFrame() const { return m_frame_b; }
+  btTransform& getAFrame() { return m_frame_a; }
+  btTransform& getBFrame() { return m_frame_b; }
+  void setFrames(const btTransform& frameA, const btTransform& frameB);
+  /// A new axis in body a; the frame of b follows as Bullet sets it.
+  void setAxis(const btVector3& axisInA);
+
+  /// No position rows: the bodies share only the direction of the axis.
+  void setAngularOnly(bool angularOnly) { m_angular_only = angularOnly; }
+  bool getAngularOnly() { return m_angular_only; }
+
+  /// Velocity motor: target velocity (rad/s) along the hinge angle, and the most that it may apply
+  /// in a step (N m s, >= 0).
+  void enableAngularMotor(bool enableMotor, btScalar targetVelocity, btScalar maxMotorImpulse);
+  /// Turns the motor, velocity motor or servo as it was set last, on or off.
+  void enableMotor(bool enableMotor);
+  void setMaxMotorImpulse(btScalar maxMotorImpulse);
+  void setMotorTargetVelocity(btScalar motorTargetVelocity);
+  /// The velocity that reaches the target (rad) in dt (s, > 0); to be called in each step. With a
+  /// limit the angle is the accumulated one, clamped to the limit; without, that within the turn.
+  void setMotorTarget(btScalar targetAngle, btScalar dt);
+  /// The same; qAinB is the rotation of body a against body b.
+  void setMotorTarget(const btQuaternion& qAinB, btScalar dt);
+  bool getEnableAngularMotor() { return m_axis.drive != Axis::Drive::off; }
+  btScalar getMotorTargetVelocity() { return m_axis.motor_velocity; }
+  btScalar getMaxMotorImpulse() { return m_axis.max_motor_impulse; }
+
+  /// low <= accumulated angle <= high (rad), over any number of turns. low = high locks, low > high
+  /// frees, an infinite side is free. The bias factor scales the speed of the correction, bias times
+  /// relaxation is the rebound (0: none). As in Bullet the softness has no effect.
+  /// A new limit of less than a turn holds, as in Bullet, in the turn that the joint is in: the
+  /// accumulated angle changes by whole turns to lie inside it or as near as can be. Not if the turn
+  /// was given by setAccumulatedHingeAngle.
+  void setLimit(btScalar low, btScalar high, btScalar softness = 0.9f, btScalar biasFactor = 0.3f,
+                btScalar relaxationFactor = 1.0f);
+  btScalar getLimitSoftness() const { return m_limit_softness; }
+  btScalar getLimitBiasFactor() const { return m_axis.bias; }
+  btScalar getLimitRelaxationFactor() const { return m_axis.relaxation; }
+  bool hasLimit() const { return m_axis.limited(); }
+  btScalar getLowerLimit() const { return m_axis.low; }
+  btScalar getUpperLimit() const { return m_axis.high; }
+  /// Takes the angle at these poses and whether it breaks the limit.
+  void testLimit(const btTransform& transA, const btTransform& transB);
+  /// Whether the limit was broken when the joint last looked, and on which side: +1 low, -1 high.
+  int getSolveLimit() { return m_limit_sign != 0; }
+  btScalar getLimitSign() { return m_limit_sign; }
+
+  /// rad, in [-pi, pi].
+  btScalar getHingeAngle();
+  btScalar getHingeAngle(const btTransform& transA, const btTransform& transB);
+
+  /// As in Bullet a flag that the constructor has used; changing it changes no sign.
+  bool getUseReferenceFrameA() const { return m_use_reference_frame_a; }
+  void setUseReferenceFrameA(bool useReferenceFrameA) {
+    m_use_reference_frame_a = useReferenceFrameA;
+  }
+  /// Bullet's way to rows that converge; here it is setBlockRows.
+  bool getUseFrameOffset() { return getBlockRows(); }
+  void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
+
+  /// ERP: position and axis rows, and the limit unless it has its own; CFM: the motor; STOP_ERP,
+  /// STOP_CFM: the limit. >= 0. Axis -1 or 5.
+  void setParam(int num, btScalar value, int axis = -1) override;
+  btScalar getParam(int num, int axis = -1) const override;
+  /// BT_HINGE_FLAGS_* of the parameters that were set.
+  int getFlags() const;
+
+  // --- btHingeAccumulatedAngleConstraint ---------------------------------------------------------
+  /// rad, with all turns since the joint was made: exact while no more than half a turn passes
+  /// between two steps or calls.
+  btScalar getAccumulatedHingeAngle();
+  /// Says which turn the joint is in, for instance after a teleport: the angle becomes the one that
+  /// fits the pose and is nearest to `accAngle`.
+  void setAccumulatedHingeAngle(btScalar accAngle);
+
+  // --- beyond Bullet -----------------------------------------------------------------------------
+  /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
+  /// is critical) of the hinge as its bodies alone make it swing. Frequency 0: a hard limit again.
+  void setLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
+  /// Holds an accumulated angle (rad) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at
+  /// most max_torque (N m, >= 0 or infinite), until told otherwise. Takes the place of the velocity motor.
+  void setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
+                     btScalar max_torque);
+  /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
+  void setFriction(btScalar max_torque);
+  /// Impulses of the last step (N m s), positive towards larger hinge angles.
+  btScalar getMotorImpulse() const { return axisImpulse(Axis::motor); }
+  btScalar getLimitImpulse() const { return axisImpulse(Axis::limit); }
+  btScalar getFrictionImpulse() const { return axisImpulse(Axis::friction); }
+
+  const char* name() const override { return "QuaternionHinge"; }
+  void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ protected:
+  void updateState(const BodyPair& pair) override;
+
+ private:
+  bool limitActs(const BodyPair& pair, const Vec3& h, const Vec3& r_a, const Vec3& r_b,
+                 Scalar angle) const;
+  void addConditionedRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
+                          const equations::Swing<Scalar>& swing, Rows& rows) const;
+  void addDocumentRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
+                       bool limit, Rows& rows) const;
+  void look(const btTransform& pose_a, const btTransform& pose_b);
+  Scalar angle() const { return m_sign * m_twist.value(); }
+
+  btTransform m_frame_a, m_frame_b;
+  Axis m_axis;            ///< along the hinge angle
+  Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
+  UnwrappedAngle m_twist;  ///< of b against a, about z
+  Scalar m_sign;           ///< hinge angle = sign * twist
+  Scalar m_limit_softness = Scalar(0.9);
+  Scalar m_limit_sign = 0;
+  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
+  bool m_angular_only = false;
+  bool m_turn_given = false;
+  bool m_use_reference_frame_a;
+  RowMemory<6> m_row_memory;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

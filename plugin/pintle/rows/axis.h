@@ -1,0 +1,82 @@
+// Purpose: everything that can act along one free coordinate of a joint: a limit, a motor or a servo,
+// and friction, and the one row that they share. Each is an impulse that falls with the velocity u of
+// the coordinate,
+//   Lambda(u) = clamp((target - u) / softness, lower, upper),
+// vertical if rigid. Their sum meets the free motion u = u_free + K Lambda in one point; the row is
+// the piece of the sum around that point. So a joint never has two rows along one direction (which a
+// direct solver finds singular), and each part's impulse is known from the row's.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <array>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct Spring {
+  Scalar angular_frequency = 0;  ///< rad/s; 0: not a spring
+  Scalar damping_ratio = 0;
+};
+
+/// Settings along a coordinate. Units are those of the coordinate: rad, rad/s, N m s for an angle.
+struct Axis {
+  enum class Drive : unsigned char { off, velocity, servo };
+  enum Part { motor, friction, limit, parts };
+
+  Scalar low = 1, high = -1;  ///< low > high: free
+  Scalar bias = Scalar(0.3);
+  Scalar relaxation = 1;
+  Spring limit_spring;
+
+  Drive drive = Drive::off;
+  Scalar motor_velocity = 0;
+  Scalar max_motor_impulse = 0;  ///< N m s, a step
+  Scalar servo_target = 0;
+  Spring servo_spring;
+  Scalar max_servo_force = 0;  ///< N m
+  Scalar max_friction = 0;     ///< N m
+
+  bool limited() const { return low <= high; }
+  bool locked() const { return low == high; }
+  /// Motor, servo or friction: a row in every step, whatever the coordinate.
+  bool driven() const { return drive != Drive::off || max_friction > 0; }
+  /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
+  Scalar distance(Scalar position) const {
+    return position - low < high - position ? position - low : high - position;
+  }
+};
+
+/// What the step knows of a coordinate.
+struct AxisMotion {
+  Scalar position;
+  Scalar velocity;       ///< at the start of the step
+  Scalar free_velocity;  ///< at its end, if nothing acted along the coordinate
+  Scalar incoming;       ///< speed with which a limit was reached in the last step, else 0
+  Scalar max_motion;     ///< the furthest that Bullet moves the coordinate in a step
+  Scalar K;              ///< J M^-1 J^T of the row, after the joint's equalities
+  Scalar fps;
+  Scalar limit_erp;
+  Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
+  Scalar motor_factor;          ///< of motor_velocity: Bullet's motors slow down before a limit
+};
+
+/// The row: J v = target, with Bullet's softness and bounds in impulses; and how to read it back.
+struct AxisRow {
+  Scalar target = 0, cfm = 0, lower = 0, upper = 0;
+  /// Impulses of the parts that are not the active one.
+  std::array<Scalar, Axis::parts> share = {};
+  int active = Axis::parts;  ///< the part that takes what the others leave; `parts`: none
+  Scalar incoming = 0;       ///< speed towards a limit that this row stops, else 0
+
+  /// The impulse of one part, of the row's whole impulse.
+  Scalar impulse(Axis::Part part, Scalar whole) const {
+    if (part != active) return share[part];
+    return whole - share[0] - share[1] - share[2];
+  }
+};
+
+AxisRow solveAxis(const Axis& axis, const AxisMotion& motion);
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,25 @@
+// Purpose: a joint's step, many times, for an instruction counter (count.sh).
+//   count list            the cases: index, bytes, name, stock counterpart
+//   count INDEX REPEATS   runs one
+#include "joints.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+int main(int argc, char** argv) {
+  const auto cases = bench::cases();
+  if (argc == 2 && std::strcmp(argv[1], "list") == 0) {
+    for (size_t i = 0; i < cases.size(); ++i)
+      std::printf("%zu\t%zu\t%s\t%s\n", i, cases[i].bytes, cases[i].name,
+                  cases[i].stock ? cases[i].stock : "-");
+    return 0;
+  }
+  const size_t index = argc == 3 ? size_t(std::atoi(argv[1])) : cases.size();
+  if (index >= cases.size()) return std::fprintf(stderr, "usage: count list | INDEX REPEATS\n"), 2;
+  bench::JointStep step;
+  const auto joint = cases[index].make(step);
+  int rows = 0;
+  for (int i = std::atoi(argv[2]); i > 0; --i) rows += step.run(*joint);
+  return rows < 0;
+}

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Prints the instructions of one step of each joint (buildJacobian + getInfo1 + getInfo2), by callgrind,
+# and its size in bytes, beside its stock counterpart's. Instruction counts repeat exactly.
+#   count.sh [PROGRAM]   default: the single precision build of tests/run.sh
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+program=${1:-$here/../../build/release/tests/pintle_count_single}
+command -v valgrind >/dev/null || { echo "count.sh: needs valgrind (Debian: valgrind)" >&2; exit 1; }
+[ -x "$program" ] || { echo "count.sh: no $program; run tests/run.sh first" >&2; exit 1; }
+
+instructions() {  # of the whole program
+  valgrind --tool=callgrind --callgrind-out-file=/dev/null "$program" "$1" "$2" 2>&1 |
+    sed -n 's/.*Collected : *//p'
+}
+# The difference of two runs leaves out all that is not repeated.
+few=100 many=300
+declare -A of
+printf '%-28s %12s %7s %12s %7s %6s\n' joint instructions bytes 'stock instr.' bytes ratio
+while IFS=$'\t' read -r index bytes name stock; do
+  count=$((($(instructions "$index" $many) - $(instructions "$index" $few)) / (many - few)))
+  of[$name]="$count $bytes"
+  if [ "$stock" = - ]; then
+    printf '%-28s %12d %7d\n' "$name" "$count" "$bytes"
+  else
+    read -r stock_count stock_bytes <<<"${of[$stock]}"
+    printf '%-28s %12d %7d %12d %7d %6s\n' "$name" "$count" "$bytes" "$stock_count" "$stock_bytes" \
+      "$(awk -v a="$count" -v b="$stock_count" 'BEGIN { printf "%.2f", a / b }')"
+  fi
+done < <("$program" list)
