@@ -41,6 +41,10 @@ function(pintle_add_library precision wanted)
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} PUBLIC PintleBullet::${precision} Eigen3::Eigen)
+  # No errno and no traps: neither changes a number, and both cost in a step. -O3 also with debug information.
+  target_compile_options(${target} PRIVATE
+    "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
+    "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>")
   pintle_set_warnings(${target} -Wconversion)
   set(PINTLE_PRECISIONS ${PINTLE_PRECISIONS} ${precision} PARENT_SCOPE)
 endfunction()

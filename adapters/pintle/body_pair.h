@@ -50,26 +50,19 @@ class BodyPair {
   const btTransform& pose_a() const { return m_pose_a; }
   const btTransform& pose_b() const { return m_pose_b; }
 
-  /// False if a pose, a velocity, a force or a mass of either body holds NaN or infinity.
+  /// False if a velocity, a force or a mass of either body holds NaN or infinity. (A pose that does
+  /// shows in everything that is made of it.)
   bool finite() const {
     // A sum is finite only if its terms are, and costs less than looking at each.
-    return is_finite(sum(m_a, m_pose_a) + sum(m_b, m_pose_b));
+    const Vec3 sum = v_a() + v_b() + w_a() + w_b() + view(m_a.getTotalForce()) +
+                     view(m_b.getTotalForce()) + view(m_a.getTotalTorque()) +
+                     view(m_b.getTotalTorque());
+    return is_finite(sum.x() + sum.y() + sum.z() + m_a.getInvMass() + m_b.getInvMass());
   }
 
   static bool is_finite(Scalar s) { return s - s == Scalar(0); }
 
  private:
-  static Scalar sum(const btRigidBody& body, const btTransform& pose) {
-    const MatrixView R = view(pose.getBasis());
-    const MatrixView I = view(body.getInvInertiaTensorWorld());
-    return (R.row(0) + R.row(1) + R.row(2) + I.row(0) + I.row(1) + I.row(2)).transpose().sum() +
-           (view(pose.getOrigin()) + view(body.getLinearVelocity()) +
-            view(body.getAngularVelocity()) + view(body.getTotalForce()) +
-            view(body.getTotalTorque()))
-               .sum() +
-           body.getInvMass();
-  }
-
   const btRigidBody& m_a;
   const btRigidBody& m_b;
   const btTransform& m_pose_a;

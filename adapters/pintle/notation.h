@@ -30,6 +30,14 @@ Vector3<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a_, const Eigen::M
           a.x() * b.y() - a.y() * b.x()};
 }
 
+/// a x e_i, with e_i the i-th unit vector: row i of [a]x, transposed. Nothing to multiply.
+template <int i, class T>
+Vector3<T> cross_unit(const Vector3<T>& a) {
+  if constexpr (i == 0) return {T(0), a.z(), -a.y()};
+  if constexpr (i == 1) return {-a.z(), T(0), a.x()};
+  if constexpr (i == 2) return {a.y(), -a.x(), T(0)};
+}
+
 /// A unit vector normal to the unit vector `a`, the same one for the same `a`.
 template <class T>
 Vector3<T> any_tangent(const Vector3<T>& a) {

@@ -12,6 +12,13 @@
 #define PINTLE_PRECISION f32
 #endif
 
+// A function into which all that it calls is inlined: on the way of every joint in every step.
+#if defined(__GNUC__)
+#define PINTLE_FLATTEN __attribute__((flatten))
+#else
+#define PINTLE_FLATTEN
+#endif
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 

@@ -7,6 +7,8 @@
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 
+#include <cstring>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -28,12 +30,10 @@ class RowWriter {
   void write(const Vector& L, const Vector& A_a, const Vector& A_b, Scalar target, Scalar cfm,
              Scalar lower, Scalar upper) {
     const int at = m_row * m_info.rowskip;
-    for (int i = 0; i < 3; ++i) {
-      m_info.m_J1linearAxis[at + i] = L[i];
-      m_info.m_J1angularAxis[at + i] = A_a[i];
-      m_info.m_J2linearAxis[at + i] = -L[i];
-      m_info.m_J2angularAxis[at + i] = -A_b[i];
-    }
+    put(m_info.m_J1linearAxis + at, L);
+    put(m_info.m_J1angularAxis + at, A_a);
+    put(m_info.m_J2linearAxis + at, Vector(-L));
+    put(m_info.m_J2angularAxis + at, Vector(-A_b));
     m_info.m_constraintError[at] = -target;
     m_info.cfm[at] = cfm;
     m_info.m_lowerLimit[at] = -upper;
@@ -42,6 +42,12 @@ class RowWriter {
   }
 
  private:
+  // Three numbers of a vector that may have more.
+  template <class Vector>
+  static void put(btScalar* to, const Vector& v) {
+    std::memcpy(to, v.data(), 3 * sizeof(btScalar));
+  }
+
   btTypedConstraint::btConstraintInfo2& m_info;
   Scalar m_cfm;
   int m_row = 0;

@@ -51,7 +51,7 @@ Swing<T> swing(const Vector3<T>& c_a, const Vector3<T>& c_b) {
   const Vector3<T> x = cross(c_a, c_b), sum = c_a + c_b;
   const T sin2 = x.dot(x), sin_swing = sqrt(sin2), sum2 = sum.dot(sum);
   Swing<T> s;
-  // |c_a + c_b| = 2 cos(swing/2). Below a millionth of a right angle the sum has no direction left
+  // |c_a + c_b| = 2 cos(swing/2). Within 1e-5 rad of pi the sum has no direction left
   // and neither has c_a x c_b: any turn by pi about a tangent of c_a is a shortest one.
   if (sum2 < T(1e-10)) {
     const Vector3<T> n = any_tangent(c_a);
@@ -75,11 +75,17 @@ Swing<T> swing(const Vector3<T>& c_a, const Vector3<T>& c_b) {
   return s;
 }
 
-/// d^2/dt^2 of sigma at constant w, for a hinge that is satisfied and turns at w_b - w_a along h: the
-/// axes do not stay together if the pair turns across them meanwhile.
+/// d^2/dt^2 of sigma along p and q = h x p, at constant w, for a hinge that is satisfied and turns at
+/// w_b - w_a along h: the axes do not stay together if the pair turns across them meanwhile.
 template <class T>
-Vector3<T> swing_curvature(const Swing<T>& s, const Vector3<T>& w_a, const Vector3<T>& w_b) {
-  return (s.h.dot(w_b - w_a) / 2) * cross(s.h, Vector3<T>(w_a + w_b));
+Eigen::Matrix<T, 2, 1, Eigen::DontAlign> swing_curvature(const Swing<T>& s, const Vector3<T>& p,
+                                                         const Vector3<T>& q,
+                                                         const Vector3<T>& w_a,
+                                                         const Vector3<T>& w_b) {
+  // rate (h x w) with w the mean of both
+  const T half_rate = s.h.dot(w_b - w_a) / 2;
+  const Vector3<T> w2 = w_a + w_b;
+  return {-half_rate * q.dot(w2), half_rate * p.dot(w2)};
 }
 
 }  // namespace pintle::equations

@@ -32,16 +32,18 @@ AngularRow<T> quaternion_hinge_limit_row(Quaternion<T> p, const Matrix3<T>& F, c
 }
 
 /// Twist as a direction in the plane: th = atan2(y, x), both scaled by 1 + cos(swing). From the joint
-/// frames' axes, which is 2 atan2(v.c, w) of p without the quaternion.
+/// frames' axes a (x of the frame) and c, which is 2 atan2(v.c, w) of p without the quaternion.
 template <class T>
 struct Twist {
   T x, y;
 };
 
-template <class V>
-auto twist(const V& a_a, const V& b_a, const V& a_b, const V& b_b) {
-  using T = typename V::Scalar;
-  return Twist<T>{a_a.dot(a_b) + b_a.dot(b_b), b_a.dot(a_b) - a_a.dot(b_b)};
+template <class T>
+Twist<T> twist(const Vector3<T>& a_a, const Vector3<T>& c_a, const Vector3<T>& a_b,
+               const Vector3<T>& c_b) {
+  // a_a.a_b + b_a.b_b and b_a.a_b - a_a.b_b, with b = c x a.
+  return {(T(1) + c_a.dot(c_b)) * a_a.dot(a_b) - c_a.dot(a_b) * a_a.dot(c_b),
+          (c_a + c_b).dot(cross(a_a, a_b))};
 }
 
 /// J_b of th: exactly c on a hinge that is satisfied, 1/cos(swing/2) long on one that is not.

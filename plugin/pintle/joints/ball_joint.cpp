@@ -1,7 +1,7 @@
 #include <pintle/joints/ball_joint.h>
 
 #include <pintle/body_pair.h>
-#include <pintle/equations/position.h>
+#include <pintle/rows/position_rows.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -50,21 +50,15 @@ btScalar BallJoint::getParam(int num, int axis) const {
   }
 }
 
-void BallJoint::addRows(const BodyPair& pair, Rows& rows) const {
+PINTLE_FLATTEN void BallJoint::addRows(const BodyPair& pair, Rows& rows) const {
   const Vec3 r_a = pair.R_a() * view(m_pivot_a), r_b = pair.R_b() * view(m_pivot_b);
   const Vec3 d = equations::position_error(pair.x_a(), r_a, pair.x_b(), r_b);
   if (!BodyPair::is_finite(d.sum())) return;
-  const bool document = getFormulation() == Formulation::document;
-  const Vec3 curvature =
-      equations::position_curvature<Scalar>(pair.w_a(), r_a + d, pair.w_b(), r_b);
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 u = Vec3::Unit(i);
-    const auto J = document ? equations::position_row(u, r_a, r_b)
-                            : equations::position_row_conserving(u, r_a, d, r_b);
-    Row& row = rows.addEquality(J.L, J.A_a, J.A_b, d[i]);
-    if (!document) row.curvature = curvature[i];
-    if (m_setting.m_impulseClamp > 0) row.max_impulse = m_setting.m_impulseClamp;
-  }
+  if (getFormulation() == Formulation::document)
+    addDocumentPositionRows(r_a, r_b, d, rows);
+  else
+    addConservingPositionRows(pair, r_a, r_b, d, rows);
+  if (m_setting.m_impulseClamp > 0) rows.clamp(m_setting.m_impulseClamp);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -48,7 +48,10 @@ class BallJoint : public Joint {
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  Scalar damping() const override { return m_setting.m_damping; }
+  // The setting is open: what is no number is no setting.
+  Scalar damping() const override {
+    return m_setting.m_damping - m_setting.m_damping == 0 ? m_setting.m_damping : Scalar(1);
+  }
   bool rowsMayMix() const override {
     return Joint::rowsMayMix() && !(m_setting.m_impulseClamp > 0);
   }

@@ -19,11 +19,14 @@ constexpr auto pintle_type = btTypedConstraintType(15);
 
 constexpr int max_rows = 8;
 
-// Bullet turns a pose by at most pi/4 a step, whatever the body's velocity (btTransformUtil).
-constexpr Scalar max_turn = Scalar(pi / 4);
+// A body that turns this far (rad) in a step has hardly the velocity that it had: the curvature is
+// left out from there on, and by degrees before, on the side of losing energy.
+constexpr Scalar max_curved_turn = Scalar(0.5);
 
-// The part of a lasting residual that the next target makes up for. Joints that fight each other for
-// good then ask for 1 / (1 - feed_forward) times what they would: bounded.
+// Bullet starts every step from nothing, and leaves a joint with what the others did to it after its
+// last turn, the residual. A residual that lasts (the part in which two steps agree: a load, not a
+// blow) is going to come again, and the next target makes up for this part of it. Joints that fight
+// each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
 constexpr Scalar feed_forward = Scalar(0.6);
 
 Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
@@ -56,28 +59,23 @@ struct Joint::Step {
         cfm(joint.m_cfm.orElse(out.cfm())),
         half(Scalar(0.5) / fps),
         block(joint.m_block_rows && joint.rowsMayMix()) {
-    // Bullet turns a pose no further than max_turn: the curvature that it sees is less by the square.
-    const Scalar turn2 = btMax(joint.m_rbA.getAngularVelocity().length2(),
-                               joint.m_rbB.getAngularVelocity().length2());
-    if (turn2 > max_turn * max_turn * fps * fps) half *= max_turn * max_turn * fps * fps / turn2;
+    // The curvature goes with the square of the angular velocity at the end of the step, which is
+    // about as much more than that at its start as the last step added. Without this a pendulum
+    // gains energy.
+    const Scalar w = joint.m_angular_speed, turn = w / fps;
+    if (joint.m_last_angular_speed > 0 && w > 0) {
+      const Scalar next = btMax(w / 2, btMin(2 * w - joint.m_last_angular_speed, 2 * w)) / w;
+      half *= next * next;
+    }
+    half *= btMax(Scalar(0), 1 - turn * turn / (max_curved_turn * max_curved_turn));
   }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order; Bullet
   // then turns the bodies by more than that, and the curvature is what it adds in a step: with it a
   // turning joint does not drift.
   Scalar target(const Row& row) const {
-    const Scalar speed = btMin(btFabs(erp * fps * row.position), row.max_speed);
-    return (row.position > 0 ? -speed : speed) - half * row.curvature;
-  }
-
-  // The same, less what the other joints are going to add after this row: their residual of the last
-  // two steps, as far as the two agree. Bullet starts every step from nothing; this is the part of
-  // the last solution that a joint can hand on.
-  Scalar feedForward(RowResidual& residual, Scalar wanted) const {
-    const Scalar now = residual.now, last = residual.last;
-    if (now * last > 0) wanted -= feed_forward * (btFabs(now) < btFabs(last) ? now : last);
-    residual = {wanted, Scalar(0), now};
-    return wanted;
+    const Scalar speed = -erp * fps * row.position;
+    return btMax(-row.max_speed, btMin(speed, row.max_speed)) - half * row.curvature;
   }
 };
 
@@ -89,7 +87,13 @@ Joint::Joint(btRigidBody& a, Rows rows) : btTypedConstraint(pintle_type, a), m_r
 void Joint::buildJacobian() {
   m_last_incoming = m_incoming;
   m_incoming = 0;
+  m_last_angular_speed = m_angular_speed;
+  m_angular_speed = btSqrt(
+      btMax(m_rbA.getAngularVelocity().length2(), m_rbB.getAngularVelocity().length2()));
   m_axis_row = {};
+  // A solver that did not show the residuals: those at hand are old.
+  if (m_iterations_left > 0) m_rows.forgetResiduals();
+  m_iterations_left = 0;
   // A disabled joint has no rows, but its angle goes on turning.
   if (!isEnabled()) {
     const BodyPair pair(m_rbA, m_rbB);
@@ -101,94 +105,117 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   const int before = m_rows.size();
   m_rows.clear();
   const BodyPair pair(m_rbA, m_rbB);
-  if (pair.finite()) {
-    updateState(pair);
-    addRows(pair, m_rows);
-  }
+  if (pair.finite()) prepare(pair, m_rows);
   // Other rows: the residuals are not theirs.
-  if (m_rows.size() != before)
-    for (int i = 0; i < m_rows.capacity(); ++i) m_rows.residual(i) = {};
+  if (m_rows.size() != before) m_rows.forgetResiduals();
   info->m_numConstraintRows = m_rows.size();
   info->nub = 0;
 }
 
-void Joint::getInfo2(btConstraintInfo2* info) {
+PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   RowWriter out(*info);
   m_time_step = 1 / out.fps();
-  m_iterations_left = 0;
   const int n = m_rows.size();
   if (n == 0) return;
   out.setDamping(damping());
   const Step step(*this, out);
 
-  if (!step.block && m_rows[n - 1].axis == nullptr) {
+  if (!step.block) {
     for (int i = 0; i < n; ++i) {
       const Row& row = m_rows[i];
-      out.write(row.L, row.A_a, row.A_b, step.target(row), step.cfm, -row.max_impulse,
-                row.max_impulse);
+      if (row.axis != nullptr) {
+        writeAxis(row, nullptr, step, out);
+      } else {
+        out.write(row.L, row.A_a, row.A_b, step.target(row), step.cfm, -row.max_impulse,
+                  row.max_impulse);
+      }
     }
     return;
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.block && step.cfm == 0 && damping() == 1 &&
+  const bool feed = step.cfm == 0 && damping() == 1 &&
                     getOverrideNumSolverIterations() <= info->m_numIterations;
-  if (feed) m_iterations_left = info->m_numIterations;
+  m_iterations_left = feed ? info->m_numIterations : 0;
+  if (!feed) m_rows.forgetResiduals();
 
-  const BodyPair pair(m_rbA, m_rbB);
-  const BlockMass mass(pair);
+  const BlockMass mass(BodyPair(m_rbA, m_rbB));
   BlockRow rows[max_rows];
   int equalities = 0;
   for (int i = 0; i < n; ++i) {
     const Row& row = m_rows[i];
-    Scalar wanted = 0;
-    if (row.axis == nullptr) {
-      ++equalities;
-      wanted = step.target(row);
-      if (feed) wanted = step.feedForward(m_rows.residual(i), wanted);
-    }
-    rows[i].J = {lanes(row.L, wanted), lanes(row.A_a), lanes(row.A_b)};
-    mass.weigh(rows[i]);
-    if (step.block) orthogonalise(rows, i, equalities);
-    const BlockRow& b = rows[i];
-    if (row.axis == nullptr) {
-      out.write(b.J.L, b.J.A_a, b.J.A_b, b.target(), step.cfm, -row.max_impulse, row.max_impulse);
+    if (row.axis != nullptr) {
+      addToBlock(rows, i, equalities, row, 0, mass);
+      writeAxis(row, &rows[i], step, out);
       continue;
     }
-    AxisMotion motion = axisMotion(row, step, pair);
-    motion.K = b.K;
-    // Less what the equalities do to it: their targets came along in the elimination.
-    motion.free_velocity = b.J.L.head<3>().matrix().dot(freeLinear(m_rbB, m_time_step) -
-                                                        freeLinear(m_rbA, m_time_step)) -
-                           b.J.A_a.head<3>().matrix().dot(freeAngular(m_rbA, m_time_step)) +
-                           b.J.A_b.head<3>().matrix().dot(freeAngular(m_rbB, m_time_step)) -
-                           b.target();
-    m_axis_row = solveAxis(*row.axis, motion);
-    m_axis_sign = row.sign;
-    m_incoming = m_axis_row.incoming;
-    // The same row along the direction in which Bullet counts its impulse.
-    const Scalar s = row.sign;
-    const Lanes L = s * b.J.L, A_a = s * b.J.A_a, A_b = s * b.J.A_b;
-    out.write(L, A_a, A_b, s * (m_axis_row.target + b.target()), m_axis_row.cfm,
-              s > 0 ? m_axis_row.lower : -m_axis_row.upper,
-              s > 0 ? m_axis_row.upper : -m_axis_row.lower);
+    Scalar target = step.target(row);
+    if (feed) {
+      RowResidual& residual = m_rows.residual(i);
+      target -= residual.correction;
+      residual.target = target;
+    }
+    addToBlock(rows, i, i, row, target, mass);
+    ++equalities;
+    out.write(rows[i].L, rows[i].A_a, rows[i].A_b, rows[i].target(), step.cfm, -infinity, infinity);
+  }
+}
+
+// `block`: the row after the elimination, whose target is what the equalities' targets came to in it;
+// null: as it stands.
+void Joint::writeAxis(const Row& row, const BlockRow* block, const Step& step, RowWriter& out) {
+  const BodyPair pair(m_rbA, m_rbB);
+  BlockRow alone;
+  AxisMotion motion = axisMotion(row, step, pair);
+  if (!row.axis->isSimple(row.limit)) {
+    if (block == nullptr) {
+      addToBlock(&alone, 0, 0, row, 0, BlockMass(pair));
+      block = &alone;
+    }
+    // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors.
+    const Scalar own = row.L.squaredNorm() * (pair.inv_mass_a() + pair.inv_mass_b()) +
+                       row.A_a.dot(pair.inv_inertia_a() * row.A_a) +
+                       row.A_b.dot(pair.inv_inertia_b() * row.A_b);
+    motion.K = block->K > rounding_of_K * own ? block->K : Scalar(0);
+    motion.free_velocity =
+        block->L.head<3>().matrix().dot(freeLinear(m_rbB, m_time_step) -
+                                        freeLinear(m_rbA, m_time_step)) -
+        block->A_a.head<3>().matrix().dot(freeAngular(m_rbA, m_time_step)) +
+        block->A_b.head<3>().matrix().dot(freeAngular(m_rbB, m_time_step)) - block->target();
+  }
+  m_axis_row = solveAxis(*row.axis, motion);
+  m_axis_sign = row.sign;
+  m_incoming = m_axis_row.incoming;
+  // Along the direction in which Bullet counts its impulse.
+  const Scalar s = row.sign, target = s * m_axis_row.target;
+  const Scalar lower = s > 0 ? m_axis_row.lower : -m_axis_row.upper;
+  const Scalar upper = s > 0 ? m_axis_row.upper : -m_axis_row.lower;
+  if (block != nullptr) {
+    out.write(Lanes(s * block->L), Lanes(s * block->A_a), Lanes(s * block->A_b),
+              target + s * block->target(), m_axis_row.cfm, lower, upper);
+  } else {
+    out.write(Vec3(s * row.L), Vec3(s * row.A_a), Vec3(s * row.A_b), target, m_axis_row.cfm, lower,
+              upper);
   }
 }
 
 AxisMotion Joint::axisMotion(const Row& row, const Step& step, const BodyPair& pair) const {
   const Axis& axis = *row.axis;
-  AxisMotion motion = {};
+  AxisMotion motion;
   motion.position = row.position;
   motion.velocity = velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b());
+  motion.max_speed = m_max_correction_speed;
   motion.incoming = m_last_incoming;
-  motion.max_motion = 2 * max_turn;
+  motion.limit = row.limit;
   motion.fps = step.fps;
   motion.limit_erp = m_limit_erp.orElse(step.erp);
-  motion.motor_cfm = m_motor_cfm.orElse(step.cfm);
-  motion.limit_cfm = m_limit_cfm.orElse(motion.motor_cfm);
+  motion.motor_cfm = m_motor_cfm.value;
+  // As Bullet has it: the motor's unless the limit has its own.
+  motion.limit_cfm = m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm);
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
-  motion.motor_factor = const_cast<Joint*>(this)->getMotorFactor(
-      row.position, axis.low, axis.high, axis.motor_velocity, step.fps * motion.limit_erp);
+  if (axis.drive == Axis::Drive::velocity)
+    motion.motor_factor = const_cast<Joint*>(this)->getMotorFactor(
+        row.position, axis.low, axis.high, axis.motor_velocity, step.fps * motion.limit_erp);
   return motion;
 }
 
@@ -206,7 +233,10 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
   for (int i = 0; i < m_rows.size() && m_rows[i].axis == nullptr; ++i) {
     RowResidual& residual = m_rows.residual(i);
-    residual.now = velocity(m_rows[i], v_ab, w_a, w_b) - residual.target;
+    const Scalar now = velocity(m_rows[i], v_ab, w_a, w_b) - residual.target, last = residual.last;
+    residual.correction =
+        now * last > 0 ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
+    residual.last = now;
   }
 }
 

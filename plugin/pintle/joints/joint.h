@@ -10,6 +10,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class BodyPair;
+class RowWriter;
+struct BlockRow;
 
 /// Which form of its equations a joint solves.
 enum class Formulation : unsigned char {
@@ -43,7 +45,8 @@ class Joint : public btTypedConstraint {
   void setFormulation(Formulation formulation) { m_formulation = formulation; }
   Formulation getFormulation() const { return m_formulation; }
 
-  /// The angular speed (rad/s, > 0) at which a step may at most take away an error of orientation.
+  /// The angular speed (rad/s, > 0) at which a step may at most take away an error of orientation, or
+  /// that of a broken limit.
   /// Default 8: a joint that starts far off neither explodes nor lingers.
   void setMaxCorrectionSpeed(btScalar speed);
   btScalar getMaxCorrectionSpeed() const { return m_max_correction_speed; }
@@ -61,6 +64,11 @@ class Joint : public btTypedConstraint {
 
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
   virtual void updateState(const BodyPair&) {}
+  /// Both together; a joint that can share work between the two does so here.
+  virtual void prepare(const BodyPair& pair, Rows& rows) {
+    updateState(pair);
+    addRows(pair, rows);
+  }
   /// Bullet's damping: the part of the velocity that the rows take away.
   virtual Scalar damping() const { return 1; }
   /// Whether rows may be mixed: not if their impulses are bounded one by one.
@@ -97,6 +105,7 @@ class Joint : public btTypedConstraint {
   struct Step;
 
   AxisMotion axisMotion(const Row& row, const Step& step, const BodyPair& pair) const;
+  void writeAxis(const Row& row, const BlockRow* block, const Step& step, RowWriter& out);
 
   Rows m_rows;
   AxisRow m_axis_row;
@@ -104,6 +113,8 @@ class Joint : public btTypedConstraint {
   // The speed at which a limit was reached: what this step has seen, and what the last one saw. Two,
   // so that getInfo2 may be called again.
   Scalar m_incoming = 0, m_last_incoming = 0;
+  /// rad/s, of the faster body, at the start of this step and of the last one
+  Scalar m_angular_speed = 0, m_last_angular_speed = 0;
   Scalar m_time_step = Scalar(1) / 60;
   Scalar m_max_correction_speed = 8;
   int m_iterations_left = 0;  ///< until the residual is taken

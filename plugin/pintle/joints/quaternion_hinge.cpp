@@ -1,9 +1,9 @@
 #include <pintle/joints/quaternion_hinge.h>
 
 #include <pintle/body_pair.h>
-#include <pintle/equations/position.h>
 #include <pintle/equations/quaternion_hinge.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
+#include <pintle/rows/position_rows.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 
@@ -15,9 +15,18 @@ btMatrix3x3 columns(const btVector3& x, const btVector3& y, const btVector3& z) 
   return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
 }
 
+btVector3 tangent(const btVector3& axis) {
+  btVector3 x, y;
+  btPlaneSpace1(axis, x, y);
+  return x;
+}
+
 // The frame of b whose x is that of a, carried along by the shortest turn of axis a to axis b.
 btMatrix3x3 follow(const btVector3& axis_a, const btVector3& axis_b, const btVector3& x_a) {
-  const btVector3 x_b = quatRotate(shortestArcQuat(axis_a, axis_b), x_a);
+  // Near opposite axes the turn is rounding: what it makes of x_a is put right, or replaced.
+  btVector3 x_b = quatRotate(shortestArcQuat(axis_a, axis_b), x_a);
+  x_b -= axis_b * axis_b.dot(x_b);
+  x_b = x_b.length() > btScalar(0.5) ? x_b.normalized() : tangent(axis_b);
   return columns(x_b, axis_b.cross(x_b), axis_b);
 }
 
@@ -30,10 +39,13 @@ btVector3 zeroDirection(const btRigidBody& a, const btVector3& axis) {
   return axis.cross(R.getColumn(0)).cross(axis);
 }
 
-btVector3 tangent(const btVector3& axis) {
-  btVector3 x, y;
-  btPlaneSpace1(axis, x, y);
-  return x;
+// The rotation vector by which Bullet turns a body of this velocity in a step. Above pi/4 it bounds
+// the angle of its quaternion but not the axis (btTransformUtil::integrateTransform).
+Vec3 turnOfStep(const btVector3& w, Scalar dt) {
+  const Scalar angle = w.length() * dt, bound = Scalar(pi / 4);
+  if (angle <= bound) return dt * view(w);
+  const Scalar turn = 2 * std::atan(angle * std::tan(bound / 2) / bound);
+  return turn / angle * dt * view(w);
 }
 
 // A bound for how much force and torque speed a body up about the hinge in a second (rad/s^2), if
@@ -50,6 +62,19 @@ Scalar accelerationBound(const btRigidBody& body, const Vec3& h, const Vec3& r) 
 }
 
 }  // namespace
+
+// The joint frames in the world, less what can be had from the rest.
+struct QuaternionHinge::Frames {
+  Vec3 r_a, a_a, c_a, r_b, a_b, c_b;
+};
+
+inline QuaternionHinge::Frames QuaternionHinge::frames(const btTransform& pose_a,
+                                                       const btTransform& pose_b) const {
+  const MatrixView A = view(m_frame_a.getBasis()), B = view(m_frame_b.getBasis());
+  const MatrixView R_a = view(pose_a.getBasis()), R_b = view(pose_b.getBasis());
+  return {R_a * view(m_frame_a.getOrigin()), R_a * A.col(0), R_a * A.col(2),
+          R_b * view(m_frame_b.getOrigin()), R_b * B.col(0), R_b * B.col(2)};
+}
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                                  const btVector3& pivotInB, const btVector3& axisInA,
@@ -118,28 +143,41 @@ void QuaternionHinge::setAxis(const btVector3& axisInA) {
 
 // --- angle ---------------------------------------------------------------------------------------
 
-void QuaternionHinge::look(const btTransform& pose_a, const btTransform& pose_b) {
-  const auto column = [](const btTransform& pose, const btTransform& frame, int i) -> Vec3 {
-    return view(pose.getBasis()) * view(frame.getBasis()).col(i);
-  };
-  const auto twist = equations::twist<Vec3>(column(pose_a, m_frame_a, 0), column(pose_a, m_frame_a, 1),
-                                            column(pose_b, m_frame_b, 0), column(pose_b, m_frame_b, 1));
+inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const {
+  const auto twist = equations::twist(at.a_a, at.c_a, at.a_b, at.c_b);
   // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
   // the last one stands; nor in a frame that its owner has spoiled.
-  if (twist.x * twist.x + twist.y * twist.y > Scalar(0.01)) m_twist.update(twist.x, twist.y);
+  if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
+  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one that
+  // their motion leads to. (A kinematic body goes where it is put.)
+  const btVector3 &w_a = m_rbA.getInterpolationAngularVelocity(),
+                  &w_b = m_rbB.getInterpolationAngularVelocity();
+  const Scalar dt = timeStep();
+  if ((w_a.length2() + w_b.length2()) * dt * dt < 2 ||
+      m_rbA.isStaticOrKinematicObject() || m_rbB.isStaticOrKinematicObject()) {
+    angle.update(twist.x, twist.y);
+  } else {
+    const Vec3 h = (at.c_a + at.c_b).normalized();
+    angle.update(twist.x, twist.y, h.dot(turnOfStep(w_b, dt) - turnOfStep(w_a, dt)));
+  }
+}
+
+void QuaternionHinge::look(const btTransform& pose_a, const btTransform& pose_b) {
+  look(frames(pose_a, pose_b), m_twist);
 }
 
 void QuaternionHinge::updateState(const BodyPair& pair) {
   look(pair.pose_a(), pair.pose_b());
-  m_limit_sign = 0;
-  if (m_axis.limited()) {
-    const Scalar now = angle();
-    m_limit_sign = now < m_axis.low ? Scalar(1) : now > m_axis.high ? Scalar(-1) : Scalar(0);
-  }
 }
 
 void QuaternionHinge::testLimit(const btTransform& transA, const btTransform& transB) {
-  updateState(BodyPair(m_rbA, transA, m_rbB, transB));
+  m_tested = m_twist;
+  look(frames(transA, transB), m_tested);
+}
+
+btScalar QuaternionHinge::getLimitSign() {
+  const Scalar angle = m_sign * m_tested.value();
+  return !m_axis.limited() ? 0 : angle < m_axis.low ? 1 : angle > m_axis.high ? -1 : 0;
 }
 
 btScalar QuaternionHinge::getHingeAngle() {
@@ -171,6 +209,8 @@ void QuaternionHinge::setLimit(btScalar low, btScalar high, btScalar softness, b
                                btScalar relaxationFactor) {
   if (low != low) reject("lower limit", low, "must be a number");
   if (high != high) reject("upper limit", high, "must be a number");
+  if (low <= high && low >= infinity) reject("lower limit", low, "leaves no angle");
+  if (low <= high && high <= -infinity) reject("upper limit", high, "leaves no angle");
   finite("softness", softness);
   notNegative("bias factor", biasFactor);
   notNegative("relaxation factor", relaxationFactor);
@@ -300,85 +340,87 @@ int QuaternionHinge::getFlags() const {
 
 // Whether the limit is broken, or may be reached in this step: at twice the speed of now, as the
 // step may be longer than the last, and with the speed that forces add.
-bool QuaternionHinge::limitActs(const BodyPair& pair, const Vec3& h, const Vec3& r_a,
-                                const Vec3& r_b, Scalar angle) const {
+bool QuaternionHinge::limitActs(const BodyPair& pair, const Frames& at, const Vec3& h,
+                                Scalar angle) const {
   const Scalar distance = m_axis.distance(angle);
   if (distance <= 0 || m_axis.locked()) return true;
-  if (distance > Scalar(pi / 2) || m_axis.limit_spring.angular_frequency > 0) return false;
-  const Scalar dt = timeStep(), speed = 2 * m_sign * h.dot(pair.w_b() - pair.w_a());
-  const Scalar gain = dt * (accelerationBound(pair.a(), h, r_a) + accelerationBound(pair.b(), h, r_b));
-  return angle - m_axis.low <= dt * (gain - speed) || m_axis.high - angle <= dt * (gain + speed);
+  if (m_axis.limit_spring.angular_frequency > 0) return false;
+  if (m_axis.drive == Axis::Drive::servo && distance < Scalar(pi)) return true;
+  const Scalar dt = timeStep(), speed = m_sign * h.dot(pair.w_b() - pair.w_a());
+  if (distance > dt * 2 * std::abs(speed) + Scalar(pi / 2)) return false;
+  const Scalar gain =
+      dt * (accelerationBound(pair.a(), h, at.r_a) + accelerationBound(pair.b(), h, at.r_b));
+  const auto reaches = [&](Scalar gap, Scalar towards) {
+    return gap <= dt * (gain + (towards > 0 ? 2 * towards : towards));
+  };
+  return reaches(angle - m_axis.low, -speed) || reaches(m_axis.high - angle, speed);
+}
+
+PINTLE_FLATTEN void QuaternionHinge::prepare(const BodyPair& pair, Rows& rows) {
+  const Frames at = frames(pair.pose_a(), pair.pose_b());
+  look(at, m_twist);
+  m_tested = m_twist;
+  addRows(pair, at, m_twist, rows);
 }
 
 void QuaternionHinge::addRows(const BodyPair& pair, Rows& rows) const {
-  const Vec3 r_a = pair.R_a() * view(m_frame_a.getOrigin());
-  const Vec3 r_b = pair.R_b() * view(m_frame_b.getOrigin());
-  const Vec3 c_a = pair.R_a() * view(m_frame_a.getBasis()).col(2);
-  const Vec3 c_b = pair.R_b() * view(m_frame_b.getBasis()).col(2);
-  const Vec3 d = equations::position_error(pair.x_a(), r_a, pair.x_b(), r_b);
-  const auto swing = equations::swing(c_a, c_b);
-  // Frames are open to their owner: what he has spoiled gets no rows.
+  const Frames at = frames(pair.pose_a(), pair.pose_b());
+  UnwrappedAngle twist = m_twist;
+  look(at, twist);
+  addRows(pair, at, twist, rows);
+}
+
+inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
+                                     const UnwrappedAngle& twist, Rows& rows) const {
+  const Vec3 d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
+  const auto swing = equations::swing(at.c_a, at.c_b);
+  // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(d.sum() + swing.sigma.sum() + swing.h.sum())) return;
 
   Scalar angle = 0;
-  bool limit = false;
+  bool limit = false, axis = false;
   // With c_a and c_b all but opposite the axis has no angle.
-  if (m_axis.limited() && swing.h_scale < Scalar(20)) {
-    angle = this->angle();
-    limit = limitActs(pair, swing.h, r_a, r_b, angle);
+  if ((m_axis.driven() || m_axis.limited()) && swing.h_scale < Scalar(20)) {
+    angle = m_sign * twist.value();
+    limit = m_axis.limited() && limitActs(pair, at, swing.h, angle);
+    axis = limit || m_axis.driven();
   }
-  const bool axis = m_axis.driven() || limit;
   if (getFormulation() == Formulation::document) {
-    addDocumentRows(pair, r_a, r_b, d, limit && !m_axis.driven(), rows);
-    if (limit && !m_axis.driven()) return;
+    const bool half_sine = limit && !m_axis.driven();
+    addDocumentRows(pair, at, d, half_sine ? &twist : nullptr, rows);
+    if (half_sine) return;
   } else {
-    addConditionedRows(pair, r_a, r_b, d, swing, rows);
+    addConditionedRows(pair, at, d, swing, rows);
   }
-  if (axis && swing.h_scale < Scalar(20))
-    rows.addAngularAxis(m_sign * equations::twist_row(c_a, c_b), m_axis.limited() ? angle : this->angle(),
-                        m_axis, m_sign);
+  if (axis)
+    rows.addAngularAxis(m_sign * equations::twist_row(at.c_a, at.c_b), angle, m_axis, limit, m_sign);
 }
 
-void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
-                                         const Vec3& d, const equations::Swing<Scalar>& swing,
-                                         Rows& rows) const {
-  const Vec3 w_a = pair.w_a(), w_b = pair.w_b(), lever_a = r_a + d;
-  // p towards the lighter body's centre, seen along the axis, as Bullet's hinge has it: the rows
-  // are then nearly orthogonal in the mass metric as they are.
-  Vec3 p = pair.inv_mass_a() * lever_a + pair.inv_mass_b() * r_b;
-  const Scalar length2 = p.dot(p);
-  p -= swing.h.dot(p) * swing.h;
-  const Scalar across2 = p.dot(p);
-  p = across2 > Scalar(1e-6) * length2 ? Vec3(p / std::sqrt(across2)) : any_tangent(swing.h);
-  const Vec3 q = cross(swing.h, p);
-
-  if (!m_angular_only) {
-    const Vec3 curvature = equations::position_curvature(w_a, lever_a, w_b, r_b);
-    for (const Vec3& u : {p, q, swing.h}) {
-      const auto J = equations::position_row_conserving(u, r_a, d, r_b);
-      rows.addEquality(J.L, J.A_a, J.A_b, u.dot(d)).curvature = u.dot(curvature);
-    }
-  }
-  const Vec3 curvature = equations::swing_curvature(swing, w_a, w_b);
+inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Frames& at,
+                                                const Vec3& d,
+                                                const equations::Swing<Scalar>& swing,
+                                                Rows& rows) const {
+  const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
+  if (!m_angular_only) addConservingPositionRows(pair, at.r_a, at.r_b, d, rows);
+  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
+  const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
   const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
-  for (const Vec3& u : {p, q}) {
+  const auto add = [&](const Vec3& u, Scalar second_derivative) {
     Row& row = rows.addAngular(u, u.dot(swing.sigma));
-    row.curvature = u.dot(curvature);
+    row.curvature = second_derivative;
     row.max_speed = most * std::abs(row.position);
-  }
+  };
+  add(p, curvature[0]);
+  add(q, curvature[1]);
 }
 
-void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
-                                      const Vec3& d, bool limit, Rows& rows) const {
+void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
+                                      const UnwrappedAngle* limit, Rows& rows) const {
   const Mat3 F = pair.R_a() * view(m_frame_a.getBasis());
   const Mat3 F_b = pair.R_b() * view(m_frame_b.getBasis());
   const auto p = equations::relative(equations::quaternion(F), equations::quaternion(F_b));
-  if (!m_angular_only) {
-    for (int i = 0; i < 3; ++i) {
-      const auto J = equations::position_row<Scalar>(Vec3::Unit(i), r_a, r_b);
-      rows.addEquality(J.L, J.A_a, J.A_b, d[i]);
-    }
-  }
+  if (!BodyPair::is_finite(p.w + p.v.sum())) return;
+  if (!m_angular_only) addDocumentPositionRows(at.r_a, at.r_b, d, rows);
   const Scalar across = std::hypot(p.v.x(), p.v.y());
   // Along the error the row turns 2/|w| times as fast as it says.
   const Scalar most = across > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * across) : Scalar(0);
@@ -388,8 +430,8 @@ void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Vec3& r_a, con
   }
   if (limit) {
     const auto row =
-        equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), m_twist.turns());
-    rows.addAngularAxis(m_sign * row.J_b, m_sign * row.C, m_half_sine_axis, m_sign);
+        equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), limit->turns());
+    rows.addAngularAxis(m_sign * row.J_b, m_sign * row.C, m_half_sine_axis, true, m_sign);
   }
 }
 

@@ -82,14 +82,15 @@ class QuaternionHinge : public Joint {
   btScalar getLimitSoftness() const { return m_limit_softness; }
   btScalar getLimitBiasFactor() const { return m_axis.bias; }
   btScalar getLimitRelaxationFactor() const { return m_axis.relaxation; }
-  bool hasLimit() const { return m_axis.limited(); }
+  /// As in Bullet false also for low = high.
+  bool hasLimit() const { return m_axis.low < m_axis.high; }
   btScalar getLowerLimit() const { return m_axis.low; }
   btScalar getUpperLimit() const { return m_axis.high; }
-  /// Takes the angle at these poses and whether it breaks the limit.
+  /// Whether the angle at these poses would break the limit; changes only the answers to the next two.
   void testLimit(const btTransform& transA, const btTransform& transB);
   /// Whether the limit was broken when the joint last looked, and on which side: +1 low, -1 high.
-  int getSolveLimit() { return m_limit_sign != 0; }
-  btScalar getLimitSign() { return m_limit_sign; }
+  int getSolveLimit() { return getLimitSign() != 0; }
+  btScalar getLimitSign();
 
   /// rad, in [-pi, pi].
   btScalar getHingeAngle();
@@ -139,24 +140,29 @@ class QuaternionHinge : public Joint {
 
  protected:
   void updateState(const BodyPair& pair) override;
+  void prepare(const BodyPair& pair, Rows& rows) override;
 
  private:
-  bool limitActs(const BodyPair& pair, const Vec3& h, const Vec3& r_a, const Vec3& r_b,
-                 Scalar angle) const;
-  void addConditionedRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
-                          const equations::Swing<Scalar>& swing, Rows& rows) const;
-  void addDocumentRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
-                       bool limit, Rows& rows) const;
+  struct Frames;
+  Frames frames(const btTransform& pose_a, const btTransform& pose_b) const;
+  void look(const Frames& at, UnwrappedAngle& twist) const;
   void look(const btTransform& pose_a, const btTransform& pose_b);
+  bool limitActs(const BodyPair& pair, const Frames& at, const Vec3& h, Scalar angle) const;
+  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
+               Rows& rows) const;
+  void addConditionedRows(const BodyPair& pair, const Frames& at, const Vec3& d,
+                          const equations::Swing<Scalar>& swing, Rows& rows) const;
+  void addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
+                       const UnwrappedAngle* limit, Rows& rows) const;
   Scalar angle() const { return m_sign * m_twist.value(); }
 
   btTransform m_frame_a, m_frame_b;
   Axis m_axis;            ///< along the hinge angle
   Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
-  UnwrappedAngle m_twist;  ///< of b against a, about z
+  UnwrappedAngle m_twist;   ///< of b against a, about z
+  UnwrappedAngle m_tested;  ///< the last one held against the limit
   Scalar m_sign;           ///< hinge angle = sign * twist
   Scalar m_limit_softness = Scalar(0.9);
-  Scalar m_limit_sign = 0;
   Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
   bool m_angular_only = false;
   bool m_turn_given = false;

@@ -8,86 +8,98 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Doubles throughout: a rigid part is a slope of a millionth of K.
-struct Part {
-  double target = 0, softness = 0, lower = 0, upper = 0;
-  bool rigid = true;  // Bullet's solver can run it as a row
+constexpr double rigid_softness = 1e-6;
+// Bullet iterates a soft row by lambda <- rhs - cfm lambda, which leaves cfm^n of the answer after n
+// iterations. Softer springs than this are solved here, and written as the impulse that they are.
+constexpr Scalar max_spring_cfm = Scalar(0.1);
 
+struct Part {
+  Scalar target = 0, cfm = 0, lower = 0, upper = 0;
+  bool rigid = true;  // Bullet's solver can run it as a row
+  bool on = false;
+};
+
+Part rigidPart(Scalar target, Scalar cfm, Scalar lower, Scalar upper) {
+  return {target, cfm, lower, upper, cfm < 1, true};
+}
+
+Part springPart(const Spring& spring, Scalar error, Scalar dt, Scalar lower, Scalar upper) {
+  const auto soft = equations::softness_by_frequency<Scalar>(spring.angular_frequency,
+                                                             spring.damping_ratio, dt, Scalar(1));
+  const Scalar cfm = soft.gamma / dt;
+  return {-equations::baumgarte(error, soft.beta, dt), cfm, lower, upper, cfm <= max_spring_cfm,
+          true};
+}
+
+Part limitPart(const Axis& axis, const AxisMotion& m, AxisRow& row) {
+  // The side that is broken, or nearer after the motion as it is.
+  const Scalar dt = 1 / m.fps, next = m.position + m.velocity * dt;
+  const bool inside = m.position > axis.low && m.position < axis.high;
+  const bool at_low = inside ? next - axis.low < axis.high - next : m.position <= axis.low;
+  const bool locked = axis.locked();
+  const Scalar lower = locked || !at_low ? -infinity : Scalar(0);
+  const Scalar upper = locked || at_low ? infinity : Scalar(0);
+  // Towards the inside is positive from here on, for both sides.
+  const Scalar side = at_low ? Scalar(1) : Scalar(-1);
+  const Scalar gap = side * (m.position - (at_low ? axis.low : axis.high));
+  const Scalar inward = side * m.velocity;
+
+  if (axis.limit_spring.angular_frequency > 0) {
+    if (gap > 0 && !locked) return {};
+    return springPart(axis.limit_spring, side * gap, dt, lower, upper);
+  }
+  // No rebound goes further than half way to the other limit in a step.
+  const auto away = [&](Scalar speed) {
+    return locked ? speed : std::min(speed, (axis.high - axis.low) * m.fps / 2);
+  };
+  if (gap > 0 && !locked) {
+    if (m.incoming > 0 && gap < Scalar(0.1) * m.incoming * dt)  // reached in the last step
+      return rigidPart(side * away(axis.bias * axis.relaxation * m.incoming), 0, lower, upper);
+    // Not there yet: the step may close the gap, and no more. Bullet's softness means nothing here.
+    row.incoming = std::max(Scalar(0), -inward);
+    return rigidPart(side * -gap * m.fps, 0, lower, upper);
+  }
+  // As in Bullet: a rebound if the joint comes in, of the speed with which it did.
+  Scalar speed = std::min(-m.fps * m.limit_erp * axis.bias * gap, m.max_speed);
+  const Scalar incoming = std::max(m.incoming, -inward);
+  if (axis.relaxation > 0 && incoming > 0)
+    speed = std::max(speed, away(axis.bias * axis.relaxation * incoming));
+  return rigidPart(side * speed, m.limit_cfm, lower, upper);
+}
+
+Part motorPart(const Axis& axis, const AxisMotion& m) {
+  if (axis.drive == Axis::Drive::velocity)
+    return rigidPart(m.motor_factor * axis.motor_velocity, m.motor_cfm, -axis.max_motor_impulse,
+                     axis.max_motor_impulse);
+  const Scalar bound = axis.max_servo_force / m.fps;
+  return springPart(axis.servo_spring, m.position - axis.servo_target, 1 / m.fps, -bound, bound);
+}
+
+Part frictionPart(const Axis& axis, const AxisMotion& m) {
+  const Scalar bound = axis.max_friction / m.fps;
+  return rigidPart(0, 0, -bound, bound);
+}
+
+// More than any impulse, and little enough to be added and multiplied.
+constexpr double unbounded = 1e30;
+
+// A part as a slope. Doubles, as a rigid one is a slope of a millionth of K.
+struct Slope {
+  double target, softness, lower, upper;
+
+  Slope(const Part& part, double K)
+      : target(part.target),
+        softness(std::max(double(part.cfm), rigid_softness) * K),
+        lower(std::max(double(part.lower), -unbounded)),
+        upper(std::min(double(part.upper), unbounded)) {}
+  Slope() = default;
   double at(double u) const { return std::clamp((target - u) / softness, lower, upper); }
   double begin() const { return target - softness * upper; }
   double end() const { return target - softness * lower; }
 };
 
-constexpr double unbounded = infinity;
-constexpr double rigid_softness = 1e-6;
-// Bullet iterates a soft row by lambda <- rhs - cfm lambda, which leaves cfm^n of the answer after n
-// iterations. Softer springs than this are solved here, and written as the impulse that they are.
-constexpr double max_spring_cfm = 0.1;
-
-Part rigidPart(double target, double cfm, double lower, double upper, double K) {
-  Part part;
-  part.target = target;
-  part.softness = std::max(cfm, rigid_softness) * K;
-  part.lower = lower;
-  part.upper = upper;
-  part.rigid = cfm < 1;
-  return part;
-}
-
-Part springPart(const Spring& spring, double error, double dt, double K, double lower,
-                double upper) {
-  const auto soft =
-      equations::softness_by_frequency<double>(spring.angular_frequency, spring.damping_ratio, dt, K);
-  Part part = rigidPart(-equations::baumgarte(error, soft.beta, dt), soft.gamma / dt / K, lower,
-                        upper, K);
-  part.rigid = soft.gamma / dt <= max_spring_cfm * K;
-  return part;
-}
-
-Part limitPart(const Axis& axis, const AxisMotion& m, double dt, AxisRow& row) {
-  const bool at_low =
-      m.position <= axis.low || (m.position < axis.high && m.free_velocity < 0);
-  // Towards the inside is positive from here on, for both sides.
-  const double side = at_low ? 1 : -1;
-  const double gap = side * (double(m.position) - double(at_low ? axis.low : axis.high));
-  const double inward = side * m.velocity;
-  const bool locked = axis.locked();
-  const double lower = locked || !at_low ? -unbounded : 0, upper = locked || at_low ? unbounded : 0;
-
-  if (axis.limit_spring.angular_frequency > 0) {
-    if (gap > 0 && !locked) return {};
-    return springPart(axis.limit_spring, side * gap, dt, m.K, lower, upper);
-  }
-  double speed;
-  if (gap > 0 && !locked) {
-    if (gap > m.max_motion) return {};
-    // Not there yet: the step may close the gap, and no more. Bullet's softness means nothing here.
-    speed = -gap / dt;
-    row.incoming = Scalar(std::max(0., -inward));
-    if (m.incoming > 0 && gap < 0.1 * m.incoming * dt) {
-      speed = axis.bias * axis.relaxation * m.incoming;
-      row.incoming = 0;
-    }
-    return rigidPart(side * speed, 0, lower, upper, m.K);
-  }
-  speed = -m.fps * m.limit_erp * gap;
-  // As in Bullet: a rebound if the joint comes in, of the speed with which it did.
-  const double incoming = std::max(double(m.incoming), -inward);
-  if (axis.relaxation > 0 && incoming > 0) speed = std::max(speed, axis.relaxation * incoming);
-  return rigidPart(side * speed * axis.bias, m.limit_cfm, lower, upper, m.K);
-}
-
-Part motorPart(const Axis& axis, const AxisMotion& m, double dt) {
-  if (axis.drive == Axis::Drive::velocity)
-    return rigidPart(double(m.motor_factor) * axis.motor_velocity, m.motor_cfm,
-                     -axis.max_motor_impulse, axis.max_motor_impulse, m.K);
-  const double bound = axis.max_servo_force * dt;
-  return springPart(axis.servo_spring, double(m.position) - axis.servo_target, dt, m.K, -bound,
-                    bound);
-}
-
 // Where the free motion u = u_free + K Lambda meets the sum of the parts.
-double meet(const Part* part, const bool* on, double u_free, double K) {
+double meet(const Slope* slope, const Part* part, double u_free, double K) {
   double ends[2 * Axis::parts];
   int n = 0;
   const auto insert = [&](double end) {
@@ -96,14 +108,14 @@ double meet(const Part* part, const bool* on, double u_free, double K) {
     ends[i] = end;
   };
   for (int i = 0; i < Axis::parts; ++i) {
-    if (!on[i]) continue;
-    if (part[i].upper < unbounded) insert(part[i].begin());
-    if (part[i].lower > -unbounded) insert(part[i].end());
+    if (!part[i].on) continue;
+    if (slope[i].upper < unbounded) insert(slope[i].begin());
+    if (slope[i].lower > -unbounded) insert(slope[i].end());
   }
   const auto excess = [&](double u) {
     double impulse = 0;
     for (int i = 0; i < Axis::parts; ++i)
-      if (on[i]) impulse += part[i].at(u);
+      if (part[i].on) impulse += slope[i].at(u);
     return u - u_free - K * impulse;
   };
   // excess grows with u and is linear between the ends; beyond them any two points tell the line.
@@ -115,57 +127,57 @@ double meet(const Part* part, const bool* on, double u_free, double K) {
   return f_right > f_left ? left - f_left * (right - left) / (f_right - f_left) : left;
 }
 
+AxisRow single(AxisRow row, int i, const Part& part) {
+  row.active = i;
+  row.target = part.target;
+  row.cfm = part.cfm;
+  row.lower = part.lower;
+  row.upper = part.upper;
+  return row;
+}
+
 }  // namespace
 
 AxisRow solveAxis(const Axis& axis, const AxisMotion& m) {
   AxisRow row;
+  if (axis.isSimple(m.limit)) {
+    if (m.limit) {
+      const Part part = limitPart(axis, m, row);
+      return part.on ? single(row, Axis::limit, part) : row;
+    }
+    if (axis.drive != Axis::Drive::off) return single(row, Axis::motor, motorPart(axis, m));
+    return single(row, Axis::friction, frictionPart(axis, m));
+  }
   if (!(m.K > 0)) return row;  // neither body can move
-  const double dt = 1. / m.fps, K = m.K;
-  Part part[Axis::parts];
-  bool on[Axis::parts] = {axis.drive != Axis::Drive::off, axis.max_friction > 0, axis.limited()};
-  if (on[Axis::limit]) {
-    part[Axis::limit] = limitPart(axis, m, dt, row);
-    on[Axis::limit] = part[Axis::limit].softness > 0;
-  }
-  if (on[Axis::motor]) part[Axis::motor] = motorPart(axis, m, dt);
-  if (on[Axis::friction])
-    part[Axis::friction] = rigidPart(0, 0, -axis.max_friction * dt, axis.max_friction * dt, K);
 
-  const int count = on[0] + on[1] + on[2];
-  if (count == 0) return row;
-  int active = on[0] ? 0 : on[1] ? 1 : 2;
-  // A single rigid part is a row as it stands.
-  if (count > 1 || !part[active].rigid) {
-    const double u = meet(part, on, m.free_velocity, K);
-    double nearest = unbounded, others = 0;
-    active = Axis::parts;
-    for (int i = 0; i < Axis::parts; ++i) {
-      if (!on[i]) continue;
-      row.share[i] = Scalar(part[i].at(u));
-      // The rigid part that u is on, or else the one that it would come to first.
-      const double away = std::max({0., part[i].begin() - u, u - part[i].end()});
-      if (part[i].rigid && away < nearest) {
-        nearest = away;
-        active = i;
-      }
+  Part part[Axis::parts];
+  if (axis.drive != Axis::Drive::off) part[Axis::motor] = motorPart(axis, m);
+  if (axis.max_friction > 0) part[Axis::friction] = frictionPart(axis, m);
+  if (m.limit) part[Axis::limit] = limitPart(axis, m, row);
+  Slope slope[Axis::parts];
+  for (int i = 0; i < Axis::parts; ++i) slope[i] = Slope(part[i], m.K);
+  const double u = meet(slope, part, m.free_velocity, m.K);
+  int active = Axis::parts;
+  double nearest = unbounded;
+  for (int i = 0; i < Axis::parts; ++i) {
+    if (!part[i].on) continue;
+    row.share[i] = Scalar(slope[i].at(u));
+    // The rigid part that u is on, or else the one that it would come to first.
+    const double away = std::max({0., slope[i].begin() - u, u - slope[i].end()});
+    if (part[i].rigid && away < nearest) {
+      nearest = away;
+      active = i;
     }
-    for (int i = 0; i < Axis::parts; ++i)
-      if (i != active) others += row.share[i];
-    if (active == Axis::parts) {
-      row.lower = row.upper = Scalar(others);
-      return row;
-    }
-    part[active].lower += others;
-    part[active].upper += others;
-    row.share[active] = 0;
   }
-  row.active = active;
-  row.target = Scalar(part[active].target);
-  const double cfm = part[active].softness / K;
-  row.cfm = cfm > rigid_softness ? Scalar(cfm) : Scalar(0);
-  row.lower = Scalar(std::max(part[active].lower, -unbounded));
-  row.upper = Scalar(std::min(part[active].upper, unbounded));
-  return row;
+  if (active != Axis::parts) row.share[active] = 0;
+  const Scalar others = row.share[0] + row.share[1] + row.share[2];
+  if (active == Axis::parts) {
+    row.lower = row.upper = others;
+    return row;
+  }
+  part[active].lower = std::max(-infinity, part[active].lower + others);
+  part[active].upper = std::min(infinity, part[active].upper + others);
+  return single(row, active, part[active]);
 }
 
 }  // namespace PINTLE_PRECISION

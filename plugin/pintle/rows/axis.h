@@ -41,6 +41,11 @@ struct Axis {
   bool locked() const { return low == high; }
   /// Motor, servo or friction: a row in every step, whatever the coordinate.
   bool driven() const { return drive != Drive::off || max_friction > 0; }
+  /// Whether a single rigid part acts, which is a row as it stands.
+  bool isSimple(bool limit_acts) const {
+    return (drive != Drive::off) + (max_friction > 0) + limit_acts <= 1 && drive != Drive::servo &&
+           !(limit_acts && limit_spring.angular_frequency > 0);
+  }
   /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
   Scalar distance(Scalar position) const {
     return position - low < high - position ? position - low : high - position;
@@ -50,15 +55,17 @@ struct Axis {
 /// What the step knows of a coordinate.
 struct AxisMotion {
   Scalar position;
-  Scalar velocity;       ///< at the start of the step
-  Scalar free_velocity;  ///< at its end, if nothing acted along the coordinate
-  Scalar incoming;       ///< speed with which a limit was reached in the last step, else 0
-  Scalar max_motion;     ///< the furthest that Bullet moves the coordinate in a step
-  Scalar K;              ///< J M^-1 J^T of the row, after the joint's equalities
+  Scalar velocity;      ///< at the start of the step
+  Scalar max_speed;     ///< of the correction of a broken limit
+  Scalar incoming;      ///< speed with which a limit was reached in the last step, else 0
+  bool limit;           ///< whether the limit may act in this step
   Scalar fps;
   Scalar limit_erp;
   Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
   Scalar motor_factor;          ///< of motor_velocity: Bullet's motors slow down before a limit
+  // For more than one part, or a soft one (Axis::isSimple is false):
+  Scalar free_velocity;  ///< at the end of the step, if nothing acted along the coordinate
+  Scalar K;              ///< J M^-1 J^T of the row, after the joint's equalities
 };
 
 /// The row: J v = target, with Bullet's softness and bounds in impulses; and how to read it back.

@@ -12,79 +12,81 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-// Four lanes for the sake of the vector unit.
+// Four lanes, the last one zero, for the sake of the vector unit.
 using Lanes = Eigen::Array<Scalar, 4, 1>;
 
-inline Lanes lanes(const Vec3& v, Scalar last = 0) { return {v.x(), v.y(), v.z(), last}; }
-
-/// A row [L, A_a, A_b] or a velocity change M^-1 J^T.
-struct Lanes3 {
-  Lanes L, A_a, A_b;
-
-  Lanes product(const Lanes3& o) const { return L * o.L + A_a * o.A_a + A_b * o.A_b; }
-  void subtract(Scalar k, const Lanes3& o) {
-    L -= k * o.L;
-    A_a -= k * o.A_a;
-    A_b -= k * o.A_b;
-  }
-};
+using LanesView = Eigen::Map<const Lanes, Eigen::Unaligned>;
 
 struct BlockRow {
-  Lanes3 J;    ///< J.L[3] is the row's target, which goes through the same elimination
-  Lanes3 W;    ///< M^-1 J^T; W.L[3] = 0
-  Scalar K;    ///< J M^-1 J^T
-  Scalar K_inv;  ///< 0 if the row has nothing left that the bodies could follow
+  Lanes L, A_a, A_b;     ///< L[3] is the row's target, which goes through the same elimination
+  Lanes WL, WA_a, WA_b;  ///< M^-1 J^T
+  Scalar K, K_inv;       ///< J M^-1 J^T; K_inv is 0 if the row must not be eliminated with
 
-  Scalar target() const { return J.L[3]; }
+  Scalar target() const { return L[3]; }
 };
 
 /// M^-1 of both bodies, as Bullet applies it: with the bodies' linear and angular factors.
 class BlockMass {
  public:
-  explicit BlockMass(const BodyPair& pair)
-      : m_m_inv(lanes(pair.inv_mass_a() * view(pair.a().getLinearFactor()) +
-                      pair.inv_mass_b() * view(pair.b().getLinearFactor()))) {
+  explicit BlockMass(const BodyPair& pair) {
+    const VectorView f_a = view(pair.a().getLinearFactor()), f_b = view(pair.b().getLinearFactor());
+    const Scalar a = pair.inv_mass_a(), b = pair.inv_mass_b();
+    m_m = {a * f_a[0] + b * f_b[0], a * f_a[1] + b * f_b[1], a * f_a[2] + b * f_b[2], Scalar(0)};
     load(m_I_a, pair.inv_inertia_a(), view(pair.a().getAngularFactor()));
     load(m_I_b, pair.inv_inertia_b(), view(pair.b().getAngularFactor()));
   }
 
   void weigh(BlockRow& row) const {
-    row.W.L = m_m_inv * row.J.L;
-    row.W.A_a = m_I_a[0] * row.J.A_a[0] + m_I_a[1] * row.J.A_a[1] + m_I_a[2] * row.J.A_a[2];
-    row.W.A_b = m_I_b[0] * row.J.A_b[0] + m_I_b[1] * row.J.A_b[1] + m_I_b[2] * row.J.A_b[2];
-    row.K = row.J.product(row.W).sum();
-    row.K_inv = row.K > 0 ? 1 / row.K : Scalar(0);
+    row.WL = m_m * row.L;
+    row.WA_a = m_I_a[0] * row.A_a[0] + m_I_a[1] * row.A_a[1] + m_I_a[2] * row.A_a[2];
+    row.WA_b = m_I_b[0] * row.A_b[0] + m_I_b[1] * row.A_b[1] + m_I_b[2] * row.A_b[2];
+    row.K = (row.L * row.WL + row.A_a * row.WA_a + row.A_b * row.WA_b).sum();
   }
 
  private:
-  // I^-1 is symmetric: its columns, for a product without sums across lanes.
+  // I^-1 is symmetric: its columns, for a product without sums across lanes. The fourth lane is what
+  // Bullet pads with, and goes with the factor's zero.
   static void load(Lanes (&I)[3], const MatrixView& inverse, const VectorView& factor) {
-    for (int i = 0; i < 3; ++i)
-      I[i] = lanes(inverse.row(i).transpose().cwiseProduct(factor));
+    const Lanes f(factor[0], factor[1], factor[2], Scalar(0));
+    for (int i = 0; i < 3; ++i) I[i] = f * LanesView(inverse.data() + i * inverse.outerStride());
   }
 
-  Lanes m_m_inv;
+  Lanes m_m;
   Lanes m_I_a[3], m_I_b[3];
 };
 
-/// Makes row `i` of weighed rows orthogonal to the equalities before it. A row that depends on them
-/// is left as it was: it says the same again, and a remainder of rounding errors must not be
-/// solved for.
-inline void orthogonalise(BlockRow* rows, int i, int equalities) {
-  // Redundant is what keeps less than this part of its K.
-  const Scalar dependent = 64 * SIMD_EPSILON;
-  BlockRow row = rows[i];
-  for (int j = 0; j < i && j < equalities; ++j) {
-    const Scalar k = row.J.product(rows[j].W).sum() * rows[j].K_inv;
-    row.J.subtract(k, rows[j].J);
-    row.W.subtract(k, rows[j].W);
+/// What is left of K after less than this part of it is rounding.
+constexpr Scalar rounding_of_K = 64 * SIMD_EPSILON;
+
+/// Row `i` of the block: `from`, made orthogonal to the first `equalities` rows, which are so among
+/// themselves. A row that depends on them stays as it was: it says the same again, and a remainder of
+/// rounding errors must not be solved for.
+inline void addToBlock(BlockRow* rows, int i, int equalities, const Row& from, Scalar target,
+                       const BlockMass& mass) {
+  BlockRow& row = rows[i];
+  Lanes L = LanesView(&from.L[0]), A_a = LanesView(&from.A_a[0]), A_b = LanesView(&from.A_b[0]);
+  L[3] = target;
+  Scalar lost = 0;
+  for (const BlockRow* other = rows; other != rows + equalities; ++other) {
+    const Scalar product = (L * other->WL + A_a * other->WA_a + A_b * other->WA_b).sum();
+    const Scalar k = product * other->K_inv;
+    L -= k * other->L;
+    A_a -= k * other->A_a;
+    A_b -= k * other->A_b;
+    lost += k * product;
   }
-  row.K = row.J.product(row.W).sum();
-  if (row.K > dependent * rows[i].K) {
-    row.K_inv = 1 / row.K;
-    rows[i] = row;
-  } else {
-    rows[i].K_inv = 0;
+  row.L = L;
+  row.A_a = A_a;
+  row.A_b = A_b;
+  mass.weigh(row);
+  row.K_inv = 1 / row.K;
+  if (!(row.K > rounding_of_K * lost)) {
+    row.L = LanesView(&from.L[0]);
+    row.L[3] = target;
+    row.A_a = LanesView(&from.A_a[0]);
+    row.A_b = LanesView(&from.A_b[0]);
+    mass.weigh(row);
+    row.K_inv = 0;
   }
 }
 

@@ -12,10 +12,11 @@ class UnwrappedAngle {
  public:
   /// The angle (rad) is known from elsewhere, turns included.
   void set(Scalar angle) {
-    m_turns = std::round(angle / Scalar(2 * pi));
-    const Scalar rest = angle - Scalar(2 * pi) * m_turns;
+    const Scalar rest = angle - Scalar(2 * pi) * std::round(angle / Scalar(2 * pi));
     m_x = std::cos(rest);
     m_y = std::sin(rest);
+    // Of the remainder as it came out: half a turn may have rounded to the other side.
+    m_turns = std::round((angle - remainder()) / Scalar(2 * pi));
     m_direction = 0;
   }
 
@@ -26,11 +27,27 @@ class UnwrappedAngle {
     // At half a turn to within rounding both ways are as near: on as before.
     const bool tie = cosine < 0 && std::abs(sine) < Scalar(-1e-3) * cosine && m_direction != 0;
     const Scalar direction = tie ? m_direction : sine;
-    if (direction > 0 && m_y >= 0 && y < 0) ++m_turns;
-    if (direction < 0 && m_y < 0 && y >= 0) --m_turns;
+    // Whether the remainder has grown; it falls on the way up, and grows on the way down, only by a
+    // turn. Within one half plane the sine says so, and between 0 and pi exactly, the cosine.
+    const bool below = y < 0, was_below = m_y < 0;
+    const Scalar growth = below != was_below ? Scalar(below ? -1 : 1) : sine != 0 ? sine : m_x - x;
+    if (direction > 0 && growth < 0) ++m_turns;
+    if (direction < 0 && growth > 0) --m_turns;
     if (sine != 0) m_direction = direction > 0 ? Scalar(1) : Scalar(-1);
     m_x = x;
     m_y = y;
+  }
+
+  /// The same, where the angle has changed by about `change` since the last look, which may be more
+  /// than half a turn.
+  void update(Scalar x, Scalar y, Scalar change) {
+    y += Scalar(0);
+    if (x == m_x && y == m_y) return;  // looked already
+    const Scalar expected = value() + change, rest = std::atan2(y, x);
+    m_turns = std::round((expected - rest) / Scalar(2 * pi));
+    m_x = x;
+    m_y = y;
+    m_direction = change > 0 ? Scalar(1) : Scalar(-1);
   }
 
   Scalar turns() const { return m_turns; }

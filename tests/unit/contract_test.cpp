@@ -1,0 +1,1155 @@
+// What every joint promises, whatever its type: finite and complete rows at any pose, calls that
+// may be repeated, no allocation in a step, the same bits in every run, and settings that are taken
+// whole or not at all. A new joint type is one line in `Cases`.
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
+#include <gtest/gtest.h>
+#include <pintle/body_pair.h>
+#include <pintle/joints/ball_joint.h>
+#include <pintle/joints/quaternion_hinge.h>
+#include <scenes/chain.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <functional>
+#include <new>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "support.h"
+
+// --- counting allocations ------------------------------------------------------------------------
+
+namespace {
+thread_local long allocations = 0;
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  const std::size_t rounded =
+      (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
+  if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;
+  throw std::bad_alloc();
+}
+}  // namespace
+
+// The array and the nothrow forms call these. Inlined, they look to the compiler like a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  return allocate(size, alignof(std::max_align_t));
+}
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, std::size_t(alignment));
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace {
+
+using pintle::BallJoint;
+using pintle::Formulation;
+using pintle::Joint;
+using pintle::QuaternionHinge;
+using scenes::pi;
+using support::infinite;
+using support::nan_value;
+using support::Random;
+using support::scalar;
+using support::SolverRows;
+using support::StepInfo;
+using support::vec;
+
+// --- the types -----------------------------------------------------------------------------------
+
+template <class J, Formulation form>
+struct Case {
+  using Type = J;
+  static constexpr Formulation formulation = form;
+};
+template <class J>
+using Document = Case<J, Formulation::document>;
+template <class J>
+using Conditioned = Case<J, Formulation::conditioned>;
+
+using Cases = testing::Types<Conditioned<QuaternionHinge>, Document<QuaternionHinge>,  //
+                             Conditioned<BallJoint>, Document<BallJoint>>;
+
+// What a joint can be set to, from few to all settings. A joint without an overload has its rows as
+// they are constructed.
+constexpr int variants = 6;
+
+[[maybe_unused]] void set(Joint&, int) {}
+void set(BallJoint& ball, int variant) {
+  if (variant == 1) ball.m_setting.m_impulseClamp = scalar(0.5);
+  if (variant == 2) ball.m_setting.m_damping = scalar(0.5);
+  if (variant == 3) ball.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
+}
+void set(QuaternionHinge& hinge, int variant) {
+  if (variant == 1) hinge.setLimit(scalar(-0.2), scalar(0.3));
+  if (variant == 2) hinge.enableAngularMotor(true, 2, 10);
+  if (variant == 3) {
+    hinge.setLimit(scalar(0.1), scalar(0.1));
+    hinge.setLimitSpring(3, scalar(0.5));
+  }
+  if (variant == 4) {
+    hinge.setLimit(scalar(-0.2), scalar(0.3));
+    hinge.setMotorServo(2, 30, 1, 100);
+    hinge.setFriction(2);
+  }
+  if (variant == 5) {
+    hinge.setAngularOnly(true);
+    hinge.setLimit(scalar(-0.2), scalar(0.3));
+    hinge.setFriction(2);
+  }
+}
+
+template <class C>
+class Contract : public testing::Test {
+ public:
+  using Type = typename C::Type;
+
+  static std::unique_ptr<Type> make(btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
+                                    const btTransform& frame_b, int variant = 0) {
+    auto joint = std::make_unique<Type>(a, b, frame_a, frame_b);
+    joint->setFormulation(C::formulation);
+    set(*joint, variant);
+    return joint;
+  }
+  static Type& add(scenes::World& world, btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
+                   const btTransform& frame_b, int variant = 0) {
+    Type& joint = world.add_joint<Type>(a, b, frame_a, frame_b);
+    joint.setFormulation(C::formulation);
+    set(joint, variant);
+    return joint;
+  }
+};
+
+struct CaseName {
+  template <class C>
+  static std::string GetName(int i) {
+    return std::to_string(i) +
+           (C::formulation == Formulation::document ? "_document" : "_conditioned");
+  }
+};
+TYPED_TEST_SUITE(Contract, Cases, CaseName);
+
+// A pair of bodies that move anyhow, and frames that do not meet.
+struct Pair {
+  std::unique_ptr<btRigidBody> a, b;
+  btTransform frame_a, frame_b;
+};
+
+void move(btRigidBody& body, Random& random, double speed, double spin) {
+  body.setLinearVelocity(random.vector(speed));
+  body.setAngularVelocity(random.vector(spin));
+  body.applyCentralForce(random.vector(10));
+  body.applyTorque(random.vector(10));
+}
+
+Pair randomPair(Random& random, double mass_a = 1, double mass_b = 2, double reach = 2) {
+  Pair pair;
+  pair.frame_a = random.pose(1);
+  pair.frame_b = random.pose(1);
+  pair.a = support::body(mass_a, vec(0.1, 0.2, 0.25) * scalar(mass_a), random.pose(reach));
+  pair.b = support::body(mass_b, vec(0.3, 0.2, 0.25) * scalar(mass_b), random.pose(reach));
+  move(*pair.a, random, 3, 5);
+  move(*pair.b, random, 3, 5);
+  return pair;
+}
+
+/// b where the joint frames are the same.
+void meet(Pair& pair) {
+  pair.b->setCenterOfMassTransform(pair.a->getCenterOfMassTransform() * pair.frame_a *
+                                   pair.frame_b.inverse());
+}
+
+struct Degenerate {
+  const char* name;
+  std::function<void(Pair&, Random&)> make;
+};
+
+std::vector<Degenerate> degenerates() {
+  const auto bodies = [](double mass_a, const btVector3& inertia_a, double mass_b,
+                         const btVector3& inertia_b) {
+    return [=](Pair& pair, Random& random) {
+      pair.a = support::body(mass_a, inertia_a, random.pose(1));
+      pair.b = support::body(mass_b, inertia_b, random.pose(1));
+      move(*pair.a, random, 3, 5);
+      move(*pair.b, random, 3, 5);
+    };
+  };
+  const btVector3 one(1, 1, 1);
+  return {
+      {"two needles", bodies(1, vec(1, 1, 1e-8), 1, vec(1e-8, 1, 1))},
+      {"needle on the world", bodies(1, vec(1, 1, 1e-8), 0, one)},
+      {"1e-6 kg and 1 kg", bodies(1e-6, one * scalar(1e-7), 1, one)},
+      {"1e-6 kg and 1e6 kg", bodies(1e-6, one * scalar(1e-7), 1e6, one * scalar(1e5))},
+      {"two of 1e6 kg", bodies(1e6, one * scalar(1e5), 1e6, one * scalar(1e5))},
+      {"two of 1e-6 kg", bodies(1e-6, one * scalar(1e-7), 1e-6, one * scalar(1e-7))},
+      {"static and static", bodies(0, one, 0, one)},
+      {"no inertia to turn by", bodies(1, vec(0, 0, 0), 1, vec(0, 0, 0))},
+      {"coincident",
+       [](Pair& pair, Random&) {
+         pair.b->setCenterOfMassTransform(pair.a->getCenterOfMassTransform());
+         pair.frame_a = pair.frame_b = btTransform::getIdentity();
+       }},
+      {"violated by 10 m",
+       [](Pair& pair, Random& random) {
+         meet(pair);
+         pair.b->translate(random.unit() * 10);
+       }},
+      {"half a turn off",
+       [](Pair& pair, Random&) {
+         meet(pair);
+         btTransform turn = pair.b->getCenterOfMassTransform();
+         turn.getBasis() = btMatrix3x3(btQuaternion(vec(1, 0, 0), scalar(pi))) * turn.getBasis();
+         pair.b->setCenterOfMassTransform(turn);
+       }},
+      {"10 km from the origin",
+       [](Pair& pair, Random&) {
+         pair.a->translate(vec(1e4, -1e4, 1e4));
+         meet(pair);
+       }},
+      {"spin of 1000 rad/s",
+       [](Pair& pair, Random& random) {
+         pair.a->setAngularVelocity(random.unit() * 1000);
+         pair.b->setAngularVelocity(random.unit() * 1000);
+       }},
+  };
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+void expectWhole(const SolverRows& rows) {
+  // Memory that was NaN is not any more: every field was written, with a finite number.
+  EXPECT_TRUE(rows.finite()) << rows;
+  EXPECT_EQ(rows.touched(), rows.announced());
+  for (int i = 0; i < rows.announced(); ++i) EXPECT_LE(rows[i].lower(), rows[i].upper()) << i;
+}
+
+TYPED_TEST(Contract, RowsAreFiniteAndWholeAtRandomPoses) {
+  Random random(11);
+  for (int n = 0; n < 300; ++n) {
+    SCOPED_TRACE(n);
+    Pair pair = randomPair(random);
+    if (n % 3 == 0) meet(pair);
+    for (int variant = 0; variant < variants; ++variant) {
+      SCOPED_TRACE(testing::Message() << "variant " << variant);
+      for (const bool block : {false, true}) {
+        const auto joint = this->make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
+        joint->setBlockRows(block);
+        for (int step = 0; step < 2; ++step) {
+          const SolverRows rows = SolverRows::ofStep(*joint);
+          EXPECT_GT(rows.announced(), 0);
+          expectWhole(rows);
+        }
+      }
+    }
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TYPED_TEST(Contract, RowsAreFiniteAndWholeOfDegenerateBodies) {
+  for (const Degenerate& degenerate : degenerates()) {
+    SCOPED_TRACE(degenerate.name);
+    Random random(12);
+    for (int n = 0; n < 20; ++n) {
+      Pair pair = randomPair(random);
+      degenerate.make(pair, random);
+      for (int variant = 0; variant < variants; ++variant) {
+        SCOPED_TRACE(testing::Message() << "variant " << variant);
+        for (const bool block : {false, true}) {
+          const auto joint = this->make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
+          joint->setBlockRows(block);
+          expectWhole(SolverRows::ofStep(*joint));
+          expectWhole(SolverRows::ofStep(*joint));
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(Contract, DegenerateBodiesStayFiniteInAWorld) {
+  for (const Degenerate& degenerate : degenerates()) {
+    SCOPED_TRACE(degenerate.name);
+    for (int variant = 0; variant < variants; ++variant) {
+      SCOPED_TRACE(testing::Message() << "variant " << variant);
+      Random random(13);
+      Pair pair = randomPair(random);
+      degenerate.make(pair, random);
+      btSphereShape shape(1);  // Bullet's world asks for one
+      scenes::World world(0);
+      for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
+        body->setCollisionShape(&shape);
+        body->setActivationState(DISABLE_DEACTIVATION);
+        world.bullet().addRigidBody(body, 0, 0);
+      }
+      const auto joint = this->make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
+      world.bullet().addConstraint(joint.get(), true);
+      for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+      EXPECT_TRUE(support::is_finite(*pair.a));
+      EXPECT_TRUE(support::is_finite(*pair.b));
+      world.bullet().removeConstraint(joint.get());
+      world.bullet().removeRigidBody(pair.a.get());
+      world.bullet().removeRigidBody(pair.b.get());
+    }
+  }
+}
+
+// Bullet hands over the world's softness in the first row only.
+TYPED_TEST(Contract, TheWorldsCfmReachesEveryEquality) {
+  Random random(14);
+  const Pair pair = randomPair(random);
+  const auto joint = this->make(*pair.a, *pair.b, pair.frame_a, pair.frame_b);
+  StepInfo info;
+  info.cfm = 0.0625;
+  const SolverRows rows = SolverRows::ofStep(*joint, info);
+  ASSERT_GT(rows.announced(), 1);
+  for (int i = 0; i < rows.announced(); ++i) EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
+}
+
+struct Poison {
+  const char* name;
+  std::function<void(btRigidBody&, btScalar)> put;
+};
+
+std::vector<Poison> poisons() {
+  const auto pose = [](btRigidBody& body, const std::function<void(btTransform&)>& change) {
+    btTransform transform = body.getCenterOfMassTransform();
+    change(transform);
+    body.setCenterOfMassTransform(transform);
+  };
+  return {
+      {"position", [=](btRigidBody& body,
+                       btScalar v) { pose(body, [v](btTransform& t) { t.getOrigin().setY(v); }); }},
+      {"orientation",
+       [=](btRigidBody& body, btScalar v) {
+         pose(body, [v](btTransform& t) { t.getBasis()[1][2] = v; });
+       }},
+      {"velocity",
+       [](btRigidBody& body, btScalar v) {
+         body.setLinearVelocity({0, 0, v});
+       }},
+      {"spin",
+       [](btRigidBody& body, btScalar v) {
+         body.setAngularVelocity({0, v, 0});
+       }},
+      {"force",
+       [](btRigidBody& body, btScalar v) {
+         body.applyCentralForce({v, 0, 0});
+       }},
+      {"torque",
+       [](btRigidBody& body, btScalar v) {
+         body.applyTorque({0, 0, v});
+       }},
+  };
+}
+
+TYPED_TEST(Contract, ABodyThatIsNotFiniteGetsNoRows) {
+  for (const Poison& poison : poisons()) {
+    for (const btScalar value : {nan_value, infinite, -infinite}) {
+      for (const bool first : {false, true}) {
+        for (int variant = 0; variant < variants; ++variant) {
+          SCOPED_TRACE(testing::Message() << poison.name << " of " << (first ? 'a' : 'b') << ", "
+                                          << value << ", variant " << variant);
+          Random random(15);
+          const Pair pair = randomPair(random);
+          const auto joint = this->make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
+          EXPECT_GT(SolverRows::ofStep(*joint).announced(), 0);
+          btRigidBody& body = first ? *pair.a : *pair.b;
+          const btTransform pose = body.getCenterOfMassTransform();
+          poison.put(body, value);
+          const SolverRows rows = SolverRows::ofStep(*joint);
+          EXPECT_EQ(rows.announced(), 0);
+          // A disabled joint looks at its bodies too.
+          joint->setEnabled(false);
+          joint->buildJacobian();
+          joint->setEnabled(true);
+          // Healed, it has rows again, as if nothing had been.
+          body.setCenterOfMassTransform(pose);
+          body.setLinearVelocity({0, 0, 0});
+          body.setAngularVelocity({0, 0, 0});
+          body.clearForces();
+          expectWhole(SolverRows::ofStep(*joint));
+          EXPECT_GT(SolverRows::ofStep(*joint).announced(), 0);
+        }
+      }
+    }
+  }
+}
+
+// a - b - c, and b is lost.
+TYPED_TEST(Contract, TheOtherBodiesOfAWorldStayFinite) {
+  for (const Poison& poison : poisons()) {
+    for (const btScalar value : {nan_value, infinite}) {
+      for (int variant = 0; variant < variants; ++variant) {
+        SCOPED_TRACE(testing::Message() << poison.name << ", " << value << ", variant " << variant);
+        scenes::World world;
+        btRigidBody* bodies[4];
+        for (int i = 0; i < 4; ++i)
+          bodies[i] = &world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(i, 0, 0)));
+        for (int i = 0; i < 3; ++i)
+          this->add(world, *bodies[i], *bodies[i + 1], scenes::pose_at(vec(0.5, 0, 0)),
+                    scenes::pose_at(vec(-0.5, 0, 0)), variant);
+        world.step(1.0 / 60);
+        poison.put(*bodies[1], value);
+        for (int i = 0; i < 20; ++i) world.step(1.0 / 60);
+        EXPECT_FALSE(support::is_finite(*bodies[1]));
+        for (const int i : {0, 2, 3}) EXPECT_TRUE(support::is_finite(*bodies[i])) << "body " << i;
+      }
+    }
+  }
+}
+
+// Frames are open to their owner, as Bullet's are.
+template <class Change>
+void expectHarmless(QuaternionHinge& hinge, Change change) {
+  const btTransform a = hinge.getAFrame(), b = hinge.getBFrame();
+  change(hinge.getAFrame());
+  const SolverRows rows = SolverRows::ofStep(hinge);
+  EXPECT_TRUE(rows.announced() == 0 || rows.finite()) << rows;
+  hinge.getAFrame() = a;
+  change(hinge.getBFrame());
+  const SolverRows again = SolverRows::ofStep(hinge);
+  EXPECT_TRUE(again.announced() == 0 || again.finite()) << again;
+  hinge.getBFrame() = b;
+}
+
+TEST(ContractOfTheHinge, FramesSpoiledByTheirOwnerWriteNoNan) {
+  Random random(16);
+  const Pair pair = randomPair(random);
+  for (const Formulation formulation : {Formulation::document, Formulation::conditioned}) {
+    for (int variant = 0; variant < variants; ++variant) {
+      SCOPED_TRACE(testing::Message() << (formulation == Formulation::document ? "document" : "")
+                                      << " variant " << variant);
+      QuaternionHinge hinge(*pair.a, *pair.b, pair.frame_a, pair.frame_b);
+      hinge.setFormulation(formulation);
+      set(hinge, variant);
+      for (const btScalar value : {nan_value, infinite}) {
+        expectHarmless(hinge, [=](btTransform& frame) { frame.getOrigin().setX(value); });
+        for (int column = 0; column < 3; ++column)
+          expectHarmless(hinge, [=](btTransform& frame) { frame.getBasis()[1][column] = value; });
+      }
+      expectHarmless(hinge, [](btTransform& frame) {
+        frame.setBasis(btMatrix3x3(0, 0, 0, 0, 0, 0, 0, 0, 0));
+      });
+    }
+  }
+}
+
+// --- row counts ----------------------------------------------------------------------------------
+
+struct HingeCount {
+  const char* name;
+  int rows;
+  std::function<void(QuaternionHinge&, btRigidBody&)> set;
+};
+
+TEST(ContractOfTheHinge, HasARowForWhatActs) {
+  // The hinge stands at 0; b's spin is the speed of the angle.
+  const btVector3 spin(0, 0, 6);  // 0.1 rad a step of 1/60 s
+  const HingeCount counts[] = {
+      {"free", 5, [](auto&, auto&) {}},
+      {"inside its limit", 5, [](auto& h, auto&) { h.setLimit(-1, 1); }},
+      {"inside and slow", 5,
+       [&](auto& h, auto& b) {
+         h.setLimit(-1, 1);
+         b.setAngularVelocity(spin);
+       }},
+      {"crossed limit", 5, [](auto& h, auto&) { h.setLimit(1, scalar(0.5)); }},
+      {"half a limit, away", 5, [](auto& h, auto&) { h.setLimit(-infinite, 1); }},
+      {"no side of a limit", 5, [](auto& h, auto&) { h.setLimit(-infinite, infinite); }},
+      {"broken limit, low", 6, [](auto& h, auto&) { h.setLimit(scalar(0.1), 1); }},
+      {"broken limit, high", 6, [](auto& h, auto&) { h.setLimit(-1, scalar(-0.1)); }},
+      {"broken half limit", 6, [](auto& h, auto&) { h.setLimit(-infinite, scalar(-0.1)); }},
+      {"about to reach the high side", 6,
+       [&](auto& h, auto& b) {
+         h.setLimit(-1, scalar(0.09));
+         b.setAngularVelocity(spin);
+       }},
+      {"about to reach the low side", 6,
+       [&](auto& h, auto& b) {
+         h.setLimit(scalar(-0.09), 1);
+         b.setAngularVelocity(-spin);
+       }},
+      {"leaving a side", 5,
+       [&](auto& h, auto& b) {
+         h.setLimit(scalar(-0.09), 1);
+         b.setAngularVelocity(spin);
+       }},
+      {"locked", 6, [](auto& h, auto&) { h.setLimit(0, 0); }},
+      {"motor", 6, [](auto& h, auto&) { h.enableAngularMotor(true, 1, 1); }},
+      {"motor off", 5, [](auto& h, auto&) { h.enableAngularMotor(false, 1, 1); }},
+      {"servo", 6, [](auto& h, auto&) { h.setMotorServo(1, 1, 1, 1); }},
+      {"servo off", 5,
+       [](auto& h, auto&) {
+         h.setMotorServo(1, 1, 1, 1);
+         h.enableMotor(false);
+       }},
+      {"friction", 6, [](auto& h, auto&) { h.setFriction(1); }},
+      {"no friction", 5, [](auto& h, auto&) { h.setFriction(0); }},
+      {"everything at once", 6,
+       [](auto& h, auto&) {
+         h.setLimit(0, 0);
+         h.enableAngularMotor(true, 1, 1);
+         h.setFriction(1);
+       }},
+  };
+  for (const Formulation formulation : {Formulation::document, Formulation::conditioned}) {
+    for (const bool angular_only : {false, true}) {
+      for (const HingeCount& count : counts) {
+        SCOPED_TRACE(testing::Message() << count.name << (angular_only ? ", angular only" : ""));
+        const auto a = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+        const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+        const btTransform frame = btTransform::getIdentity();
+        QuaternionHinge hinge(*a, *b, frame, frame, true);
+        hinge.setFormulation(formulation);
+        hinge.setAngularOnly(angular_only);
+        count.set(hinge, *b);
+        const SolverRows rows = SolverRows::ofStep(hinge);
+        EXPECT_EQ(rows.announced(), count.rows - (angular_only ? 3 : 0));
+        expectWhole(rows);
+      }
+    }
+  }
+}
+
+TEST(ContractOfTheBall, HasThreeRows) {
+  Random random(17);
+  const Pair pair = randomPair(random);
+  for (int variant = 0; variant < variants; ++variant) {
+    BallJoint ball(*pair.a, *pair.b, pair.frame_a, pair.frame_b);
+    set(ball, variant);
+    const SolverRows rows = SolverRows::ofStep(ball);
+    EXPECT_EQ(rows.announced(), 3);
+    expectWhole(rows);
+  }
+}
+
+// --- repetition ----------------------------------------------------------------------------------
+
+// A joint in the middle of a motion, with all that it remembers of its last steps.
+template <class C>
+struct Moving {
+  scenes::World world{scenes::standard_gravity, 3};
+  typename C::Type* joint = nullptr;
+
+  explicit Moving(int variant, int steps = 7) {
+    btRigidBody* bodies[4];
+    for (int i = 0; i < 4; ++i)
+      bodies[i] = &world.add_box(i == 0 ? 0 : i, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(i, 0, 0)));
+    // Hinge axes out of the plane and of each other.
+    for (int i = 0; i < 3; ++i) {
+      const btQuaternion turn(vec(1, 0, 0), scalar(1 + 0.3 * i));
+      auto& added =
+          Contract<C>::add(world, *bodies[i], *bodies[i + 1], btTransform(turn, vec(0.5, 0, 0)),
+                           btTransform(turn, vec(-0.5, 0, 0)), variant);
+      if (i == 1) joint = &added;
+    }
+    bodies[3]->applyCentralImpulse(vec(1, 2, 3));
+    for (int i = 0; i < steps; ++i) world.step(1.0 / 60);
+  }
+};
+
+double accumulatedAngle(Joint&) { return 0; }
+double accumulatedAngle(QuaternionHinge& hinge) { return double(hinge.getAccumulatedHingeAngle()); }
+
+TYPED_TEST(Contract, GetInfo1MayBeRepeated) {
+  for (int variant = 0; variant < variants; ++variant) {
+    SCOPED_TRACE(testing::Message() << "variant " << variant);
+    Moving<TypeParam> once(variant), often(variant);
+    once.joint->buildJacobian();
+    often.joint->buildJacobian();
+    SolverRows expected, got;
+    expected.count(*once.joint);
+    for (int i = 0; i < 5; ++i) got.count(*often.joint);
+    expected.fill(*once.joint);
+    got.fill(*often.joint);
+    EXPECT_EQ(expected, got);
+    EXPECT_EQ(accumulatedAngle(*once.joint), accumulatedAngle(*often.joint));
+    // And the world goes on to the same bits.
+    once.world.step(1.0 / 60);
+    often.world.step(1.0 / 60);
+    const btRigidBody &b = once.joint->getRigidBodyB(), &other = often.joint->getRigidBodyB();
+    EXPECT_EQ(b.getCenterOfMassPosition(), other.getCenterOfMassPosition());
+    EXPECT_EQ(b.getAngularVelocity(), other.getAngularVelocity());
+  }
+}
+
+TYPED_TEST(Contract, GetInfo2MayBeRepeated) {
+  for (int variant = 0; variant < variants; ++variant) {
+    SCOPED_TRACE(testing::Message() << "variant " << variant);
+    Moving<TypeParam> moving(variant);
+    moving.joint->buildJacobian();
+    SolverRows first, again;
+    first.count(*moving.joint);
+    first.fill(*moving.joint);
+    again = first;
+    for (int i = 0; i < 3; ++i) {
+      again.fill(*moving.joint);
+      EXPECT_EQ(first, again);
+    }
+    // With the whole of getInfo1 between.
+    again.ask(*moving.joint);
+    EXPECT_EQ(first, again);
+  }
+}
+
+// The bytes of a joint, to see that it did not change.
+template <class J>
+std::vector<unsigned char> bytes(const J& joint) {
+  std::vector<unsigned char> result(sizeof(J));
+  std::memcpy(result.data(), static_cast<const void*>(&joint), sizeof(J));
+  return result;
+}
+
+TYPED_TEST(Contract, AddRowsAtAnotherPoseChangesNothing) {
+  Random random(18);
+  for (int variant = 0; variant < variants; ++variant) {
+    SCOPED_TRACE(testing::Message() << "variant " << variant);
+    Moving<TypeParam> moving(variant), twin(variant);
+    const auto bytes_before = bytes(*moving.joint);
+    for (int n = 0; n < 20; ++n) {
+      const btTransform pose_a = random.pose(3), pose_b = random.pose(3);
+      const pintle::BodyPair pair(moving.joint->getRigidBodyA(), pose_a,
+                                  moving.joint->getRigidBodyB(), pose_b);
+      pintle::RowMemory<SolverRows::capacity> memory;
+      pintle::Rows rows(memory), again(memory);
+      moving.joint->addRows(pair, rows);
+      EXPECT_GT(rows.size(), 0);
+      const pintle::Vec3 L = rows[0].L, A_a = rows[0].A_a, A_b = rows[0].A_b;
+      const btScalar position = rows[0].position;
+      moving.joint->addRows(pair, again);
+      EXPECT_EQ(again.size(), rows.size());
+      EXPECT_EQ(again[0].L, L);
+      EXPECT_EQ(again[0].A_a, A_a);
+      EXPECT_EQ(again[0].A_b, A_b);
+      EXPECT_EQ(again[0].position, position);
+    }
+    EXPECT_EQ(bytes(*moving.joint), bytes_before);
+    EXPECT_EQ(SolverRows::ofStep(*moving.joint), SolverRows::ofStep(*twin.joint));
+  }
+}
+
+// --- memory --------------------------------------------------------------------------------------
+
+TEST(ContractOfThisTest, AllocationsAreCounted) {
+  const long before = allocations;
+  delete new int(1);
+  delete[] new double[3];
+  std::vector<int>(10).swap(*std::make_unique<std::vector<int>>());
+  EXPECT_GE(allocations - before, 3);
+}
+
+TYPED_TEST(Contract, AStepAllocatesNothing) {
+  for (int variant = 0; variant < variants; ++variant) {
+    SCOPED_TRACE(testing::Message() << "variant " << variant);
+    Moving<TypeParam> moving(variant);
+    Joint& joint = *moving.joint;
+    btSolverBody a, b;
+    for (btSolverBody* body : {&a, &b}) {
+      body->m_linearVelocity = body->m_angularVelocity = vec(1, 2, 3);
+      body->m_externalForceImpulse = body->m_externalTorqueImpulse = vec(0, 0, 1);
+      body->internalGetDeltaLinearVelocity() = body->internalGetDeltaAngularVelocity() =
+          vec(1, 0, 0);
+    }
+    SolverRows rows;
+    const long before = allocations;
+    for (int step = 0; step < 3; ++step) {
+      joint.buildJacobian();
+      rows.ask(joint);
+      for (int i = 0; i < 10; ++i) joint.solveConstraintObsolete(a, b, scalar(1.0 / 60));
+    }
+    EXPECT_EQ(allocations - before, 0);
+    expectWhole(rows);
+  }
+}
+
+// --- the same bits -------------------------------------------------------------------------------
+
+template <class C>
+std::vector<btVector3> tipOfAChain(int variant) {
+  scenes::World world(scenes::standard_gravity, 10);
+  std::vector<btRigidBody*> links = {&world.add_box(0, vec(1, 1, 1), btTransform::getIdentity())};
+  for (int i = 1; i <= 8; ++i) {
+    links.push_back(&world.add_box(i, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(i, 0, 0))));
+    const btQuaternion turn(vec(1, 0, 0), scalar(1 + 0.3 * i));
+    Contract<C>::add(world, *links[size_t(i - 1)], *links[size_t(i)],
+                     btTransform(turn, vec(0.5, 0, 0)), btTransform(turn, vec(-0.5, 0, 0)),
+                     variant);
+  }
+  for (int i = 0; i < 120; ++i) world.step(1.0 / 60);
+  const btRigidBody& tip = *links.back();
+  return {tip.getCenterOfMassPosition(), tip.getLinearVelocity(), tip.getAngularVelocity(),
+          tip.getCenterOfMassTransform().getBasis()[0],
+          tip.getCenterOfMassTransform().getBasis()[1]};
+}
+
+TYPED_TEST(Contract, TheSameSceneGivesTheSameBits) {
+  for (int variant = 0; variant < variants; ++variant) {
+    const auto first = tipOfAChain<TypeParam>(variant);
+    EXPECT_TRUE(support::is_finite(first[0]));
+    EXPECT_EQ(first, tipOfAChain<TypeParam>(variant)) << "variant " << variant;
+  }
+}
+
+TEST(ContractOfTheHinge, TheChainSceneGivesTheSameBits) {
+  scenes::ChainSettings settings;
+  settings.ratio = 10;
+  settings.seconds = 2;
+  const auto first = scenes::chain<QuaternionHinge>(settings);
+  const auto second = scenes::chain<QuaternionHinge>(settings);
+  EXPECT_TRUE(first.finite);
+  EXPECT_EQ(0, std::memcmp(first.tip.data(), second.tip.data(), 3 * sizeof(double)));
+  EXPECT_EQ(first.mean_gap, second.mean_gap);
+}
+
+TYPED_TEST(Contract, TwoWorldsOnTwoThreadsGiveTheBitsOfOneAfterTheOther) {
+  const auto first = tipOfAChain<TypeParam>(0), second = tipOfAChain<TypeParam>(4);
+  std::vector<btVector3> first_beside, second_beside;
+  std::thread one([&] { first_beside = tipOfAChain<TypeParam>(0); });
+  std::thread other([&] { second_beside = tipOfAChain<TypeParam>(4); });
+  one.join();
+  other.join();
+  EXPECT_EQ(first, first_beside);
+  EXPECT_EQ(second, second_beside);
+}
+
+// --- bodies that are held in some directions -----------------------------------------------------
+
+TYPED_TEST(Contract, LinearAndAngularFactorsOfZeroAreHarmless) {
+  for (int factors = 0; factors < 64; ++factors) {
+    const auto bit = [factors](int i) { return scalar(factors >> i & 1); };
+    const btVector3 linear(bit(0), bit(1), bit(2)), angular(bit(3), bit(4), bit(5));
+    for (int variant = 0; variant < variants; ++variant) {
+      SCOPED_TRACE(testing::Message() << "factors " << factors << ", variant " << variant);
+      Random random(19);
+      Pair pair = randomPair(random);
+      for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
+        body->setLinearFactor(linear);
+        body->setAngularFactor(angular);
+      }
+      const auto joint = this->make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
+      expectWhole(SolverRows::ofStep(*joint));
+    }
+  }
+}
+
+template <class C>
+double topSpeedInTwoDimensions(int variant, const btQuaternion& turn, bool& finite) {
+  scenes::World world(0);
+  btRigidBody* bodies[3];
+  for (int i = 0; i < 3; ++i) {
+    bodies[i] = &world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(i, 0, 0)));
+    bodies[i]->setLinearFactor(vec(1, 1, 0));
+    bodies[i]->setAngularFactor(vec(0, 0, 1));
+  }
+  for (int i = 0; i < 2; ++i)
+    Contract<C>::add(world, *bodies[i], *bodies[i + 1], btTransform(turn, vec(0.5, 0, 0)),
+                     btTransform(turn, vec(-0.5, 0, 0.01)), variant);
+  bodies[2]->setLinearVelocity(vec(1, 2, 0));
+  bodies[2]->setAngularVelocity(vec(0, 0, 3));
+  double top = 0;
+  for (int step = 0; step < 300; ++step) {
+    world.step(1.0 / 60);
+    for (const btRigidBody* body : bodies) {
+      top = std::max({top, double(body->getLinearVelocity().length()),
+                      double(body->getAngularVelocity().length())});
+      finite = finite && support::is_finite(*body);
+      // In the plane for good.
+      EXPECT_EQ(body->getCenterOfMassPosition().z(), 0);
+      EXPECT_EQ(body->getAngularVelocity().x(), 0);
+      EXPECT_EQ(body->getAngularVelocity().y(), 0);
+    }
+  }
+  return top;
+}
+
+TYPED_TEST(Contract, TwoDimensionalGamesAreFiniteAndStable) {
+  // A hinge along z as in the game, along x, and askew: rows that nothing can follow.
+  for (const btQuaternion& turn :
+       {btQuaternion(0, 0, 0, 1), btQuaternion(vec(0, 1, 0), scalar(pi / 2)),
+        btQuaternion(vec(1, 1, 0).normalized(), 1)}) {
+    for (int variant = 0; variant < variants; ++variant) {
+      SCOPED_TRACE(testing::Message()
+                   << "axis turned by " << turn.getAngle() << ", variant " << variant);
+      bool finite = true;
+      // It starts at 3 rad/s and 2.2 m/s; what acts adds at most some more.
+      EXPECT_LT(topSpeedInTwoDimensions<TypeParam>(variant, turn, finite), 15);
+      EXPECT_TRUE(finite);
+    }
+  }
+}
+
+TEST(ContractOfTheHinge, ALimitHoldsInTwoDimensions) {
+  for (const double direction : {1.0, -1.0}) {
+    scenes::World world(0);
+    btRigidBody& frame = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+    btRigidBody& door = world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(0.5, 0, 0)));
+    door.setLinearFactor(vec(1, 1, 0));
+    door.setAngularFactor(vec(0, 0, 1));
+    auto& hinge = world.add_joint<QuaternionHinge>(frame, door, btTransform::getIdentity(),
+                                                   scenes::pose_at(vec(-0.5, 0, 0)), true);
+    hinge.setLimit(scalar(-0.5), scalar(0.5), scalar(0.9), 1, 0);
+    for (int step = 0; step < 300; ++step) {
+      door.applyTorque(vec(0, 0, direction));
+      world.step(1.0 / 60);
+      ASSERT_TRUE(support::is_finite(door));
+      // 1 N m on 0.34 kg m^2 is 0.05 rad/s a step: its share of erp is far less than this.
+      ASSERT_LT(std::abs(hinge.getHingeAngle()), 0.52);
+    }
+    EXPECT_NEAR(hinge.getHingeAngle(), 0.5 * direction, 0.02);
+  }
+}
+
+// --- settings that are refused -------------------------------------------------------------------
+
+template <class Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string text(double value) {
+  std::ostringstream out;
+  out << value;
+  std::string result = out.str();
+  // The sign of NaN is no part of the message.
+  return value != value ? "nan" : result;
+}
+
+void expectRefusal(const std::string& message, const std::string& joint, const std::string& field,
+                   const std::string& value) {
+  EXPECT_NE(message.find(joint), std::string::npos) << message;
+  EXPECT_NE(message.find(field), std::string::npos) << message << ", not of " << field;
+  EXPECT_NE(message.find(value), std::string::npos) << message << ", not of " << value;
+}
+
+const btScalar not_finite[] = {nan_value, infinite, -infinite};
+
+struct BadFrame {
+  btTransform frame;
+  std::string value;
+};
+
+// With the value that the message has to name.
+std::vector<BadFrame> badFrames() {
+  std::vector<BadFrame> result;
+  const btTransform good(btQuaternion(vec(0, 0, 1), scalar(0.5)), vec(1, 2, 3));
+  for (const btScalar value : not_finite) {
+    for (int i = 0; i < 3; ++i) {
+      btTransform frame = good;
+      frame.getOrigin()[i] = value;
+      result.push_back({frame, text(value)});
+      for (int j = 0; j < 3; ++j) {
+        // Seen in the products of the axes: the sign may be lost.
+        frame = good;
+        frame.getBasis()[i][j] = value;
+        result.push_back({frame, value != value ? "nan" : "inf"});
+      }
+    }
+  }
+  btTransform scaled = good, sheared = good, mirrored = good, zero = good;
+  scaled.getBasis() *= btMatrix3x3(2, 0, 0, 0, 2, 0, 0, 0, 2);
+  sheared.setBasis(btMatrix3x3(1, scalar(0.5), 0, 0, 1, 0, 0, 0, 1));
+  mirrored.setBasis(btMatrix3x3(1, 0, 0, 0, 1, 0, 0, 0, -1));
+  zero.setBasis(btMatrix3x3(0, 0, 0, 0, 0, 0, 0, 0, 0));
+  result.push_back({scaled, "4"});
+  result.push_back({sheared, "0.5"});
+  result.push_back({mirrored, "-1"});
+  result.push_back({zero, "0"});
+  return result;
+}
+
+TYPED_TEST(Contract, ConstructorsRefuseBadFrames) {
+  using J = typename TestFixture::Type;
+  Random random(20);
+  const Pair pair = randomPair(random);
+  const btTransform& good = pair.frame_a;
+  const std::string name = J(*pair.a, *pair.b, good, good).name();
+  EXPECT_FALSE(name.empty());
+  for (const BadFrame& bad : badFrames()) {
+    expectRefusal(refusal([&] { J(*pair.a, *pair.b, bad.frame, good); }), name, "A", bad.value);
+    expectRefusal(refusal([&] { J(*pair.a, *pair.b, good, bad.frame); }), name, "B", bad.value);
+    expectRefusal(refusal([&] { J(*pair.a, bad.frame); }), name, "A", bad.value);
+  }
+}
+
+TEST(ContractOfTheHinge, ConstructorsRefuseBadPivotsAndAxes) {
+  Random random(21);
+  const Pair pair = randomPair(random);
+  btRigidBody &a = *pair.a, &b = *pair.b;
+  const btVector3 good(1, 0, 0);
+  const auto expectAll = [&](const btVector3& bad, const std::string& value, bool pivot) {
+    const btVector3 &p = pivot ? bad : good, &u = pivot ? good : bad;
+    const std::string field = pivot ? "pivot" : "axis";
+    const std::string hinge = "QuaternionHinge";
+    expectRefusal(refusal([&] { QuaternionHinge(a, b, p, good, u, good); }), hinge, field + "InA",
+                  value);
+    expectRefusal(refusal([&] { QuaternionHinge(a, b, good, p, good, u); }), hinge, field + "InB",
+                  value);
+    expectRefusal(refusal([&] { QuaternionHinge(a, p, u); }), hinge, field + "InA", value);
+  };
+  for (const btScalar value : not_finite) {
+    for (int i = 0; i < 3; ++i) {
+      btVector3 bad = good;
+      bad[i] = value;
+      expectAll(bad, text(value), true);
+      expectAll(bad, text(value), false);
+    }
+  }
+  expectAll(vec(0, 0, 0), "0", false);
+}
+
+TEST(ContractOfTheBall, ConstructorsRefuseBadPivots) {
+  Random random(22);
+  const Pair pair = randomPair(random);
+  for (const btScalar value : not_finite) {
+    for (int i = 0; i < 3; ++i) {
+      btVector3 bad(1, 2, 3);
+      bad[i] = value;
+      const btVector3 good(1, 2, 3);
+      expectRefusal(refusal([&] { BallJoint(*pair.a, *pair.b, bad, good); }), "BallJoint",
+                    "pivotInA", text(value));
+      expectRefusal(refusal([&] { BallJoint(*pair.a, *pair.b, good, bad); }), "BallJoint",
+                    "pivotInB", text(value));
+      expectRefusal(refusal([&] { BallJoint(*pair.a, bad); }), "BallJoint", "pivotInA",
+                    text(value));
+    }
+  }
+}
+
+// What a client can read of a joint.
+std::vector<double> answers(const btTransform& t) {
+  std::vector<double> out;
+  for (int i = 0; i < 3; ++i) {
+    out.push_back(double(t.getOrigin()[i]));
+    for (int j = 0; j < 3; ++j) out.push_back(double(t.getBasis()[i][j]));
+  }
+  return out;
+}
+std::vector<double> answers(QuaternionHinge& h) {
+  std::vector<double> out = {double(h.getLowerLimit()),
+                             double(h.getUpperLimit()),
+                             double(h.hasLimit()),
+                             double(h.getLimitSoftness()),
+                             double(h.getLimitBiasFactor()),
+                             double(h.getLimitRelaxationFactor()),
+                             double(h.getAngularOnly()),
+                             double(h.getEnableAngularMotor()),
+                             double(h.getMotorTargetVelocity()),
+                             double(h.getMaxMotorImpulse()),
+                             double(h.getUseFrameOffset()),
+                             double(h.getUseReferenceFrameA()),
+                             double(h.getFlags()),
+                             double(h.getHingeAngle()),
+                             double(h.getAccumulatedHingeAngle()),
+                             double(h.getMaxCorrectionSpeed())};
+  for (const int number :
+       {BT_CONSTRAINT_ERP, BT_CONSTRAINT_STOP_ERP, BT_CONSTRAINT_CFM, BT_CONSTRAINT_STOP_CFM})
+    out.push_back(double(h.getParam(number)));
+  for (const btTransform* frame : {&h.getAFrame(), &h.getBFrame()}) {
+    const auto more = answers(*frame);
+    out.insert(out.end(), more.begin(), more.end());
+  }
+  return out;
+}
+std::vector<double> answers(BallJoint& ball) {
+  std::vector<double> out = {double(ball.getFlags()), double(ball.getMaxCorrectionSpeed()),
+                             double(ball.getParam(BT_CONSTRAINT_ERP)),
+                             double(ball.getParam(BT_CONSTRAINT_CFM))};
+  for (int i = 0; i < 3; ++i) {
+    out.push_back(double(ball.getPivotInA()[i]));
+    out.push_back(double(ball.getPivotInB()[i]));
+  }
+  return out;
+}
+
+// The call throws, names joint, field and value, and leaves `joint` as `twin` is.
+template <class J>
+void expectRefused(J& joint, J& twin, const std::function<void(J&)>& call, const std::string& field,
+                   const std::string& value) {
+  SCOPED_TRACE(field + " = " + value);
+  expectRefusal(refusal([&] { call(joint); }), joint.name(), field, value);
+  EXPECT_EQ(answers(joint), answers(twin));
+  EXPECT_EQ(SolverRows::ofStep(joint), SolverRows::ofStep(twin));
+}
+
+TEST(ContractOfTheHinge, RefusesBadSettingsAndStaysAsItWas) {
+  using H = QuaternionHinge;
+  struct Setting {
+    const char* field;
+    std::function<void(H&, btScalar)> call;
+    bool negative_is_good, zero_is_good, infinity_is_good;
+  };
+  const Setting settings[] = {
+      {"softness", [](H& h, btScalar v) { h.setLimit(-2, 2, v); }, true, true, false},
+      {"bias", [](H& h, btScalar v) { h.setLimit(-2, 2, 1, v); }, false, true, false},
+      {"relaxation", [](H& h, btScalar v) { h.setLimit(-2, 2, 1, 1, v); }, false, true, false},
+      {"target velocity", [](H& h, btScalar v) { h.enableAngularMotor(false, v, 3); }, true, true,
+       false},
+      {"max motor impulse", [](H& h, btScalar v) { h.enableAngularMotor(false, 3, v); }, false,
+       true, true},
+      {"max motor impulse", [](H& h, btScalar v) { h.setMaxMotorImpulse(v); }, false, true, true},
+      {"target velocity", [](H& h, btScalar v) { h.setMotorTargetVelocity(v); }, true, true, false},
+      {"target angle", [](H& h, btScalar v) { h.setMotorTarget(v, 1); }, true, true, false},
+      {"dt", [](H& h, btScalar v) { h.setMotorTarget(1, v); }, false, false, false},
+      {"dt", [](H& h, btScalar v) { h.setMotorTarget(btQuaternion(0, 0, 0, 1), v); }, false, false,
+       false},
+      {"qAinB", [](H& h, btScalar v) { h.setMotorTarget(btQuaternion(0, v, 0, 1), 1); }, true, true,
+       false},
+      {"target angle", [](H& h, btScalar v) { h.setMotorServo(v, 2, 1, 5); }, true, true, false},
+      {"frequency", [](H& h, btScalar v) { h.setMotorServo(1, v, 1, 5); }, false, false, false},
+      {"damping", [](H& h, btScalar v) { h.setMotorServo(1, 2, v, 5); }, false, true, false},
+      {"torque", [](H& h, btScalar v) { h.setMotorServo(1, 2, 1, v); }, false, true, true},
+      {"torque", [](H& h, btScalar v) { h.setFriction(v); }, false, true, true},
+      {"frequency", [](H& h, btScalar v) { h.setLimitSpring(v, 1); }, false, true, false},
+      {"damping", [](H& h, btScalar v) { h.setLimitSpring(1, v); }, false, true, false},
+      {"accumulated", [](H& h, btScalar v) { h.setAccumulatedHingeAngle(v); }, true, true, false},
+      {"correction speed", [](H& h, btScalar v) { h.setMaxCorrectionSpeed(v); }, false, false,
+       false},
+      {"ERP", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_ERP, v); }, false, true, false},
+      {"CFM", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_CFM, v, 5); }, false, true, false},
+      {"STOP_ERP", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_STOP_ERP, v); }, false, true,
+       false},
+      {"STOP_CFM", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_STOP_CFM, v); }, false, true,
+       false},
+  };
+  Random random(23);
+  Pair pair = randomPair(random);
+  meet(pair);
+  for (int variant = 0; variant < variants; ++variant) {
+    SCOPED_TRACE(testing::Message() << "variant " << variant);
+    const auto fresh = [&] {
+      auto hinge = std::make_unique<H>(*pair.a, *pair.b, pair.frame_a, pair.frame_b);
+      set(*hinge, variant);
+      return hinge;
+    };
+    for (const Setting& setting : settings) {
+      const auto expectBad = [&](btScalar value) {
+        const auto hinge = fresh(), twin = fresh();
+        const auto call = [&](H& h) { setting.call(h, value); };
+        expectRefused<H>(*hinge, *twin, call, setting.field, text(value));
+      };
+      const auto expectGood = [&](btScalar value) {
+        SCOPED_TRACE(testing::Message() << setting.field << " = " << value);
+        const auto hinge = fresh();
+        EXPECT_EQ(refusal([&] { setting.call(*hinge, value); }), "accepted");
+        expectWhole(SolverRows::ofStep(*hinge));
+      };
+      expectBad(nan_value);
+      expectBad(-infinite);
+      setting.infinity_is_good ? expectGood(infinite) : expectBad(infinite);
+      setting.negative_is_good ? expectGood(-1) : expectBad(-1);
+      setting.zero_is_good ? expectGood(0) : expectBad(0);
+      expectGood(scalar(0.5));
+    }
+    const auto expectBad = [&](const std::function<void(H&)>& call, const char* field,
+                               const std::string& value) {
+      const auto hinge = fresh(), twin = fresh();
+      expectRefused<H>(*hinge, *twin, call, field, value);
+    };
+    expectBad([](H& h) { h.setLimit(nan_value, 1); }, "limit", "nan");
+    expectBad([](H& h) { h.setLimit(-1, nan_value); }, "limit", "nan");
+    expectBad([](H& h) { h.setAxis(btVector3(0, 0, 0)); }, "axis", "0");
+    expectBad([](H& h) { h.setAxis(btVector3(0, nan_value, 1)); }, "axis", "nan");
+    expectBad([](H& h) { h.setAxis(btVector3(0, infinite, 1)); }, "axis", "inf");
+    for (const int number : {0, 5, -1, 99}) {
+      expectBad([=](H& h) { h.setParam(number, 1); }, "parameter", std::to_string(number));
+      expectBad([=](H& h) { (void)h.getParam(number); }, "parameter", std::to_string(number));
+    }
+    for (const int axis : {0, 4, 6, -2}) {
+      expectBad([=](H& h) { h.setParam(BT_CONSTRAINT_ERP, 1, axis); }, "axis",
+                std::to_string(axis));
+      expectBad([=](H& h) { (void)h.getParam(BT_CONSTRAINT_ERP, axis); }, "axis",
+                std::to_string(axis));
+    }
+    for (const BadFrame& bad : badFrames()) {
+      expectBad([&](H& h) { h.setFrames(bad.frame, pair.frame_b); }, "frameA", bad.value);
+      expectBad([&](H& h) { h.setFrames(pair.frame_b, bad.frame); }, "frameB", bad.value);
+    }
+  }
+}
+
+TEST(ContractOfTheHinge, InfiniteLimitSidesAreFree) {
+  const auto a = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+  const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+  const btTransform frame = btTransform::getIdentity();
+  // The last three leave no angle to be in: refused, or rows that are finite all the same.
+  for (const auto& [low, high] : {std::pair(-infinite, infinite),
+                                  {-infinite, scalar(0.5)},
+                                  {scalar(-0.5), infinite},
+                                  {infinite, -infinite},
+                                  {-infinite, -1},
+                                  {1, infinite},
+                                  {infinite, infinite},
+                                  {-infinite, -infinite}}) {
+    for (const Formulation formulation : {Formulation::document, Formulation::conditioned}) {
+      SCOPED_TRACE(testing::Message() << low << " to " << high);
+      QuaternionHinge hinge(*a, *b, frame, frame);
+      hinge.setFormulation(formulation);
+      const std::string message =
+          refusal([&, lower = low, upper = high] { hinge.setLimit(lower, upper); });
+      if (low != high) {
+        EXPECT_EQ(message, "accepted");
+      }
+      expectWhole(SolverRows::ofStep(hinge));
+      hinge.enableAngularMotor(true, 1, 1);
+      expectWhole(SolverRows::ofStep(hinge));
+    }
+  }
+}
+
+TEST(ContractOfTheBall, RefusesBadSettingsAndStaysAsItWas) {
+  using B = BallJoint;
+  Random random(24);
+  const Pair pair = randomPair(random);
+  const auto fresh = [&] {
+    auto ball = std::make_unique<B>(*pair.a, *pair.b, pair.frame_a, pair.frame_b);
+    ball->setParam(BT_CONSTRAINT_ERP, scalar(0.3));
+    return ball;
+  };
+  const auto expectBad = [&](const std::function<void(B&)>& call, const char* field,
+                             const std::string& value) {
+    const auto ball = fresh(), twin = fresh();
+    expectRefused<B>(*ball, *twin, call, field, value);
+  };
+  for (const btScalar value : {nan_value, infinite, -infinite, scalar(-1)}) {
+    for (const int number : {BT_CONSTRAINT_ERP, BT_CONSTRAINT_STOP_ERP})
+      expectBad([=](B& j) { j.setParam(number, value); }, "ERP", text(value));
+    for (const int number : {BT_CONSTRAINT_CFM, BT_CONSTRAINT_STOP_CFM})
+      expectBad([=](B& j) { j.setParam(number, value); }, "CFM", text(value));
+    expectBad([=](B& j) { j.setMaxCorrectionSpeed(value); }, "correction speed", text(value));
+  }
+  expectBad([](B& j) { j.setMaxCorrectionSpeed(0); }, "correction speed", "0");
+  for (const btScalar value : not_finite) {
+    for (int i = 0; i < 3; ++i) {
+      btVector3 bad(1, 2, 3);
+      bad[i] = value;
+      expectBad([=](B& j) { j.setPivotA(bad); }, "pivotA", text(value));
+      expectBad([=](B& j) { j.setPivotB(bad); }, "pivotB", text(value));
+    }
+  }
+  for (const int number : {0, 5, -1, 99}) {
+    expectBad([=](B& j) { j.setParam(number, 1); }, "parameter", std::to_string(number));
+    expectBad([=](B& j) { (void)j.getParam(number); }, "parameter", std::to_string(number));
+  }
+  for (const int axis : {0, 5, -2}) {
+    expectBad([=](B& j) { j.setParam(BT_CONSTRAINT_ERP, 1, axis); }, "axis", std::to_string(axis));
+    expectBad([=](B& j) { (void)j.getParam(BT_CONSTRAINT_ERP, axis); }, "axis",
+              std::to_string(axis));
+  }
+}
+
+}  // namespace

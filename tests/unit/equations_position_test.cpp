@@ -1,0 +1,232 @@
+// The position constraint's rows, against automatic differentiation and central differences of the
+// constraint itself; what they do to momentum; and the inverse effective masses, against the dense
+// product. T is double and Bullet's precision in turn.
+#include <gtest/gtest.h>
+#include <pintle/equations/position.h>
+#include <pintle/precision.h>
+
+#include "autodiff.h"
+
+namespace {
+
+using namespace autodiff;
+namespace equations = pintle::equations;
+
+// Violated by nothing, by a little and by more than the bodies' size.
+const std::vector<double> kGaps = {0, 1e-8, 0.5, 4};
+const std::vector<double> kSwings = {0, 1e-8, -pi, pi - 1e-8, pi};
+
+// Levers and gap are at most about 8 long: what the rounding of their entries is a multiple of.
+double size(const Hinge& hinge) {
+  return 1 + hinge.r_a().cwiseAbs().maxCoeff() + hinge.r_b().cwiseAbs().maxCoeff() +
+         hinge.d().cwiseAbs().maxCoeff();
+}
+
+template <class T>
+Vector3<T> arm(const Quaternion<T>& q, const Vector& anchor) {
+  return equations::rotate(q, constant<T>(anchor));
+}
+
+template <class T>
+Vector3<T> error(const Hinge& hinge, const Bodies<T>& bodies) {
+  return equations::position_error(bodies.x_a, arm(bodies.q_a, hinge.anchor_a), bodies.x_b,
+                                   arm(bodies.q_b, hinge.anchor_b));
+}
+
+template <class T>
+class PositionRow : public testing::Test {
+ public:
+  // 20 epsilon: about as many roundings lie between the poses and an entry.
+  static constexpr double kTolerance = 20 * double(std::numeric_limits<T>::epsilon());
+
+  static Velocities documents(const Hinge& hinge, const Vector& u) {
+    return row(
+        equations::position_row<T>(u.cast<T>(), hinge.r_a().cast<T>(), hinge.r_b().cast<T>()));
+  }
+  static Velocities conserving(const Hinge& hinge, const Vector& u) {
+    return row(equations::position_row_conserving<T>(u.cast<T>(), hinge.r_a().cast<T>(),
+                                                     hinge.d().cast<T>(), hinge.r_b().cast<T>()));
+  }
+};
+using Scalars = testing::Types<double, pintle::Scalar>;
+TYPED_TEST_SUITE(PositionRow, Scalars);
+
+TYPED_TEST(PositionRow, DocumentsIsTheGradientWithUFixedInTheWorld) {
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Vector u = hinge.axis_a(0);
+    const auto C = [&](const auto& bodies) {
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      return S(constant<S>(u).dot(error(hinge, bodies)));
+    };
+    const Velocities J = this->documents(hinge, u);
+    ASSERT_LE(mismatch(J, gradient(C, hinge.bodies)), this->kTolerance * size(hinge));
+    ASSERT_LE(mismatch(J, difference(C, hinge.bodies)),
+              this->kTolerance * size(hinge) + difference_tolerance * size(hinge));
+  }
+}
+
+TYPED_TEST(PositionRow, OfAWorldAxisIsTheDocumentsAlongThatAxis) {
+  using T = TypeParam;
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Vector3<T> r_a = hinge.r_a().template cast<T>(), r_b = hinge.r_b().template cast<T>();
+    ASSERT_EQ(row(equations::position_row_world<0>(r_a, r_b)),
+              this->documents(hinge, Vector::Unit(0)));
+    ASSERT_EQ(row(equations::position_row_world<1>(r_a, r_b)),
+              this->documents(hinge, Vector::Unit(1)));
+    ASSERT_EQ(row(equations::position_row_world<2>(r_a, r_b)),
+              this->documents(hinge, Vector::Unit(2)));
+  }
+}
+
+TYPED_TEST(PositionRow, ConservingIsTheGradientWithUFixedInBodyA) {
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Vector u_l = hinge.m;
+    const auto C = [&](const auto& bodies) {
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      return S(arm(bodies.q_a, u_l).dot(error(hinge, bodies)));
+    };
+    const Velocities J = this->conserving(hinge, arm(hinge.bodies.q_a, u_l));
+    ASSERT_LE(mismatch(J, gradient(C, hinge.bodies)), this->kTolerance * size(hinge));
+    ASSERT_LE(mismatch(J, difference(C, hinge.bodies)),
+              this->kTolerance * size(hinge) + difference_tolerance * size(hinge));
+  }
+}
+
+TYPED_TEST(PositionRow, TheTwoAreOneWhileTheJointHolds) {
+  for (const Hinge& hinge : hinges(kSwings, {0})) {
+    const Vector u = hinge.axis_a(1);
+    ASSERT_LE(mismatch(this->documents(hinge, u), this->conserving(hinge, u)),
+              this->kTolerance * size(hinge));
+  }
+}
+
+// The angular momentum about the origin that one unit of the row's impulse adds.
+Vector added(const Hinge& hinge, const Velocities& J) {
+  return cross(hinge.bodies.x_a, J.segment<3>(0)) + J.segment<3>(3) +
+         cross(hinge.bodies.x_b, J.segment<3>(6)) + J.segment<3>(9);
+}
+
+TYPED_TEST(PositionRow, ConservingAddsNoAngularMomentumAndTheDocumentsAddsDCrossU) {
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Vector u = hinge.axis_a(0), d = hinge.d();
+    // The centres of mass are up to 8 from the origin, too.
+    const double tolerance = this->kTolerance * (size(hinge) + 10);
+    ASSERT_LE(mismatch(added(hinge, this->conserving(hinge, u)), Vector::Zero()), tolerance);
+    ASSERT_LE(mismatch(added(hinge, this->documents(hinge, u)), cross(d, u)), tolerance);
+  }
+}
+
+TYPED_TEST(PositionRow, ErrorKeepsItsDigitsFarFromTheOrigin) {
+  using T = TypeParam;
+  // Positions that are whole numbers of the type's digits, so that the true error is known: the
+  // anchors' sum would lose it below the spacing of 1e5.
+  const Vector3<T> x_a(T(100000), T(-100000), T(100000)), r_a(T(0.25), T(0.125), T(-0.5));
+  const Vector3<T> x_b = x_a + Vector3<T>(T(1), T(-1), T(0.5));
+  const Vector3<T> d(T(1e-6), T(-2e-6), T(3e-6));
+  const Vector3<T> r_b = r_a - (x_b - x_a) + d;
+  const Vector3<T> error = equations::position_error(x_a, r_a, x_b, r_b);
+  EXPECT_LE(mismatch(error, d), 2 * double(std::numeric_limits<T>::epsilon()));
+}
+
+// --- curvature -----------------------------------------------------------------------------------
+
+// A five-point second difference at this step: h^4/90 |w|^6 r is below 1e-9 for the speeds below 2
+// and levers below 5 here, and rounding, epsilon / h^2 times some 10, below 1e-10.
+constexpr double kCurvatureStep = 5e-3, kCurvatureTolerance = 1e-8;
+
+TYPED_TEST(PositionRow, CurvatureIsTheSecondDerivativeOfTheGap) {
+  using T = TypeParam;
+  Random random(1);
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Velocities v = random.velocities();
+    const auto d = [&](double t) { return error(hinge, moved(hinge.bodies, v, t)); };
+    const Vector3<T> curvature =
+        equations::position_curvature<T>(v.segment<3>(3).cast<T>(), hinge.r_a().cast<T>(),
+                                         v.segment<3>(9).cast<T>(), hinge.r_b().cast<T>());
+    // Three products of factors up to |w| = 1.7: |w|^2 r.
+    ASSERT_LE(mismatch(curvature.template cast<double>(), second_difference(d, kCurvatureStep)),
+              3 * this->kTolerance * size(hinge) + kCurvatureTolerance);
+  }
+}
+
+TYPED_TEST(PositionRow, CurvatureOfTheConservingLeversIsThatOfASatisfiedVelocity) {
+  // With the gap at rest in body a (J v = 0 for all u), the second derivative of u.d for u fixed in
+  // body a is that of the levers r_a + d and r_b.
+  using T = TypeParam;
+  Random random(2);
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    Velocities v = random.velocities();
+    const Vector v_a = v.segment<3>(0), w_a = v.segment<3>(3), w_b = v.segment<3>(9);
+    v.segment<3>(6) = v_a + cross(w_a, hinge.r_a() + hinge.d()) - cross(w_b, hinge.r_b());
+    const Vector u_l = hinge.m;
+    const auto C = [&](double t) {
+      const Bodies<double> then = moved(hinge.bodies, v, t);
+      return arm(then.q_a, u_l).dot(error(hinge, then));
+    };
+    const Vector3<T> curvature = equations::position_curvature<T>(
+        w_a.cast<T>(), (hinge.r_a() + hinge.d()).cast<T>(), w_b.cast<T>(), hinge.r_b().cast<T>());
+    const double along = arm(hinge.bodies.q_a, u_l).dot(curvature.template cast<double>());
+    // Four times what the levers alone have: the gap itself turns with body a.
+    ASSERT_LE(std::abs(along - second_difference(C, kCurvatureStep)),
+              5 * this->kTolerance * size(hinge) + 4 * kCurvatureTolerance);
+  }
+}
+
+// --- inverse effective mass ----------------------------------------------------------------------
+
+using Dense = Eigen::Matrix<double, 12, 12>;
+
+template <class T>
+equations::InverseMass<T> any_mass(Random& random) {
+  const double m_a = random.uniform(0.01, 10), m_b = random.uniform(0.01, 10);
+  const Matrix3<double> I_a = random.inertia(), I_b = random.inertia();
+  return {T(m_a), T(m_b), I_a.cast<T>(), I_b.cast<T>()};
+}
+
+template <class T>
+Dense dense(const equations::InverseMass<T>& M) {
+  Dense m = Dense::Zero();
+  m.block<3, 3>(0, 0) = double(M.m_a) * Matrix3<double>::Identity();
+  m.block<3, 3>(3, 3) = M.I_a.template cast<double>();
+  m.block<3, 3>(6, 6) = double(M.m_b) * Matrix3<double>::Identity();
+  m.block<3, 3>(9, 9) = M.I_b.template cast<double>();
+  return m;
+}
+
+TYPED_TEST(PositionRow, InverseEffectiveMassIsTheDenseProduct) {
+  using T = TypeParam;
+  Random random(3);
+  const auto any_row = [&] {
+    const Vector L = random.vector(), A_a = random.vector(3), A_b = random.vector(3);
+    return equations::Jacobian<T>{L.cast<T>(), A_a.cast<T>(), A_b.cast<T>()};
+  };
+  for (int i = 0; i < 200; ++i) {
+    const auto M = any_mass<T>(random);
+    const auto J = any_row(), K = any_row();
+    const double entry = row(J).dot(dense(M) * row(K));
+    const double terms = row(J).cwiseAbs().dot(dense(M).cwiseAbs() * row(K).cwiseAbs());
+    EXPECT_LE(std::abs(double(equations::inverse_effective_mass(J, M, K)) - entry),
+              this->kTolerance * terms);
+    EXPECT_GT(double(equations::inverse_effective_mass(J, M, J)), 0);
+  }
+}
+
+TYPED_TEST(PositionRow, PositionInverseMassIsThatOfItsThreeRows) {
+  using T = TypeParam;
+  Random random(4);
+  for (int i = 0; i < 200; ++i) {
+    const auto M = any_mass<T>(random);
+    const Vector r_a = random.vector(3), r_b = random.vector(3);
+    Eigen::Matrix<double, 3, 12> J;
+    for (int k = 0; k < 3; ++k) {
+      J.row(k) = row(equations::position_row<T>(Vector3<T>::Unit(k), r_a.cast<T>(), r_b.cast<T>()));
+    }
+    const Matrix3<double> product = J * dense(M) * J.transpose();
+    const Matrix3<double> terms = J.cwiseAbs() * dense(M).cwiseAbs() * J.cwiseAbs().transpose();
+    const Matrix3<T> block = equations::position_inverse_mass<T>(M, r_a.cast<T>(), r_b.cast<T>());
+    EXPECT_LE(mismatch(block.template cast<double>(), product),
+              this->kTolerance * terms.maxCoeff());
+  }
+}
+
+}  // namespace
