@@ -120,7 +120,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   out.setDamping(damping());
   const Step step(*this, out);
 
-  if (!step.block) {
+  // An axis is eliminated last, and takes its part out of the impulses that a threshold looks at.
+  if (!step.block || (breakable() && m_rows[n - 1].axis != nullptr)) {
     for (int i = 0; i < n; ++i) {
       const Row& row = m_rows[i];
       if (row.axis != nullptr) {
@@ -134,16 +135,24 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.cfm == 0 && damping() == 1 &&
+  const bool feed = step.cfm == 0 && damping() == 1 && !breakable() &&
                     getOverrideNumSolverIterations() <= info->m_numIterations;
   m_iterations_left = feed ? info->m_numIterations : 0;
   if (!feed) m_rows.forgetResiduals();
 
   const BlockMass mass(BodyPair(m_rbA, m_rbB));
   BlockRow rows[max_rows];
-  int equalities = 0;
+  int equalities = n;
+  while (equalities > 0 && m_rows[equalities - 1].axis != nullptr) --equalities;
+  // The later a row is eliminated, the less of the others is in its impulse. Where the impulses are
+  // compared with a threshold, the angular rows go first and leave the pivot's force as it is.
+  int lead = 0;
+  if (breakable())
+    while (lead < equalities && m_rows[lead].L != Vec3::Zero()) ++lead;
   for (int i = 0; i < n; ++i) {
-    const Row& row = m_rows[i];
+    const Row& row = m_rows[i < equalities - lead ? i + lead
+                            : i < equalities      ? i + lead - equalities
+                                                  : i];
     if (row.axis != nullptr) {
       addToBlock(rows, i, equalities, row, 0, mass);
       writeAxis(row, &rows[i], step, out);
@@ -156,7 +165,6 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
       residual.target = target;
     }
     addToBlock(rows, i, i, row, target, mass);
-    ++equalities;
     out.write(rows[i].L, rows[i].A_a, rows[i].A_b, rows[i].target(), step.cfm, -infinity, infinity);
   }
 }

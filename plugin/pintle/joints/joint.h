@@ -37,8 +37,9 @@ class Joint : public btTypedConstraint {
 
   /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of Bullet's
   /// solver solves the joint by itself, and with the residual of the last step in view. Default on.
-  /// A joint with a breaking threshold has plain rows all the same: Bullet compares the threshold
-  /// with the impulse of each single row.
+  /// Bullet compares a breaking threshold with the impulse of each single row: a joint that has one
+  /// eliminates in the order that leaves the pivot's force in its rows, or, with a limit or motor
+  /// acting, not at all.
   void setBlockRows(bool block) { m_block_rows = block; }
   bool getBlockRows() const { return m_block_rows; }
 
@@ -71,11 +72,14 @@ class Joint : public btTypedConstraint {
   }
   /// Bullet's damping: the part of the velocity that the rows take away.
   virtual Scalar damping() const { return 1; }
-  /// Whether rows may be mixed: not if their impulses are bounded one by one.
-  virtual bool rowsMayMix() const { return getBreakingImpulseThreshold() >= infinity; }
+  /// Whether rows may be mixed although their impulses are bounded one by one.
+  virtual bool rowsMayMix() const { return !breakable(); }
+  bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.
   Scalar timeStep() const { return m_time_step; }
+  /// rad/s, of the faster body, at the start of this step or of the last one, whichever is more.
+  Scalar angularSpeed() const { return btMax(m_angular_speed, m_last_angular_speed); }
   /// The impulse of one part of the axis row in the last step, positive along the coordinate.
   Scalar axisImpulse(Axis::Part part) const {
     return m_axis_row.impulse(part, -m_axis_sign * m_appliedImpulse);

@@ -150,13 +150,13 @@ inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const
   if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
   // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one that
   // their motion leads to. (A kinematic body goes where it is put.)
-  const btVector3 &w_a = m_rbA.getInterpolationAngularVelocity(),
-                  &w_b = m_rbB.getInterpolationAngularVelocity();
   const Scalar dt = timeStep();
-  if ((w_a.length2() + w_b.length2()) * dt * dt < 2 ||
-      m_rbA.isStaticOrKinematicObject() || m_rbB.isStaticOrKinematicObject()) {
+  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
+      m_rbB.isStaticOrKinematicObject()) {
     angle.update(twist.x, twist.y);
   } else {
+    const btVector3 &w_a = m_rbA.getInterpolationAngularVelocity(),
+                    &w_b = m_rbB.getInterpolationAngularVelocity();
     const Vec3 h = (at.c_a + at.c_b).normalized();
     angle.update(twist.x, twist.y, h.dot(turnOfStep(w_b, dt) - turnOfStep(w_a, dt)));
   }

@@ -141,6 +141,7 @@ class QuaternionHinge : public Joint {
  protected:
   void updateState(const BodyPair& pair) override;
   void prepare(const BodyPair& pair, Rows& rows) override;
+  bool rowsMayMix() const override { return true; }
 
  private:
   struct Frames;
