@@ -44,7 +44,9 @@ function(pintle_add_library precision wanted)
   # No errno and no traps: neither changes a number, and both cost in a step. -O3 also with debug information.
   target_compile_options(${target} PRIVATE
     "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
-    "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>")
+    "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>"
+    # gcc packs vectors of three for less than it costs.
+    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
   pintle_set_warnings(${target} -Wconversion)
   set(PINTLE_PRECISIONS ${PINTLE_PRECISIONS} ${precision} PARENT_SCOPE)
 endfunction()

@@ -4,7 +4,7 @@
 #   count.sh [PROGRAM]   default: the single precision build of tests/run.sh
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-program=${1:-$here/../../build/release/tests/pintle_count_single}
+program=${1:-$here/../../build/release/tests/bench/pintle_count_single}
 command -v valgrind >/dev/null || { echo "count.sh: needs valgrind (Debian: valgrind)" >&2; exit 1; }
 [ -x "$program" ] || { echo "count.sh: no $program; run tests/run.sh first" >&2; exit 1; }
 

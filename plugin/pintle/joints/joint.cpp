@@ -90,7 +90,8 @@ void Joint::buildJacobian() {
   m_last_angular_speed = m_angular_speed;
   m_angular_speed = btSqrt(
       btMax(m_rbA.getAngularVelocity().length2(), m_rbB.getAngularVelocity().length2()));
-  m_axis_row = {};
+  if (m_axis_acted) m_axis_row = {};
+  m_axis_acted = false;
   // A solver that did not show the residuals: those at hand are old.
   if (m_iterations_left > 0) m_rows.forgetResiduals();
   m_iterations_left = 0;
@@ -146,13 +147,13 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   while (equalities > 0 && m_rows[equalities - 1].axis != nullptr) --equalities;
   // The later a row is eliminated, the less of the others is in its impulse. Where the impulses are
   // compared with a threshold, the angular rows go first and leave the pivot's force as it is.
-  int lead = 0;
+  int first = 0;
   if (breakable())
-    while (lead < equalities && m_rows[lead].L != Vec3::Zero()) ++lead;
+    while (first < equalities && m_rows[first].L != Vec3::Zero()) ++first;
   for (int i = 0; i < n; ++i) {
-    const Row& row = m_rows[i < equalities - lead ? i + lead
-                            : i < equalities      ? i + lead - equalities
-                                                  : i];
+    int at = i;
+    if (first > 0 && i < equalities) at = (i + first) % equalities;
+    const Row& row = m_rows[at];
     if (row.axis != nullptr) {
       addToBlock(rows, i, equalities, row, 0, mass);
       writeAxis(row, &rows[i], step, out);
@@ -160,7 +161,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     }
     Scalar target = step.target(row);
     if (feed) {
-      RowResidual& residual = m_rows.residual(i);
+      RowResidual& residual = m_rows.residual(at);
       target -= residual.correction;
       residual.target = target;
     }
@@ -193,6 +194,7 @@ void Joint::writeAxis(const Row& row, const BlockRow* block, const Step& step, R
   }
   m_axis_row = solveAxis(*row.axis, motion);
   m_axis_sign = row.sign;
+  m_axis_acted = true;
   m_incoming = m_axis_row.incoming;
   // Along the direction in which Bullet counts its impulse.
   const Scalar s = row.sign, target = s * m_axis_row.target;

@@ -114,6 +114,7 @@ class Joint : public btTypedConstraint {
   Rows m_rows;
   AxisRow m_axis_row;
   Scalar m_axis_sign = 1;
+  bool m_axis_acted = false;
   // The speed at which a limit was reached: what this step has seen, and what the last one saw. Two,
   // so that getInfo2 may be called again.
   Scalar m_incoming = 0, m_last_incoming = 0;
