@@ -14,13 +14,13 @@ using VectorView = Eigen::Map<const Vec3>;
 using MatrixView = Eigen::Map<const Eigen::Matrix<Scalar, 3, 3, Eigen::RowMajor>, Eigen::Unaligned,
                               Eigen::OuterStride<sizeof(btVector3) / sizeof(btScalar)>>;
 
-inline VectorView view(const btVector3& v) {
-  return VectorView(static_cast<const btScalar*>(v));
-}
+inline VectorView view(const btVector3& v) { return VectorView(static_cast<const btScalar*>(v)); }
 inline MatrixView view(const btMatrix3x3& m) {
   return MatrixView(static_cast<const btScalar*>(m[0]));
 }
-inline btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// The fourth lane is what Bullet pads with: anything.
+inline LanesView lanes(const btVector3& v) { return LanesView(static_cast<const btScalar*>(v)); }
 
 class BodyPair {
  public:
@@ -54,10 +54,11 @@ class BodyPair {
   /// shows in everything that is made of it.)
   bool finite() const {
     // A sum is finite only if its terms are, and costs less than looking at each.
-    const Vec3 sum = v_a() + v_b() + w_a() + w_b() + view(m_a.getTotalForce()) +
-                     view(m_b.getTotalForce()) + view(m_a.getTotalTorque()) +
-                     view(m_b.getTotalTorque());
-    return is_finite(sum.x() + sum.y() + sum.z() + m_a.getInvMass() + m_b.getInvMass());
+    const Lanes sum = lanes(m_a.getLinearVelocity()) + lanes(m_b.getLinearVelocity()) +
+                      lanes(m_a.getAngularVelocity()) + lanes(m_b.getAngularVelocity()) +
+                      lanes(m_a.getTotalForce()) + lanes(m_b.getTotalForce()) +
+                      lanes(m_a.getTotalTorque()) + lanes(m_b.getTotalTorque());
+    return is_finite(sum[0] + sum[1] + sum[2] + m_a.getInvMass() + m_b.getInvMass());
   }
 
   static bool is_finite(Scalar s) { return s - s == Scalar(0); }

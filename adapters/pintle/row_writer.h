@@ -1,12 +1,13 @@
 // Purpose: the one place that knows how Bullet's solver wants a row. The document's row is
-// J v = target with J = [-L, -A_a, L, A_b] (2.2); Bullet's stock joints have body a positive, so a row
-// is written as -J v = -target, and its impulse is minus the document's lambda.
+// J v = target with J = [-L, -A_a, L, A_b] (2.2); Bullet's stock joints have body a positive, so a
+// row is written as -J v = -target, and its impulse is minus the document's lambda.
 #pragma once
 
 #include <pintle/precision.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 
+#include <cstddef>
 #include <cstring>
 
 namespace pintle {
@@ -15,42 +16,49 @@ inline namespace PINTLE_PRECISION {
 class RowWriter {
  public:
   explicit RowWriter(btTypedConstraint::btConstraintInfo2& info)
-      : m_info(info), m_cfm(info.cfm[0]) {}
+      : m_J1linear(info.m_J1linearAxis),
+        m_J1angular(info.m_J1angularAxis),
+        m_J2linear(info.m_J2linearAxis),
+        m_J2angular(info.m_J2angularAxis),
+        m_error(info.m_constraintError),
+        m_cfms(info.cfm),
+        m_lower(info.m_lowerLimit),
+        m_upper(info.m_upperLimit),
+        m_skip(info.rowskip),
+        m_cfm(info.cfm[0]) {}
 
-  /// 1 / time step.
-  Scalar fps() const { return m_info.fps; }
-  Scalar erp() const { return m_info.erp; }
   /// The world's default; Bullet hands it over in the first row only.
   Scalar cfm() const { return m_cfm; }
-  void setDamping(Scalar damping) { m_info.m_damping = damping; }
 
-  /// Writes every field of the next row. `target` and the bounds are the document's (body b
-  /// positive), cfm is Bullet's: a fraction of the row's own K.
-  template <class Vector>
-  void write(const Vector& L, const Vector& A_a, const Vector& A_b, Scalar target, Scalar cfm,
+  /// Writes every field of the next row, from vectors of four numbers of which the last means
+  /// nothing. `target` and the bounds are the document's (body b positive), cfm is Bullet's: a
+  /// fraction of the row's own K.
+  void write(const Scalar* L, const Scalar* A_a, const Scalar* A_b, Scalar target, Scalar cfm,
              Scalar lower, Scalar upper) {
-    const int at = m_row * m_info.rowskip;
-    put(m_info.m_J1linearAxis + at, L);
-    put(m_info.m_J1angularAxis + at, A_a);
-    put(m_info.m_J2linearAxis + at, Vector(-L));
-    put(m_info.m_J2angularAxis + at, Vector(-A_b));
-    m_info.m_constraintError[at] = -target;
-    m_info.cfm[at] = cfm;
-    m_info.m_lowerLimit[at] = -upper;
-    m_info.m_upperLimit[at] = -lower;
-    ++m_row;
+    put(m_J1linear + m_at, L);
+    put(m_J1angular + m_at, A_a);
+    putNegative(m_J2linear + m_at, L);
+    putNegative(m_J2angular + m_at, A_b);
+    m_error[m_at] = -target;
+    m_cfms[m_at] = cfm;
+    m_lower[m_at] = -upper;
+    m_upper[m_at] = -lower;
+    m_at += m_skip;
   }
 
  private:
-  // Three numbers of a vector that may have more.
-  template <class Vector>
-  static void put(btScalar* to, const Vector& v) {
-    std::memcpy(to, v.data(), 3 * sizeof(btScalar));
+  // Three numbers: what follows them in Bullet's row is not ours.
+  static void put(Scalar* to, const Scalar* v) { std::memcpy(to, v, 3 * sizeof(Scalar)); }
+  static void putNegative(Scalar* to, const Scalar* v) {
+    const Lanes negative = -LanesView(v);
+    put(to, negative.data());
   }
 
-  btTypedConstraint::btConstraintInfo2& m_info;
+  // Copies: a pointer in Bullet's structure would be read again after each number written.
+  Scalar *m_J1linear, *m_J1angular, *m_J2linear, *m_J2angular;
+  Scalar *m_error, *m_cfms, *m_lower, *m_upper;
+  std::ptrdiff_t m_skip, m_at = 0;
   Scalar m_cfm;
-  int m_row = 0;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -98,7 +98,10 @@ class World {
   // Constructs a joint in place from its constructor's arguments, and adds it.
   template <class Joint, class... Arguments>
   Joint& add_joint(Arguments&&... arguments) {
-    auto joint = std::make_unique<Joint>(std::forward<Arguments>(arguments)...);
+    return take_joint(std::make_unique<Joint>(std::forward<Arguments>(arguments)...));
+  }
+  template <class Joint>
+  Joint& take_joint(std::unique_ptr<Joint> joint) {
     Joint& reference = *joint;
     joints_.push_back(std::move(joint));
     world_.addConstraint(&reference, true);

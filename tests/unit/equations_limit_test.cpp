@@ -2,6 +2,7 @@
 // the twist in radians and its row, against automatic differentiation and central differences; and
 // the angle that counts its turns.
 #include <gtest/gtest.h>
+#include <pintle/arctangent.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/rows/unwrapped_angle.h>
 
@@ -144,15 +145,18 @@ equations::Twist<T> twist(const Hinge& hinge, const Bodies<T>& bodies) {
   const auto axis = [](const Quaternion<T>& q, const Turn& f, int i) {
     return equations::rotate(equations::product(q, constant<T>(f)), constant<T>(Vector::Unit(i)));
   };
-  return equations::twist<T>(axis(bodies.q_a, hinge.f_a, 0), axis(bodies.q_a, hinge.f_a, 2),
-                             axis(bodies.q_b, hinge.f_b, 0), axis(bodies.q_b, hinge.f_b, 2));
+  const auto a_a = axis(bodies.q_a, hinge.f_a, 0), b_a = axis(bodies.q_a, hinge.f_a, 1);
+  const auto a_b = axis(bodies.q_b, hinge.f_b, 0), b_b = axis(bodies.q_b, hinge.f_b, 1);
+  return equations::twist<T>(a_a.dot(a_b), b_a.dot(b_b), b_a.dot(a_b), a_a.dot(b_b));
 }
 
 TYPED_TEST(HingeLimit, TwistIsTwiceTheQuaternionsAngleAndItsLengthOnePlusCosSwing) {
   using T = TypeParam;
   for (const Hinge& hinge : hinges({0, 1e-8, -pi, pi - 1e-8, pi}, {0})) {
-    const auto found = equations::twist<T>(hinge.axis_a(0).cast<T>(), hinge.axis_a(2).cast<T>(),
-                                           hinge.axis_b(0).cast<T>(), hinge.axis_b(2).cast<T>());
+    const auto a = [&](int i) { return Vector3<T>(hinge.axis_a(i).cast<T>()); };
+    const auto b = [&](int i) { return Vector3<T>(hinge.axis_b(i).cast<T>()); };
+    const auto found =
+        equations::twist<T>(a(0).dot(b(0)), a(1).dot(b(1)), a(1).dot(b(0)), a(0).dot(b(1)));
     const double length = 1 + std::cos(hinge.swing);
     // Of numbers up to 2.
     ASSERT_LE(std::abs(double(found.x) - length * std::cos(hinge.th)), 2 * this->kTolerance);
@@ -188,8 +192,8 @@ TYPED_TEST(HingeLimit, TwistRowIsTheGradientOnAndOffTheManifold) {
       const auto direction = twist(hinge, bodies);
       return S(atan2(direction.y, direction.x));
     };
-    const Velocities J = angular_row(equations::twist_row<T>(hinge.axis_a(2).template cast<T>(),
-                                                             hinge.axis_b(2).template cast<T>()));
+    const Velocities J = angular_row(equations::twist_row(equations::swing<T>(
+        hinge.axis_a(2).template cast<T>(), hinge.axis_b(2).template cast<T>())));
     const double tolerance = this->kTolerance * conditioning(hinge);
     ASSERT_LE(mismatch(J, gradient(C, hinge.bodies)), tolerance);
     ASSERT_LE(mismatch(J, gradient(by_axes, hinge.bodies)), tolerance);
@@ -207,9 +211,9 @@ TYPED_TEST(HingeLimit, TwistRowIsTheAxisItselfWhileTheHingeHolds) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Vector3<T> c = random.unit().cast<T>();
-    const Vector3<T> row = equations::twist_row(c, c);
-    // c is a unit vector to within two epsilon, and so is the divisor.
-    ASSERT_LE(mismatch(row, c), 2 * this->kEpsilon);
+    const Vector3<T> row = equations::twist_row(equations::swing(c, c));
+    // c is a unit vector to within two epsilon, and so are the two factors.
+    ASSERT_LE(mismatch(row, c), 4 * this->kEpsilon);
   }
 }
 
@@ -222,6 +226,31 @@ constexpr double kScalarEpsilon = double(std::numeric_limits<Scalar>::epsilon())
 
 void look(UnwrappedAngle& angle, double th) {
   angle.update(Scalar(std::cos(th)), Scalar(std::sin(th)));
+}
+
+TEST(Arctangent, IsThatOfTheLibraryOverTheWholePlane) {
+  const double tolerance = std::is_same_v<Scalar, float> ? 3e-7 : 0;
+  double worst = 0;
+  for (int i = -200000; i <= 200000; ++i) {
+    const Scalar th = Scalar(pi * i / 200000), r = Scalar(std::pow(10, i % 7));
+    const Scalar x = r * std::cos(th), y = r * std::sin(th);
+    worst = std::max(worst,
+                     std::abs(double(pintle::arctangent(y, x)) - std::atan2(double(y), double(x))));
+  }
+  EXPECT_LE(worst, tolerance);
+  EXPECT_EQ(pintle::arctangent(Scalar(0), Scalar(0)), 0);
+  EXPECT_EQ(pintle::arctangent(Scalar(0), Scalar(-1)), Scalar(pi));
+}
+
+TEST(UnwrappedAngle, RoughValueIsWithinItsError) {
+  UnwrappedAngle angle;
+  double worst = 0;
+  for (double th = 0; th < 20; th += 1e-3) {
+    look(angle, th);
+    worst = std::max(worst, std::abs(double(angle.roughValue()) - th));
+  }
+  EXPECT_LE(worst, double(UnwrappedAngle::rough_error));
+  EXPECT_GE(worst, 0.9 * double(UnwrappedAngle::rough_error));  // and no larger than it must be
 }
 
 // An angle is as good as its direction and its own last digit.

@@ -6,6 +6,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <scenes/world.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -181,5 +182,20 @@ class SolverRows {
   int m_announced = 0;
   btScalar m_damping = 1;
 };
+
+/// The step in which a joint breaks under a load on the free body that grows by 1 N (N m) a step, up to
+/// `most`; -1: not within 120.
+template <class Rig>
+int stepOfBreaking(Rig& rig, const btTypedConstraint& joint, const btVector3& force,
+                   const btVector3& torque, double most = 1000) {
+  for (int i = 1; i <= 120; ++i) {
+    const btScalar size = scalar(std::min(double(i), most));
+    rig.free().applyCentralForce(force * size);
+    rig.free().applyTorque(torque * size);
+    rig.step();
+    if (!joint.isEnabled()) return i;
+  }
+  return -1;
+}
 
 }  // namespace support

@@ -31,25 +31,23 @@ AngularRow<T> quaternion_hinge_limit_row(Quaternion<T> p, const Matrix3<T>& F, c
   return row;
 }
 
-/// Twist as a direction in the plane: th = atan2(y, x), both scaled by 1 + cos(swing). From the joint
-/// frames' axes a (x of the frame) and c, which is 2 atan2(v.c, w) of p without the quaternion.
+/// Twist as a direction in the plane: th = atan2(y, x), both scaled by 1 + cos(swing), from the
+/// products of the joint frames' axes: 2 atan2(v.c, w) of p without the quaternion.
 template <class T>
 struct Twist {
   T x, y;
 };
 
 template <class T>
-Twist<T> twist(const Vector3<T>& a_a, const Vector3<T>& c_a, const Vector3<T>& a_b,
-               const Vector3<T>& c_b) {
-  // a_a.a_b + b_a.b_b and b_a.a_b - a_a.b_b, with b = c x a.
-  return {(T(1) + c_a.dot(c_b)) * a_a.dot(a_b) - c_a.dot(a_b) * a_a.dot(c_b),
-          (c_a + c_b).dot(cross(a_a, a_b))};
+Twist<T> twist(T a_a_dot_a_b, T b_a_dot_b_b, T b_a_dot_a_b, T a_a_dot_b_b) {
+  return {a_a_dot_a_b + b_a_dot_b_b, b_a_dot_a_b - a_a_dot_b_b};
 }
 
-/// J_b of th: exactly c on a hinge that is satisfied, 1/cos(swing/2) long on one that is not.
+/// J_b of th: exactly c on a hinge that is satisfied, h / cos(swing/2) on one that is not.
 template <class T>
-Vector3<T> twist_row(const Vector3<T>& c_a, const Vector3<T>& c_b) {
-  return (c_a + c_b) / (T(1) + c_a.dot(c_b));
+Vector3<T> twist_row(const Swing<T>& s) {
+  using std::sqrt;
+  return s.h * sqrt(s.h_scale);
 }
 
 }  // namespace pintle::equations

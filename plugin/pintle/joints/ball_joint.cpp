@@ -1,6 +1,7 @@
 #include <pintle/joints/ball_joint.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/joints/drawing.h>
 #include <pintle/rows/position_rows.h>
 
 namespace pintle {
@@ -48,6 +49,16 @@ btScalar BallJoint::getParam(int num, int axis) const {
     case BT_CONSTRAINT_STOP_CFM: return m_cfm.value;
     default: reject("parameter", num, "no such parameter");
   }
+}
+
+void BallJoint::drawJoint(btIDebugDraw& drawer) const {
+  const btMatrix3x3 upright = btMatrix3x3::getIdentity();
+  // As Bullet: the first one in any mode.
+  const auto draw = [&](const btVector3& pivot) {
+    drawer.drawTransform(btTransform(upright, pivot), m_dbgDrawSize);
+  };
+  draw(m_rbA.getCenterOfMassTransform()(m_pivot_a));
+  if (drawsFrames(drawer)) draw(m_rbB.getCenterOfMassTransform()(m_pivot_b));
 }
 
 PINTLE_FLATTEN void BallJoint::addRows(const BodyPair& pair, Rows& rows) const {

@@ -44,6 +44,8 @@ class BallJoint : public Joint {
     return (m_erp.is_set ? BT_P2P_FLAGS_ERP : 0) | (m_cfm.is_set ? BT_P2P_FLAGS_CFM : 0);
   }
 
+  /// The two pivots.
+  void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "BallJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
@@ -51,9 +53,6 @@ class BallJoint : public Joint {
   // The setting is open: what is no number is no setting.
   Scalar damping() const override {
     return m_setting.m_damping - m_setting.m_damping == 0 ? m_setting.m_damping : Scalar(1);
-  }
-  bool rowsMayMix() const override {
-    return Joint::rowsMayMix() && !(m_setting.m_impulseClamp > 0);
   }
 
  private:

@@ -1,13 +1,13 @@
 #include <pintle/joints/joint.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/equations/effective_mass.h>
 #include <pintle/row_writer.h>
+#include <pintle/rows/axis_part.h>
 #include <pintle/rows/block.h>
 
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
-
-#include <sstream>
-#include <stdexcept>
+#include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -23,12 +23,13 @@ constexpr int max_rows = 8;
 // left out from there on, and by degrees before, on the side of losing energy.
 constexpr Scalar max_curved_turn = Scalar(0.5);
 
-// Bullet starts every step from nothing, and leaves a joint with what the others did to it after its
-// last turn, the residual. A residual that lasts (the part in which two steps agree: a load, not a
-// blow) is going to come again, and the next target makes up for this part of it. Joints that fight
-// each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
+// Bullet starts every step from nothing, and leaves a joint with what the others did to it after
+// its last turn, the residual. A residual that lasts (the part in which two steps agree: a load,
+// not a blow) is going to come again, and the next target makes up for this part of it. Joints that
+// fight each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
 constexpr Scalar feed_forward = Scalar(0.6);
 
+// J v
 Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
 }
@@ -45,24 +46,37 @@ Vec3 freeAngular(const btRigidBody& body, Scalar dt) {
                   .cwiseProduct(view(body.getAngularFactor()));
 }
 
+// The rows behind `info`, if they are those of Bullet's own solvers.
+const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
+  const auto* linear = reinterpret_cast<const btVector3*>(info.m_J1linearAxis);
+  const auto* bytes = reinterpret_cast<const char*>(linear);
+  const auto* row = reinterpret_cast<const btSolverConstraint*>(
+      bytes - offsetof(btSolverConstraint, m_contactNormal1));
+  const bool same = info.rowskip * sizeof(btScalar) == sizeof(btSolverConstraint) &&
+                    info.m_J2linearAxis == row->m_contactNormal2.m_floats &&
+                    info.m_J1angularAxis == row->m_relpos1CrossNormal.m_floats &&
+                    info.m_J2angularAxis == row->m_relpos2CrossNormal.m_floats &&
+                    info.m_constraintError == &row->m_rhs && info.cfm == &row->m_cfm &&
+                    info.m_lowerLimit == &row->m_lowerLimit;
+  return same ? row : nullptr;
+}
+
 }  // namespace
 
 // What all rows of a joint share in a step.
 struct Joint::Step {
   Scalar fps, erp, cfm;
   Scalar half;  ///< of the time step, for the curvature
-  bool block;
 
-  Step(const Joint& joint, const RowWriter& out)
-      : fps(out.fps()),
-        erp(joint.m_erp.orElse(out.erp())),
-        cfm(joint.m_cfm.orElse(out.cfm())),
-        half(Scalar(0.5) / fps),
-        block(joint.m_block_rows && joint.rowsMayMix()) {
+  Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
+      : fps(info.fps),
+        erp(joint.m_erp.orElse(info.erp)),
+        cfm(joint.m_cfm.orElse(default_cfm)),
+        half(Scalar(0.5) * joint.m_time_step) {
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
-    const Scalar w = joint.m_angular_speed, turn = w / fps;
+    const Scalar w = joint.m_angular_speed, turn = w * joint.m_time_step;
     if (joint.m_last_angular_speed > 0 && w > 0) {
       const Scalar next = btMax(w / 2, btMin(2 * w - joint.m_last_angular_speed, 2 * w)) / w;
       half *= next * next;
@@ -70,9 +84,9 @@ struct Joint::Step {
     half *= btMax(Scalar(0), 1 - turn * turn / (max_curved_turn * max_curved_turn));
   }
 
-  // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order; Bullet
-  // then turns the bodies by more than that, and the curvature is what it adds in a step: with it a
-  // turning joint does not drift.
+  // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
+  // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
+  // with it a turning joint does not drift.
   Scalar target(const Row& row) const {
     const Scalar speed = -erp * fps * row.position;
     return btMax(-row.max_speed, btMin(speed, row.max_speed)) - half * row.curvature;
@@ -85,15 +99,13 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
 Joint::Joint(btRigidBody& a, Rows rows) : btTypedConstraint(pintle_type, a), m_rows(rows) {}
 
 void Joint::buildJacobian() {
-  m_last_incoming = m_incoming;
-  m_incoming = 0;
   m_last_angular_speed = m_angular_speed;
-  m_angular_speed = btSqrt(
-      btMax(m_rbA.getAngularVelocity().length2(), m_rbB.getAngularVelocity().length2()));
-  if (m_axis_acted) m_axis_row = {};
-  m_axis_acted = false;
+  m_angular_speed =
+      btSqrt(btMax(m_rbA.getAngularVelocity().length2(), m_rbB.getAngularVelocity().length2()));
+  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).beginStep();
+  m_solver_rows = nullptr;
   // A solver that did not show the residuals: those at hand are old.
-  if (m_iterations_left > 0) m_rows.forgetResiduals();
+  if (m_iterations_left > 0) m_residuals_known = false;
   m_iterations_left = 0;
   // A disabled joint has no rows, but its angle goes on turning.
   if (!isEnabled()) {
@@ -108,114 +120,28 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   const BodyPair pair(m_rbA, m_rbB);
   if (pair.finite()) prepare(pair, m_rows);
   // Other rows: the residuals are not theirs.
-  if (m_rows.size() != before) m_rows.forgetResiduals();
+  if (m_rows.size() != before) m_residuals_known = false;
   info->m_numConstraintRows = m_rows.size();
   info->nub = 0;
 }
 
-PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
-  RowWriter out(*info);
-  m_time_step = 1 / out.fps();
-  const int n = m_rows.size();
-  if (n == 0) return;
-  out.setDamping(damping());
-  const Step step(*this, out);
-
-  // An axis is eliminated last, and takes its part out of the impulses that a threshold looks at.
-  if (!step.block || (breakable() && m_rows[n - 1].axis != nullptr)) {
-    for (int i = 0; i < n; ++i) {
-      const Row& row = m_rows[i];
-      if (row.axis != nullptr) {
-        writeAxis(row, nullptr, step, out);
-      } else {
-        out.write(row.L, row.A_a, row.A_b, step.target(row), step.cfm, -row.max_impulse,
-                  row.max_impulse);
-      }
-    }
-    return;
-  }
-
-  // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.cfm == 0 && damping() == 1 && !breakable() &&
-                    getOverrideNumSolverIterations() <= info->m_numIterations;
-  m_iterations_left = feed ? info->m_numIterations : 0;
-  if (!feed) m_rows.forgetResiduals();
-
-  const BlockMass mass(BodyPair(m_rbA, m_rbB));
-  BlockRow rows[max_rows];
-  int equalities = n;
-  while (equalities > 0 && m_rows[equalities - 1].axis != nullptr) --equalities;
-  // The later a row is eliminated, the less of the others is in its impulse. Where the impulses are
-  // compared with a threshold, the angular rows go first and leave the pivot's force as it is.
-  int first = 0;
-  if (breakable())
-    while (first < equalities && m_rows[first].L != Vec3::Zero()) ++first;
-  for (int i = 0; i < n; ++i) {
-    int at = i;
-    if (first > 0 && i < equalities) at = (i + first) % equalities;
-    const Row& row = m_rows[at];
-    if (row.axis != nullptr) {
-      addToBlock(rows, i, equalities, row, 0, mass);
-      writeAxis(row, &rows[i], step, out);
-      continue;
-    }
-    Scalar target = step.target(row);
-    if (feed) {
-      RowResidual& residual = m_rows.residual(at);
-      target -= residual.correction;
-      residual.target = target;
-    }
-    addToBlock(rows, i, i, row, target, mass);
-    out.write(rows[i].L, rows[i].A_a, rows[i].A_b, rows[i].target(), step.cfm, -infinity, infinity);
-  }
-}
-
-// `block`: the row after the elimination, whose target is what the equalities' targets came to in it;
-// null: as it stands.
-void Joint::writeAxis(const Row& row, const BlockRow* block, const Step& step, RowWriter& out) {
-  const BodyPair pair(m_rbA, m_rbB);
-  BlockRow alone;
-  AxisMotion motion = axisMotion(row, step, pair);
-  if (!row.axis->isSimple(row.limit)) {
-    if (block == nullptr) {
-      addToBlock(&alone, 0, 0, row, 0, BlockMass(pair));
-      block = &alone;
-    }
-    // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors.
-    const Scalar own = row.L.squaredNorm() * (pair.inv_mass_a() + pair.inv_mass_b()) +
-                       row.A_a.dot(pair.inv_inertia_a() * row.A_a) +
-                       row.A_b.dot(pair.inv_inertia_b() * row.A_b);
-    motion.K = block->K > rounding_of_K * own ? block->K : Scalar(0);
-    motion.free_velocity =
-        block->L.head<3>().matrix().dot(freeLinear(m_rbB, m_time_step) -
-                                        freeLinear(m_rbA, m_time_step)) -
-        block->A_a.head<3>().matrix().dot(freeAngular(m_rbA, m_time_step)) +
-        block->A_b.head<3>().matrix().dot(freeAngular(m_rbB, m_time_step)) - block->target();
-  }
-  m_axis_row = solveAxis(*row.axis, motion);
-  m_axis_sign = row.sign;
-  m_axis_acted = true;
-  m_incoming = m_axis_row.incoming;
-  // Along the direction in which Bullet counts its impulse.
-  const Scalar s = row.sign, target = s * m_axis_row.target;
-  const Scalar lower = s > 0 ? m_axis_row.lower : -m_axis_row.upper;
-  const Scalar upper = s > 0 ? m_axis_row.upper : -m_axis_row.lower;
-  if (block != nullptr) {
-    out.write(Lanes(s * block->L), Lanes(s * block->A_a), Lanes(s * block->A_b),
-              target + s * block->target(), m_axis_row.cfm, lower, upper);
-  } else {
-    out.write(Vec3(s * row.L), Vec3(s * row.A_a), Vec3(s * row.A_b), target, m_axis_row.cfm, lower,
-              upper);
-  }
-}
-
-AxisMotion Joint::axisMotion(const Row& row, const Step& step, const BodyPair& pair) const {
+// What acts along an axis in this step. `block` is its row after the elimination, whose target is
+// what the equalities' targets came to in it; null: as it stands.
+inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const BlockMass* mass,
+                                   const Step& step) {
   const Axis& axis = *row.axis;
+  AxisState& state = m_rows.axis(row.axis_index);
+  state.sign = row.sign;
+  state.acted = true;
+  state.row = {};
+  const BodyPair pair(m_rbA, m_rbB);
   AxisMotion motion;
   motion.position = row.position;
-  motion.velocity = velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b());
+  motion.velocity =
+      row.sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
+                              : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
   motion.max_speed = m_max_correction_speed;
-  motion.incoming = m_last_incoming;
+  motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = step.fps;
   motion.limit_erp = m_limit_erp.orElse(step.erp);
@@ -224,13 +150,124 @@ AxisMotion Joint::axisMotion(const Row& row, const Step& step, const BodyPair& p
   motion.limit_cfm = m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm);
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
-    motion.motor_factor = const_cast<Joint*>(this)->getMotorFactor(
-        row.position, axis.low, axis.high, axis.motor_velocity, step.fps * motion.limit_erp);
-  return motion;
+    motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
+                                         step.fps * motion.limit_erp);
+  if (!axis.isSimple(row.limit))
+    solveCompound(row, block, mass, motion, state.row);
+  else if (row.limit)
+    state.row.take(Axis::limit, limitPart(axis, motion, state.row.incoming));
+  else if (axis.drive != Axis::Drive::off)
+    state.row.take(Axis::motor, motorPart(axis, motion));
+  else
+    state.row.take(Axis::friction, frictionPart(axis, motion));
+  return state;
+}
+
+PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
+  m_time_step = 1 / info->fps;
+  const int n = m_rows.size();
+  if (n == 0) return;
+  RowWriter out(*info);
+  const Step step(*this, *info, out.cfm());
+  const Scalar damped = damping();
+  info->m_damping = damped;
+  const auto write_axis = [&](const Scalar* L, const Scalar* A_a, const Scalar* A_b, Scalar target,
+                              const AxisState& axis) {
+    const bool same = axis.sign > 0;
+    out.write(L, A_a, A_b, target + axis.sign * axis.row.target, axis.row.cfm,
+              same ? axis.row.lower : -axis.row.upper, same ? axis.row.upper : -axis.row.lower);
+  };
+
+  const bool breaks = breakable();
+  const int equalities = m_rows.equalities();
+  if (n > equalities + 1) {
+    m_solver_rows = solverRows(*info);
+    for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).whole = 0;
+  }
+  // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
+  // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
+  const bool mix = !m_rows.bounded() && (!breaks || (m_rows[0].angular && equalities == n));
+  if (!m_block_rows || !mix) {
+    const Scalar bound = m_rows.maxImpulse();
+    for (int i = 0; i < equalities; ++i) {
+      const Row& row = m_rows[i];
+      out.write(&row.L[0], &row.A_a[0], &row.A_b[0], step.target(row), step.cfm, -bound, bound);
+    }
+    for (int i = equalities; i < n; ++i) {
+      const Row& row = m_rows[i];
+      write_axis(&row.L[0], &row.A_a[0], &row.A_b[0], 0, act(row, nullptr, nullptr, step));
+    }
+    return;
+  }
+
+  // A soft row is not to end at its target, and a damped one will not.
+  const bool feed = step.cfm == 0 && damped == 1 && !breaks &&
+                    getOverrideNumSolverIterations() <= info->m_numIterations;
+  m_iterations_left = feed ? info->m_numIterations : 0;
+  if (!feed) m_residuals_known = false;
+
+  for (int i = 0; i < equalities; ++i) {
+    Row& row = m_rows[i];
+    RowResidual& residual = m_rows.residual(i);
+    row.target = step.target(row);
+    if (m_residuals_known) row.target -= residual.correction;
+    residual.target = row.target;
+  }
+  const BlockMass mass(BodyPair(m_rbA, m_rbB));
+  BlockRow block[max_rows];
+  for (int i = 0; i < equalities; ++i) {
+    addToBlock(block, i, m_rows[i], mass);
+    const BlockRow& to = block[i];
+    out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm, -infinity,
+              infinity);
+  }
+  for (int i = equalities; i < n; ++i) {
+    BlockRow& to = block[equalities];
+    eliminate(to, m_rows[i], block, equalities);
+    write_axis(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(),
+               act(m_rows[i], &to, &mass, step));
+  }
+}
+
+void Joint::solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
+                          AxisMotion& motion, AxisRow& result) const {
+  const BodyPair pair(m_rbA, m_rbB);
+  BlockRow alone;
+  if (block == nullptr)
+    eliminate(alone, row, nullptr, 0);
+  else
+    alone = *block;
+  (mass == nullptr ? BlockMass(pair) : *mass).weigh(alone);
+  // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors.
+  const equations::InverseMass<Scalar> M{pair.inv_mass_a(), pair.inv_mass_b(), pair.inv_inertia_a(),
+                                         pair.inv_inertia_b()};
+  const equations::Jacobian<Scalar> J{row.L, row.A_a, row.A_b};
+  const Scalar own = equations::inverse_effective_mass(J, M, J);
+  motion.K = alone.K > rounding_of_K * own ? alone.K : Scalar(0);
+  const Scalar dt = m_time_step;
+  const Vec3 v_ab = freeLinear(m_rbB, dt) - freeLinear(m_rbA, dt);
+  motion.free_velocity =
+      row.sign * (alone.L.head<3>().matrix().dot(v_ab) -
+                  alone.A_a.head<3>().matrix().dot(freeAngular(m_rbA, dt)) +
+                  alone.A_b.head<3>().matrix().dot(freeAngular(m_rbB, dt)) - alone.target());
+  solveAxis(*row.axis, motion, result);
+}
+
+Scalar Joint::axisImpulse(int axis, Axis::Part part) const {
+  const AxisState& state = m_rows.axis(axis);
+  if (!state.acted || m_rows.size() == 0) return 0;
+  const bool last = m_rows[m_rows.size() - 1].axis_index == axis;
+  return state.row.impulse(part, last ? -state.sign * m_appliedImpulse : state.whole);
 }
 
 // Bullet calls this after each pass over the rows. The last one shows what they were left with.
 void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
+  if (m_solver_rows != nullptr) {
+    for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+      AxisState& axis = m_rows.axis(m_rows[i].axis_index);
+      axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
+    }
+  }
   if (m_iterations_left == 0 || --m_iterations_left > 0) return;
   const auto linear = [](const btSolverBody& body) -> Vec3 {
     return view(body.m_linearVelocity) + view(body.m_externalForceImpulse) +
@@ -241,69 +278,15 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
            view(body.m_deltaAngularVelocity);
   };
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
-  for (int i = 0; i < m_rows.size() && m_rows[i].axis == nullptr; ++i) {
+  for (int i = 0; i < m_rows.equalities(); ++i) {
     RowResidual& residual = m_rows.residual(i);
-    const Scalar now = velocity(m_rows[i], v_ab, w_a, w_b) - residual.target, last = residual.last;
+    const Scalar now = velocity(m_rows[i], v_ab, w_a, w_b) - residual.target;
+    const Scalar last = m_residuals_known ? residual.last : Scalar(0);
     residual.correction =
         now * last > 0 ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
     residual.last = now;
   }
-}
-
-void Joint::setMaxCorrectionSpeed(btScalar speed) {
-  m_max_correction_speed = positive("max correction speed", speed);
-}
-
-void Joint::reject(const char* field, double value, const char* why) const {
-  std::ostringstream message;
-  message << "pintle::" << name() << ": " << field << " = " << value << ": " << why;
-  throw std::invalid_argument(message.str());
-}
-
-Scalar Joint::finite(const char* field, Scalar value) const {
-  if (!BodyPair::is_finite(value)) reject(field, value, "must be finite");
-  return value;
-}
-
-Scalar Joint::notNegative(const char* field, Scalar value) const {
-  if (finite(field, value) < 0) reject(field, value, "must not be negative");
-  return value;
-}
-
-Scalar Joint::positive(const char* field, Scalar value) const {
-  if (finite(field, value) <= 0) reject(field, value, "must be above zero");
-  return value;
-}
-
-Scalar Joint::bound(const char* field, Scalar value) const {
-  if (!(value >= 0)) reject(field, value, "must not be negative");
-  return btMin(value, infinity);
-}
-
-const btVector3& Joint::point(const char* field, const btVector3& value) const {
-  for (int i = 0; i < 3; ++i) finite(field, value[i]);
-  return value;
-}
-
-btVector3 Joint::direction(const char* field, const btVector3& value) const {
-  const Scalar length = point(field, value).length();
-  if (!(length > SIMD_EPSILON && length < infinity)) reject(field, length, "must have a direction");
-  return value / length;
-}
-
-const btTransform& Joint::frame(const char* field, const btTransform& value) const {
-  point(field, value.getOrigin());
-  const btMatrix3x3& R = value.getBasis();
-  for (int i = 0; i < 3; ++i) {
-    point(field, R[i]);
-    for (int j = 0; j <= i; ++j) {
-      const Scalar product = R.getColumn(i).dot(R.getColumn(j));
-      if (btFabs(product - Scalar(i == j)) > Scalar(1e-3))
-        reject(field, product, "its axes must be unit vectors at right angles");
-    }
-  }
-  if (R.determinant() < 0) reject(field, R.determinant(), "must be right-handed");
-  return value;
+  m_residuals_known = true;
 }
 
 }  // namespace PINTLE_PRECISION

@@ -1,16 +1,19 @@
-// Purpose: the base of all joints. A joint is a list of rows at a pose (addRows); this turns it into
-// what Bullet's solver asks for, step by step.
+// Purpose: the base of all joints. A joint is a list of rows at a pose (addRows); this turns it
+// into what Bullet's solver asks for, step by step.
 #pragma once
 
 #include <pintle/rows/row.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+#include <LinearMath/btIDebugDraw.h>
+
+struct btSolverConstraint;
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class BodyPair;
-class RowWriter;
+class BlockMass;
 struct BlockRow;
 
 /// Which form of its equations a joint solves.
@@ -35,22 +38,25 @@ class Joint : public btTypedConstraint {
   /// call it at any pose.
   virtual void addRows(const BodyPair& pair, Rows& rows) const = 0;
 
-  /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of Bullet's
-  /// solver solves the joint by itself, and with the residual of the last step in view. Default on.
-  /// Bullet compares a breaking threshold with the impulse of each single row: a joint that has one
-  /// eliminates in the order that leaves the pivot's force in its rows, or, with a limit or motor
-  /// acting, not at all.
+  /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of
+  /// Bullet's solver solves the joint by itself, and with the residual of the last step in view.
+  /// Default on. Bullet compares a breaking threshold with the impulse of each single row: a joint
+  /// that has one eliminates in the order that leaves the pivot's force in its rows, or, with a
+  /// limit or motor acting, not at all.
   void setBlockRows(bool block) { m_block_rows = block; }
   bool getBlockRows() const { return m_block_rows; }
 
   void setFormulation(Formulation formulation) { m_formulation = formulation; }
   Formulation getFormulation() const { return m_formulation; }
 
-  /// The angular speed (rad/s, > 0) at which a step may at most take away an error of orientation, or
-  /// that of a broken limit.
-  /// Default 8: a joint that starts far off neither explodes nor lingers.
+  /// The angular speed (rad/s, > 0) at which a step may at most take away an error of orientation,
+  /// or that of a broken limit. Default 8: a joint that starts far off neither explodes nor
+  /// lingers.
   void setMaxCorrectionSpeed(btScalar speed);
   btScalar getMaxCorrectionSpeed() const { return m_max_correction_speed; }
+
+  /// Draws the joint as Bullet draws its own: frames, axes and limits, of the size getDbgDrawSize().
+  virtual void drawJoint(btIDebugDraw& drawer) const = 0;
 
   // Bullet's solver calls these.
   void buildJacobian() final;
@@ -72,18 +78,16 @@ class Joint : public btTypedConstraint {
   }
   /// Bullet's damping: the part of the velocity that the rows take away.
   virtual Scalar damping() const { return 1; }
-  /// Whether rows may be mixed although their impulses are bounded one by one.
-  virtual bool rowsMayMix() const { return !breakable(); }
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.
   Scalar timeStep() const { return m_time_step; }
   /// rad/s, of the faster body, at the start of this step or of the last one, whichever is more.
   Scalar angularSpeed() const { return btMax(m_angular_speed, m_last_angular_speed); }
-  /// The impulse of one part of the axis row in the last step, positive along the coordinate.
-  Scalar axisImpulse(Axis::Part part) const {
-    return m_axis_row.impulse(part, -m_axis_sign * m_appliedImpulse);
-  }
+  /// The impulse of one part of an axis in the last step, positive along the coordinate. Bullet hands
+  /// out the last row's; those of other axes are read from the rows of its sequential solver, and are
+  /// 0 with a solver that has none.
+  Scalar axisImpulse(int axis, Axis::Part part) const;
 
   /// A parameter as Bullet's constraints have it: one that is set overrides the world's.
   struct Parameter {
@@ -100,29 +104,35 @@ class Joint : public btTypedConstraint {
   Scalar finite(const char* field, Scalar value) const;
   Scalar notNegative(const char* field, Scalar value) const;  ///< finite and >= 0
   Scalar positive(const char* field, Scalar value) const;     ///< finite and > 0
-  Scalar bound(const char* field, Scalar value) const;        ///< >= 0; infinite is Bullet's infinity
+  Scalar bound(const char* field, Scalar value) const;  ///< >= 0; infinite is Bullet's infinity
   const btVector3& point(const char* field, const btVector3& value) const;
   btVector3 direction(const char* field, const btVector3& value) const;  ///< made unit
   const btTransform& frame(const char* field, const btTransform& value) const;
+  // What a setter of an axis does, checks included.
+  void setAxisLimit(Axis& axis, Scalar low, Scalar high) const;
+  void setAxisSpring(Axis& axis, Scalar frequency_hz, Scalar damping_ratio) const;
+  void setAxisMotor(Axis& axis, bool on, Scalar velocity, Scalar max_impulse) const;
+  void setAxisServo(Axis& axis, Scalar target, Scalar frequency_hz, Scalar damping_ratio,
+                    Scalar max_force, const char* force_field = "servo max torque") const;
+  void setAxisFriction(Axis& axis, Scalar max_force,
+                       const char* force_field = "friction max torque") const;
 
  private:
   struct Step;
 
-  AxisMotion axisMotion(const Row& row, const Step& step, const BodyPair& pair) const;
-  void writeAxis(const Row& row, const BlockRow* block, const Step& step, RowWriter& out);
+  const AxisState& act(const Row& row, const BlockRow* block, const BlockMass* mass,
+                       const Step& step);
+  void solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
+                     AxisMotion& motion, AxisRow& result) const;
 
   Rows m_rows;
-  AxisRow m_axis_row;
-  Scalar m_axis_sign = 1;
-  bool m_axis_acted = false;
-  // The speed at which a limit was reached: what this step has seen, and what the last one saw. Two,
-  // so that getInfo2 may be called again.
-  Scalar m_incoming = 0, m_last_incoming = 0;
+  const btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
   Scalar m_time_step = Scalar(1) / 60;
   Scalar m_max_correction_speed = 8;
   int m_iterations_left = 0;  ///< until the residual is taken
+  bool m_residuals_known = false;
   bool m_block_rows = true;
   Formulation m_formulation = Formulation::conditioned;
 };

@@ -3,6 +3,9 @@
 #include <pintle/body_pair.h>
 #include <pintle/equations/quaternion_hinge.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
+#include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
@@ -48,50 +51,35 @@ Vec3 turnOfStep(const btVector3& w, Scalar dt) {
   return turn / angle * dt * view(w);
 }
 
-// A bound for how much force and torque speed a body up about the hinge in a second (rad/s^2), if
-// the hinge is all that holds it.
-Scalar accelerationBound(const btRigidBody& body, const Vec3& h, const Vec3& r) {
-  const Scalar m_inv = body.getInvMass();
-  if (m_inv == 0) return 0;
-  const MatrixView I_inv = view(body.getInvInertiaTensorWorld());
-  const Scalar about_axis = h.dot(I_inv * h);
-  if (!(about_axis > 0)) return 0;
-  const Scalar lever = r.norm(), radius2 = m_inv / about_axis;
-  return view(body.getTotalForce()).norm() * m_inv * lever / (lever * lever + radius2) +
-         (I_inv * view(body.getTotalTorque())).norm();
-}
-
 }  // namespace
 
-// The joint frames in the world, less what can be had from the rest.
+// The joint frames in the world.
 struct QuaternionHinge::Frames {
-  Vec3 r_a, a_a, c_a, r_b, a_b, c_b;
+  Frame a, b;
+  Vec3 c_a = a.c(), c_b = b.c();
 };
 
 inline QuaternionHinge::Frames QuaternionHinge::frames(const btTransform& pose_a,
                                                        const btTransform& pose_b) const {
-  const MatrixView A = view(m_frame_a.getBasis()), B = view(m_frame_b.getBasis());
-  const MatrixView R_a = view(pose_a.getBasis()), R_b = view(pose_b.getBasis());
-  return {R_a * view(m_frame_a.getOrigin()), R_a * A.col(0), R_a * A.col(2),
-          R_b * view(m_frame_b.getOrigin()), R_b * B.col(0), R_b * B.col(2)};
+  return {{pose_a, m_frame_a}, {pose_b, m_frame_b}};
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                                  const btVector3& pivotInB, const btVector3& axisInA,
                                  const btVector3& axisInB, bool useReferenceFrameA)
-    : Joint(rbA, rbB, m_row_memory),
+    : FrameJoint(rbA, rbB, m_row_memory),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {
   const btVector3 axis_a = direction("axisInA", axisInA), axis_b = direction("axisInB", axisInB);
   const btVector3 x = zeroDirection(rbA, axis_a).normalized();
   m_frame_a = btTransform(columns(x, axis_a.cross(x), axis_a), point("pivotInA", pivotInA));
   m_frame_b = btTransform(follow(axis_a, axis_b, x), point("pivotInB", pivotInB));
-  look(rbA.getCenterOfMassTransform(), rbB.getCenterOfMassTransform());
+  updateState({rbA, rbB});
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, const btVector3& pivotInA,
                                  const btVector3& axisInA, bool useReferenceFrameA)
-    : Joint(rbA, m_row_memory),
+    : FrameJoint(rbA, m_row_memory),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {
   const btVector3 axis_a = direction("axisInA", axisInA);
@@ -99,37 +87,35 @@ QuaternionHinge::QuaternionHinge(btRigidBody& rbA, const btVector3& pivotInA,
   const btVector3 x = tangent(axis_a);
   m_frame_a = btTransform(columns(x, axis_a.cross(x), axis_a), point("pivotInA", pivotInA));
   m_frame_b = btTransform(follow(axis_a, axis_b, x), rbA.getCenterOfMassTransform()(pivotInA));
-  look(rbA.getCenterOfMassTransform(), m_rbB.getCenterOfMassTransform());
+  updateState({rbA, m_rbB});
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
                                  const btTransform& rbBFrame, bool useReferenceFrameA)
-    : Joint(rbA, rbB, m_row_memory),
-      m_frame_a(frame("rbAFrame", rbAFrame)),
-      m_frame_b(frame("rbBFrame", rbBFrame)),
+    : FrameJoint(rbA, rbB, m_row_memory),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {
-  look(rbA.getCenterOfMassTransform(), rbB.getCenterOfMassTransform());
+  m_frame_a = frame("rbAFrame", rbAFrame);
+  m_frame_b = frame("rbBFrame", rbBFrame);
+  updateState({rbA, rbB});
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, const btTransform& rbAFrame,
                                  bool useReferenceFrameA)
-    : Joint(rbA, m_row_memory),
-      m_frame_a(frame("rbAFrame", rbAFrame)),
-      m_frame_b(rbAFrame.getBasis(), rbA.getCenterOfMassTransform()(rbAFrame.getOrigin())),
+    : FrameJoint(rbA, m_row_memory),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {
-  look(rbA.getCenterOfMassTransform(), m_rbB.getCenterOfMassTransform());
+  m_frame_a = frame("rbAFrame", rbAFrame);
+  m_frame_b =
+      btTransform(rbAFrame.getBasis(), rbA.getCenterOfMassTransform()(rbAFrame.getOrigin()));
+  updateState({rbA, m_rbB});
 }
 
-void QuaternionHinge::setFrames(const btTransform& frameA, const btTransform& frameB) {
-  frame("frameA", frameA);
-  m_frame_b = frame("frameB", frameB);
-  m_frame_a = frameA;
+void QuaternionHinge::framesChanged() {
   // Another zero: the turns counted from the old one mean nothing.
   m_twist = {};
   m_turn_given = false;
-  look(m_rbA.getCenterOfMassTransform(), m_rbB.getCenterOfMassTransform());
+  updateState({m_rbA, m_rbB});
 }
 
 void QuaternionHinge::setAxis(const btVector3& axisInA) {
@@ -144,12 +130,14 @@ void QuaternionHinge::setAxis(const btVector3& axisInA) {
 // --- angle ---------------------------------------------------------------------------------------
 
 inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const {
-  const auto twist = equations::twist(at.a_a, at.c_a, at.a_b, at.c_b);
+  const Lanes dots = at.a.dots(at.b);
+  const auto twist =
+      equations::twist<Scalar>(dots[0], dots[1], at.a.b().dot(at.b.a()), at.a.a().dot(at.b.b()));
   // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
   // the last one stands; nor in a frame that its owner has spoiled.
   if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
-  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one that
-  // their motion leads to. (A kinematic body goes where it is put.)
+  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one
+  // that their motion leads to. (A kinematic body goes where it is put.)
   const Scalar dt = timeStep();
   if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
       m_rbB.isStaticOrKinematicObject()) {
@@ -162,12 +150,8 @@ inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const
   }
 }
 
-void QuaternionHinge::look(const btTransform& pose_a, const btTransform& pose_b) {
-  look(frames(pose_a, pose_b), m_twist);
-}
-
 void QuaternionHinge::updateState(const BodyPair& pair) {
-  look(pair.pose_a(), pair.pose_b());
+  look(frames(pair.pose_a(), pair.pose_b()), m_twist);
 }
 
 void QuaternionHinge::testLimit(const btTransform& transA, const btTransform& transB) {
@@ -193,7 +177,7 @@ btScalar QuaternionHinge::getHingeAngle(const btTransform& transA, const btTrans
 }
 
 btScalar QuaternionHinge::getAccumulatedHingeAngle() {
-  look(m_rbA.getCenterOfMassTransform(), m_rbB.getCenterOfMassTransform());
+  updateState({m_rbA, m_rbB});
   const btScalar within = getHingeAngle();
   return within + SIMD_2_PI * std::round((angle() - within) / SIMD_2_PI);
 }
@@ -207,16 +191,11 @@ void QuaternionHinge::setAccumulatedHingeAngle(btScalar accAngle) {
 
 void QuaternionHinge::setLimit(btScalar low, btScalar high, btScalar softness, btScalar biasFactor,
                                btScalar relaxationFactor) {
-  if (low != low) reject("lower limit", low, "must be a number");
-  if (high != high) reject("upper limit", high, "must be a number");
-  if (low <= high && low >= infinity) reject("lower limit", low, "leaves no angle");
-  if (low <= high && high <= -infinity) reject("upper limit", high, "leaves no angle");
   finite("softness", softness);
   notNegative("bias factor", biasFactor);
   notNegative("relaxation factor", relaxationFactor);
   const bool moved = low != m_axis.low || high != m_axis.high;
-  m_axis.low = low;
-  m_axis.high = high;
+  setAxisLimit(m_axis, low, high);
   m_limit_softness = softness;
   m_axis.bias = biasFactor;
   m_axis.relaxation = relaxationFactor;
@@ -239,19 +218,14 @@ void QuaternionHinge::setLimit(btScalar low, btScalar high, btScalar softness, b
 }
 
 void QuaternionHinge::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
-  notNegative("limit spring frequency", frequency_hz);
-  notNegative("limit spring damping ratio", damping_ratio);
-  m_axis.limit_spring = {SIMD_2_PI * frequency_hz, damping_ratio};
+  setAxisSpring(m_axis, frequency_hz, damping_ratio);
   m_half_sine_axis.limit_spring = m_axis.limit_spring;
 }
 
 void QuaternionHinge::enableAngularMotor(bool enableMotor, btScalar targetVelocity,
                                          btScalar maxMotorImpulse) {
-  finite("motor target velocity", targetVelocity);
-  m_axis.max_motor_impulse = bound("max motor impulse", maxMotorImpulse);
-  m_axis.motor_velocity = targetVelocity;
+  setAxisMotor(m_axis, enableMotor, targetVelocity, maxMotorImpulse);
   m_drive = Axis::Drive::velocity;
-  this->enableMotor(enableMotor);
 }
 
 void QuaternionHinge::enableMotor(bool enableMotor) {
@@ -283,8 +257,7 @@ void QuaternionHinge::setMotorTarget(btScalar targetAngle, btScalar dt) {
 
 void QuaternionHinge::setMotorTarget(const btQuaternion& qAinB, btScalar dt) {
   for (int i = 0; i < 4; ++i) finite("qAinB", qAinB[i]);
-  const btQuaternion q =
-      m_frame_b.getRotation().inverse() * qAinB * m_frame_a.getRotation();
+  const btQuaternion q = m_frame_b.getRotation().inverse() * qAinB * m_frame_a.getRotation();
   btScalar target = 2 * btAtan2(q.z(), q.w());
   if (target > SIMD_PI) target -= SIMD_2_PI;
   if (target < -SIMD_PI) target += SIMD_2_PI;
@@ -293,19 +266,11 @@ void QuaternionHinge::setMotorTarget(const btQuaternion& qAinB, btScalar dt) {
 
 void QuaternionHinge::setMotorServo(btScalar target_angle, btScalar frequency_hz,
                                     btScalar damping_ratio, btScalar max_torque) {
-  finite("servo target angle", target_angle);
-  positive("servo frequency", frequency_hz);
-  notNegative("servo damping ratio", damping_ratio);
-  m_axis.max_servo_force = bound("servo max torque", max_torque);
-  m_axis.servo_target = target_angle;
-  m_axis.servo_spring = {SIMD_2_PI * frequency_hz, damping_ratio};
+  setAxisServo(m_axis, target_angle, frequency_hz, damping_ratio, max_torque);
   m_drive = Axis::Drive::servo;
-  enableMotor(true);
 }
 
-void QuaternionHinge::setFriction(btScalar max_torque) {
-  m_axis.max_friction = bound("friction max torque", max_torque);
-}
+void QuaternionHinge::setFriction(btScalar max_torque) { setAxisFriction(m_axis, max_torque); }
 
 void QuaternionHinge::setParam(int num, btScalar value, int axis) {
   if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
@@ -336,25 +301,15 @@ int QuaternionHinge::getFlags() const {
          (m_limit_cfm.is_set ? BT_HINGE_FLAGS_CFM_STOP : 0);
 }
 
-// --- rows ----------------------------------------------------------------------------------------
-
-// Whether the limit is broken, or may be reached in this step: at twice the speed of now, as the
-// step may be longer than the last, and with the speed that forces add.
-bool QuaternionHinge::limitActs(const BodyPair& pair, const Frames& at, const Vec3& h,
-                                Scalar angle) const {
-  const Scalar distance = m_axis.distance(angle);
-  if (distance <= 0 || m_axis.locked()) return true;
-  if (m_axis.limit_spring.angular_frequency > 0) return false;
-  if (m_axis.drive == Axis::Drive::servo && distance < Scalar(pi)) return true;
-  const Scalar dt = timeStep(), speed = m_sign * h.dot(pair.w_b() - pair.w_a());
-  if (distance > dt * 2 * std::abs(speed) + Scalar(pi / 2)) return false;
-  const Scalar gain =
-      dt * (accelerationBound(pair.a(), h, at.r_a) + accelerationBound(pair.b(), h, at.r_b));
-  const auto reaches = [&](Scalar gap, Scalar towards) {
-    return gap <= dt * (gain + (towards > 0 ? 2 * towards : towards));
-  };
-  return reaches(angle - m_axis.low, -speed) || reaches(m_axis.high - angle, speed);
+void QuaternionHinge::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer) || m_axis.locked()) return;
+  const btTransform tr = m_rbB.getCenterOfMassTransform() * m_frame_b;
+  drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(2), tr.getBasis().getColumn(0),
+            m_dbgDrawSize, m_axis.low, m_axis.high);
 }
+
+// --- rows ----------------------------------------------------------------------------------------
 
 PINTLE_FLATTEN void QuaternionHinge::prepare(const BodyPair& pair, Rows& rows) {
   const Frames at = frames(pair.pose_a(), pair.pose_b());
@@ -372,18 +327,30 @@ void QuaternionHinge::addRows(const BodyPair& pair, Rows& rows) const {
 
 inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
                                      const UnwrappedAngle& twist, Rows& rows) const {
-  const Vec3 d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
+  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
   const auto swing = equations::swing(at.c_a, at.c_b);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + swing.sigma.sum() + swing.h.sum())) return;
+  if (!BodyPair::is_finite(d.sum() + swing.sigma.sum())) return;
 
   Scalar angle = 0;
   bool limit = false, axis = false;
   // With c_a and c_b all but opposite the axis has no angle.
   if ((m_axis.driven() || m_axis.limited()) && swing.h_scale < Scalar(20)) {
-    angle = m_sign * twist.value();
-    limit = m_axis.limited() && limitActs(pair, at, swing.h, angle);
-    axis = limit || m_axis.driven();
+    Reach reach;
+    bool broken = false;
+    if (m_axis.limited()) {
+      const Scalar rough = m_sign * twist.roughValue(), slack = UnwrappedAngle::rough_error;
+      broken = m_axis.distance(rough) < -slack;
+      if (!broken) {
+        reach = angularReach(pair, swing.h, timeStep(), m_sign).of(m_axis);
+        limit = reach.reaches(m_axis, rough, slack);
+      }
+    }
+    if (limit || broken || m_axis.driven()) {
+      angle = m_sign * twist.value();
+      limit = broken || (limit && reach.reaches(m_axis, angle));
+      axis = limit || m_axis.driven();
+    }
   }
   if (getFormulation() == Formulation::document) {
     const bool half_sine = limit && !m_axis.driven();
@@ -392,8 +359,7 @@ inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
   } else {
     addConditionedRows(pair, at, d, swing, rows);
   }
-  if (axis)
-    rows.addAngularAxis(m_sign * equations::twist_row(at.c_a, at.c_b), angle, m_axis, limit, m_sign);
+  if (axis) rows.addAngularAxis(0, equations::twist_row(swing), angle, m_axis, limit, m_sign);
 }
 
 inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Frames& at,
@@ -401,17 +367,16 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Fram
                                                 const equations::Swing<Scalar>& swing,
                                                 Rows& rows) const {
   const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
-  if (!m_angular_only) addConservingPositionRows(pair, at.r_a, at.r_b, d, rows);
   const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
   const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
   const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
   const auto add = [&](const Vec3& u, Scalar second_derivative) {
-    Row& row = rows.addAngular(u, u.dot(swing.sigma));
-    row.curvature = second_derivative;
+    Row& row = rows.addAngular(u, u.dot(swing.sigma), second_derivative);
     row.max_speed = most * std::abs(row.position);
   };
   add(p, curvature[0]);
   add(q, curvature[1]);
+  if (!m_angular_only) addConservingPositionRows(pair, at.a.r(), at.b.r(), d, rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
@@ -420,18 +385,19 @@ void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, co
   const Mat3 F_b = pair.R_b() * view(m_frame_b.getBasis());
   const auto p = equations::relative(equations::quaternion(F), equations::quaternion(F_b));
   if (!BodyPair::is_finite(p.w + p.v.sum())) return;
-  if (!m_angular_only) addDocumentPositionRows(at.r_a, at.r_b, d, rows);
   const Scalar across = std::hypot(p.v.x(), p.v.y());
   // Along the error the row turns 2/|w| times as fast as it says.
-  const Scalar most = across > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * across) : Scalar(0);
+  const Scalar most =
+      across > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * across) : Scalar(0);
   for (int i = 0; i < 2; ++i) {
     const auto row = equations::quaternion_hinge_row<Scalar>(p, F, Vec3::Unit(i));
     rows.addAngular(row.J_b, row.C).max_speed = most * std::abs(row.C);
   }
+  if (!m_angular_only) addDocumentPositionRows(at.a.r(), at.b.r(), d, rows);
   if (limit) {
     const auto row =
         equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), limit->turns());
-    rows.addAngularAxis(m_sign * row.J_b, m_sign * row.C, m_half_sine_axis, true, m_sign);
+    rows.addAngularAxis(0, row.J_b, m_sign * row.C, m_half_sine_axis, true, m_sign);
   }
 }
 

@@ -2,10 +2,8 @@
 // btHingeAccumulatedAngleConstraint.
 #pragma once
 
-#include <pintle/joints/joint.h>
+#include <pintle/joints/frame_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
-
-#include <LinearMath/btTransform.h>
 
 namespace pintle {
 namespace equations {
@@ -17,12 +15,12 @@ inline namespace PINTLE_PRECISION {
 
 /// One rotation about an axis common to two bodies. The axis is z of a joint frame in each body.
 ///
-/// The hinge angle (rad) is Bullet's: with `useReferenceFrameA` false it is the rotation of a against
-/// b, with true that of b against a. It is zero when the joint frames coincide. Limits and
+/// The hinge angle (rad) is Bullet's: with `useReferenceFrameA` false it is the rotation of a
+/// against b, with true that of b against a. It is zero when the joint frames coincide. Limits and
 /// accumulated angles may span any number of turns.
 ///
 /// Everything that btHingeConstraint has, under the same name, with the same signs and defaults.
-class QuaternionHinge : public Joint {
+class QuaternionHinge : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -41,19 +39,12 @@ class QuaternionHinge : public Joint {
   /// stand in `rbAFrame`, not turned with the body.
   QuaternionHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
 
-  btTransform& getFrameOffsetA() { return m_frame_a; }
-  btTransform& getFrameOffsetB() { return m_frame_b; }
   const btTransform& getAFrame() const { return m_frame_a; }
   const btTransform& getBFrame() const { return m_frame_b; }
   btTransform& getAFrame() { return m_frame_a; }
   btTransform& getBFrame() { return m_frame_b; }
-  void setFrames(const btTransform& frameA, const btTransform& frameB);
   /// A new axis in body a; the frame of b follows as Bullet sets it.
   void setAxis(const btVector3& axisInA);
-
-  /// No position rows: the bodies share only the direction of the axis.
-  void setAngularOnly(bool angularOnly) { m_angular_only = angularOnly; }
-  bool getAngularOnly() { return m_angular_only; }
 
   /// Velocity motor: target velocity (rad/s) along the hinge angle, and the most that it may apply
   /// in a step (N m s, >= 0).
@@ -72,11 +63,11 @@ class QuaternionHinge : public Joint {
   btScalar getMaxMotorImpulse() { return m_axis.max_motor_impulse; }
 
   /// low <= accumulated angle <= high (rad), over any number of turns. low = high locks, low > high
-  /// frees, an infinite side is free. The bias factor scales the speed of the correction, bias times
-  /// relaxation is the rebound (0: none). As in Bullet the softness has no effect.
-  /// A new limit of less than a turn holds, as in Bullet, in the turn that the joint is in: the
-  /// accumulated angle changes by whole turns to lie inside it or as near as can be. Not if the turn
-  /// was given by setAccumulatedHingeAngle.
+  /// frees, an infinite side is free. The bias factor scales the speed of the correction, bias
+  /// times relaxation is the rebound (0: none). As in Bullet the softness has no effect. A new
+  /// limit of less than a turn holds, as in Bullet, in the turn that the joint is in: the
+  /// accumulated angle changes by whole turns to lie inside it or as near as can be. Not if the
+  /// turn was given by setAccumulatedHingeAngle.
   void setLimit(btScalar low, btScalar high, btScalar softness = 0.9f, btScalar biasFactor = 0.3f,
                 btScalar relaxationFactor = 1.0f);
   btScalar getLimitSoftness() const { return m_limit_softness; }
@@ -86,7 +77,8 @@ class QuaternionHinge : public Joint {
   bool hasLimit() const { return m_axis.low < m_axis.high; }
   btScalar getLowerLimit() const { return m_axis.low; }
   btScalar getUpperLimit() const { return m_axis.high; }
-  /// Whether the angle at these poses would break the limit; changes only the answers to the next two.
+  /// Whether the angle at these poses would break the limit; changes only the answers to the next
+  /// two.
   void testLimit(const btTransform& transA, const btTransform& transB);
   /// Whether the limit was broken when the joint last looked, and on which side: +1 low, -1 high.
   int getSolveLimit() { return getLimitSign() != 0; }
@@ -125,30 +117,31 @@ class QuaternionHinge : public Joint {
   /// is critical) of the hinge as its bodies alone make it swing. Frequency 0: a hard limit again.
   void setLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
   /// Holds an accumulated angle (rad) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at
-  /// most max_torque (N m, >= 0 or infinite), until told otherwise. Takes the place of the velocity motor.
+  /// most max_torque (N m, >= 0 or infinite), until told otherwise. Takes the place of the velocity
+  /// motor.
   void setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
                      btScalar max_torque);
   /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
   void setFriction(btScalar max_torque);
   /// Impulses of the last step (N m s), positive towards larger hinge angles.
-  btScalar getMotorImpulse() const { return axisImpulse(Axis::motor); }
-  btScalar getLimitImpulse() const { return axisImpulse(Axis::limit); }
-  btScalar getFrictionImpulse() const { return axisImpulse(Axis::friction); }
+  btScalar getMotorImpulse() const { return axisImpulse(0, Axis::motor); }
+  btScalar getLimitImpulse() const { return axisImpulse(0, Axis::limit); }
+  btScalar getFrictionImpulse() const { return axisImpulse(0, Axis::friction); }
 
+  /// The frames, and the range of the angle about the axis of b.
+  void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "QuaternionHinge"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
   void updateState(const BodyPair& pair) override;
+  void framesChanged() override;
   void prepare(const BodyPair& pair, Rows& rows) override;
-  bool rowsMayMix() const override { return true; }
 
  private:
   struct Frames;
   Frames frames(const btTransform& pose_a, const btTransform& pose_b) const;
   void look(const Frames& at, UnwrappedAngle& twist) const;
-  void look(const btTransform& pose_a, const btTransform& pose_b);
-  bool limitActs(const BodyPair& pair, const Frames& at, const Vec3& h, Scalar angle) const;
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
   void addConditionedRows(const BodyPair& pair, const Frames& at, const Vec3& d,
@@ -157,18 +150,16 @@ class QuaternionHinge : public Joint {
                        const UnwrappedAngle* limit, Rows& rows) const;
   Scalar angle() const { return m_sign * m_twist.value(); }
 
-  btTransform m_frame_a, m_frame_b;
-  Axis m_axis;            ///< along the hinge angle
-  Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
+  Axis m_axis;              ///< along the hinge angle
+  Axis m_half_sine_axis;    ///< its limit alone, in the document's half-sine space
   UnwrappedAngle m_twist;   ///< of b against a, about z
   UnwrappedAngle m_tested;  ///< the last one held against the limit
-  Scalar m_sign;           ///< hinge angle = sign * twist
+  Scalar m_sign;            ///< hinge angle = sign * twist
   Scalar m_limit_softness = Scalar(0.9);
   Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
-  bool m_angular_only = false;
   bool m_turn_given = false;
   bool m_use_reference_frame_a;
-  RowMemory<6> m_row_memory;
+  RowMemory<6, 1> m_row_memory;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,10 +1,10 @@
-// Purpose: everything that can act along one free coordinate of a joint: a limit, a motor or a servo,
-// and friction, and the one row that they share. Each is an impulse that falls with the velocity u of
-// the coordinate,
+// Purpose: everything that can act along one free coordinate of a joint: a limit, a motor or a
+// servo, and friction, and the one row that they share. Each is an impulse that falls with the
+// velocity u of the coordinate,
 //   Lambda(u) = clamp((target - u) / softness, lower, upper),
 // vertical if rigid. Their sum meets the free motion u = u_free + K Lambda in one point; the row is
-// the piece of the sum around that point. So a joint never has two rows along one direction (which a
-// direct solver finds singular), and each part's impulse is known from the row's.
+// the piece of the sum around that point. So a joint never has two rows along one direction (which
+// a direct solver finds singular), and each part's impulse is known from the row's.
 #pragma once
 
 #include <pintle/precision.h>
@@ -43,8 +43,8 @@ struct Axis {
   bool driven() const { return drive != Drive::off || max_friction > 0; }
   /// Whether a single rigid part acts, which is a row as it stands.
   bool isSimple(bool limit_acts) const {
-    return (drive != Drive::off) + (max_friction > 0) + limit_acts <= 1 && drive != Drive::servo &&
-           !(limit_acts && limit_spring.angular_frequency > 0);
+    if (limit_acts) return !driven() && !(limit_spring.angular_frequency > 0);
+    return drive == Drive::off || (drive == Drive::velocity && !(max_friction > 0));
   }
   /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
   Scalar distance(Scalar position) const {
@@ -55,10 +55,10 @@ struct Axis {
 /// What the step knows of a coordinate.
 struct AxisMotion {
   Scalar position;
-  Scalar velocity;      ///< at the start of the step
-  Scalar max_speed;     ///< of the correction of a broken limit
-  Scalar incoming;      ///< speed with which a limit was reached in the last step, else 0
-  bool limit;           ///< whether the limit may act in this step
+  Scalar velocity;   ///< at the start of the step
+  Scalar max_speed;  ///< of the correction of a broken limit
+  Scalar incoming;   ///< speed with which a limit was reached in the last step, else 0
+  bool limit;        ///< whether the limit may act in this step
   Scalar fps;
   Scalar limit_erp;
   Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
@@ -76,6 +76,15 @@ struct AxisRow {
   int active = Axis::parts;  ///< the part that takes what the others leave; `parts`: none
   Scalar incoming = 0;       ///< speed towards a limit that this row stops, else 0
 
+  /// One part alone is the row.
+  template <class AxisPart>
+  void take(Axis::Part which, const AxisPart& part) {
+    active = which;
+    target = part.target;
+    cfm = part.cfm;
+    lower = part.lower;
+    upper = part.upper;
+  }
   /// The impulse of one part, of the row's whole impulse.
   Scalar impulse(Axis::Part part, Scalar whole) const {
     if (part != active) return share[part];
@@ -83,7 +92,23 @@ struct AxisRow {
   }
 };
 
-AxisRow solveAxis(const Axis& axis, const AxisMotion& motion);
+/// What a joint remembers of an axis.
+struct AxisState {
+  AxisRow row;  ///< of this step
+  /// row.incoming of the last step. Two, so that getInfo2 may be called again.
+  Scalar last_incoming = 0;
+  Scalar whole = 0;    ///< impulse of the row, along the coordinate, where a solver lets it be read
+  Scalar sign = 1;     ///< of Row
+  bool acted = false;  ///< whether the axis has a row in this step, and `row` means anything
+
+  void beginStep() {
+    last_incoming = acted ? row.incoming : 0;
+    acted = false;
+  }
+};
+
+/// The row of an axis along which more than one part acts, or a soft one.
+void solveAxis(const Axis& axis, const AxisMotion& motion, AxisRow& row);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

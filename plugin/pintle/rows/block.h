@@ -1,9 +1,10 @@
-// Purpose: the rows of one joint as a block. 3.1.3 asks for them to be solved together; Bullet's solver
-// takes row by row. Rows that are orthogonal in the mass metric do not disturb each other, so that
-// one pass of the row solver solves the joint: J is multiplied from the left by the inverse of the
-// unit lower triangular factor of K = J M^-1 J^T (2.2, 3.1.3), which is Gram-Schmidt. An axis row is
-// made orthogonal to the equalities only, and nothing to it: its impulse and bounds keep their
-// meaning. J^T lambda, and so what the bodies and the joint feedback see, does not change.
+// Purpose: the rows of one joint as a block. 3.1.3 asks for them to be solved together; Bullet's
+// solver takes row by row. Rows that are orthogonal in the mass metric do not disturb each other,
+// so that one pass of the row solver solves the joint: J is multiplied from the left by the inverse
+// of the unit lower triangular factor of K = J M^-1 J^T (2.2, 3.1.3), which is Gram-Schmidt. An
+// axis row is made orthogonal to the equalities only, and nothing to it: its impulse and bounds
+// keep their meaning. J^T lambda, and so what the bodies and the joint feedback see, does not
+// change.
 #pragma once
 
 #include <pintle/body_pair.h>
@@ -12,17 +13,13 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-// Four lanes, the last one zero, for the sake of the vector unit.
-using Lanes = Eigen::Array<Scalar, 4, 1>;
-
-using LanesView = Eigen::Map<const Lanes, Eigen::Unaligned>;
-
 struct BlockRow {
-  Lanes L, A_a, A_b;     ///< L[3] is the row's target, which goes through the same elimination
-  Lanes WL, WA_a, WA_b;  ///< M^-1 J^T
+  Lanes A_a, A_b, L;     ///< A_a[3] is the row's target, which goes through the same elimination
+  Lanes WA_a, WA_b, WL;  ///< M^-1 J^T
   Scalar K, K_inv;       ///< J M^-1 J^T; K_inv is 0 if the row must not be eliminated with
+  bool angular;          ///< L = 0, and A_a = A_b but for the fourth lanes
 
-  Scalar target() const { return L[3]; }
+  Scalar target() const { return A_a[3]; }
 };
 
 /// M^-1 of both bodies, as Bullet applies it: with the bodies' linear and angular factors.
@@ -37,15 +34,19 @@ class BlockMass {
   }
 
   void weigh(BlockRow& row) const {
-    row.WL = m_m * row.L;
     row.WA_a = m_I_a[0] * row.A_a[0] + m_I_a[1] * row.A_a[1] + m_I_a[2] * row.A_a[2];
     row.WA_b = m_I_b[0] * row.A_b[0] + m_I_b[1] * row.A_b[1] + m_I_b[2] * row.A_b[2];
-    row.K = (row.L * row.WL + row.A_a * row.WA_a + row.A_b * row.WA_b).sum();
+    if (row.angular) {
+      row.K = (row.A_b * (row.WA_a + row.WA_b)).sum();
+    } else {
+      row.WL = m_m * row.L;
+      row.K = (row.L * row.WL + row.A_a * row.WA_a + row.A_b * row.WA_b).sum();
+    }
   }
 
  private:
-  // I^-1 is symmetric: its columns, for a product without sums across lanes. The fourth lane is what
-  // Bullet pads with, and goes with the factor's zero.
+  // I^-1 is symmetric: its columns, for a product without sums across lanes. The fourth lane is
+  // what Bullet pads with, and goes with the factor's zero.
   static void load(Lanes (&I)[3], const MatrixView& inverse, const VectorView& factor) {
     const Lanes f(factor[0], factor[1], factor[2], Scalar(0));
     for (int i = 0; i < 3; ++i) I[i] = f * LanesView(inverse.data() + i * inverse.outerStride());
@@ -58,18 +59,24 @@ class BlockMass {
 /// What is left of K after less than this part of it is rounding.
 constexpr Scalar rounding_of_K = 64 * SIMD_EPSILON;
 
-/// Row `i` of the block: `from`, made orthogonal to the first `equalities` rows, which are so among
-/// themselves. A row that depends on them stays as it was: it says the same again, and a remainder of
-/// rounding errors must not be solved for.
-inline void addToBlock(BlockRow* rows, int i, int equalities, const Row& from, Scalar target,
-                       const BlockMass& mass) {
-  BlockRow& row = rows[i];
+/// Makes `row` of `from`, less what it shares with the first `count` of `others`, which are
+/// orthogonal among themselves. Returns what K loses by it.
+inline Scalar eliminate(BlockRow& row, const Row& from, const BlockRow* others, int count) {
   Lanes L = LanesView(&from.L[0]), A_a = LanesView(&from.A_a[0]), A_b = LanesView(&from.A_b[0]);
-  L[3] = target;
   Scalar lost = 0;
-  for (const BlockRow* other = rows; other != rows + equalities; ++other) {
-    const Scalar product = (L * other->WL + A_a * other->WA_a + A_b * other->WA_b).sum();
-    const Scalar k = product * other->K_inv;
+  const BlockRow *other = others, *end = others + count;
+  for (; other != end && other->angular; ++other) {
+    const Lanes common = A_a * other->WA_a + A_b * other->WA_b;
+    const Scalar product = common.sum(), k = product * other->K_inv;
+    const Lanes part = k * other->A_a;
+    A_a -= part;
+    A_b -= part;
+    lost += k * product;
+  }
+  row.angular = from.angular && other == end;
+  for (; other != end; ++other) {
+    const Lanes common = L * other->WL + A_a * other->WA_a + A_b * other->WA_b;
+    const Scalar product = common.sum(), k = product * other->K_inv;
     L -= k * other->L;
     A_a -= k * other->A_a;
     A_b -= k * other->A_b;
@@ -78,13 +85,20 @@ inline void addToBlock(BlockRow* rows, int i, int equalities, const Row& from, S
   row.L = L;
   row.A_a = A_a;
   row.A_b = A_b;
+  return lost;
+}
+
+/// Row `i` of the block: `from`, made orthogonal to the first `i` rows, which are so among
+/// themselves. A row that depends on them stays as it was: it says the same again, and a remainder
+/// of rounding errors must not be solved for.
+inline void addToBlock(BlockRow* rows, int i, const Row& from, const BlockMass& mass) {
+  BlockRow& row = rows[i];
+  const Scalar lost = eliminate(row, from, rows, i);
   mass.weigh(row);
   row.K_inv = 1 / row.K;
   if (!(row.K > rounding_of_K * lost)) {
-    row.L = LanesView(&from.L[0]);
-    row.L[3] = target;
-    row.A_a = LanesView(&from.A_a[0]);
-    row.A_b = LanesView(&from.A_b[0]);
+    eliminate(row, from, rows, 0);
+    row.angular = false;  // it may stand behind one that is not
     mass.weigh(row);
     row.K_inv = 0;
   }

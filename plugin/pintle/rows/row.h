@@ -8,12 +8,13 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Each vector is followed by a zero, so that the solver's side (block.h) can take it as four lanes.
+/// Each vector is followed by a number, so that the solver's side (block.h) can take it as four
+/// lanes.
 struct Row {
   Vec3 L;
   Scalar zero_L = 0;
   Vec3 A_a;
-  Scalar zero_a = 0;
+  Scalar target = 0;  ///< of J v; the solver's side sets it
   Vec3 A_b;
   Scalar zero_b = 0;
   /// C of an equality, m or rad; the coordinate of an axis, m or rad.
@@ -22,14 +23,17 @@ struct Row {
   Scalar max_speed;
   /// d^2 C / dt^2 at constant v, w: what J v leaves out of the motion of C, m/s^2 or rad/s^2.
   Scalar curvature;
-  /// The most that an equality may push or pull, N s or N m s.
-  Scalar max_impulse;
   /// Null for an equality. Else the row is a free coordinate, and this is what acts along it.
   const Axis* axis;
+  /// J v = sign * d/dt of the coordinate of an axis (+1 or -1): which way Bullet counts its
+  /// impulse.
+  Scalar sign;
+  /// Which of the joint's axes it is.
+  unsigned char axis_index;
   /// Whether the limit of the axis may act in this step.
-  bool limit = false;
-  /// Along which of the two directions of an axis Bullet counts its impulse positive (+1 or -1).
-  Scalar sign = 1;
+  bool limit;
+  /// L = 0 and A_a = A_b.
+  bool angular;
 };
 
 /// What the solver made of an equality: a row that other joints disturb after it was solved keeps a
@@ -40,30 +44,41 @@ struct RowResidual {
   Scalar correction = 0;  ///< of the next target
 };
 
-/// Room for the rows of a joint, a member of its class.
-template <int N>
+/// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
+template <int N, int Axes = 0>
 struct RowMemory {
   Row rows[N];
   RowResidual residuals[N];
+  std::array<AxisState, Axes> axes;
 };
 
 /// The rows of one joint. Equalities come first.
 class Rows {
  public:
-  template <int N>
-  Rows(RowMemory<N>& memory) : m_rows(memory.rows), m_residuals(memory.residuals), m_capacity(N) {}
+  template <int N, int Axes>
+  Rows(RowMemory<N, Axes>& memory)
+      : m_rows(memory.rows),
+        m_residuals(memory.residuals),
+        m_axes(memory.axes.data()),
+        m_capacity(N),
+        m_axis_count(Axes) {}
 
   int size() const { return m_size; }
+  int equalities() const { return m_size - m_axis_rows; }
+  Row& operator[](int i) { return m_rows[i]; }
   const Row& operator[](int i) const { return m_rows[i]; }
   RowResidual& residual(int i) { return m_residuals[i]; }
-  void clear() { m_size = 0; }
-  void forgetResiduals() {
-    for (int i = 0; i < m_capacity; ++i) m_residuals[i] = {};
+  int axisCount() const { return m_axis_count; }
+  AxisState& axis(int i) { return m_axes[i]; }
+  const AxisState& axis(int i) const { return m_axes[i]; }
+  void clear() {
+    m_size = m_axis_rows = 0;
+    m_max_impulse = infinity;
   }
-  /// Bounds the impulse of each row so far.
-  void clamp(Scalar max_impulse) {
-    for (int i = 0; i < m_size; ++i) m_rows[i].max_impulse = max_impulse;
-  }
+  /// Bounds the impulse (N s) of each equality, which then must not be mixed.
+  void clamp(Scalar max_impulse) { m_max_impulse = max_impulse; }
+  Scalar maxImpulse() const { return m_max_impulse; }
+  bool bounded() const { return m_max_impulse < infinity; }
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,
                    Scalar curvature = 0) {
@@ -75,33 +90,50 @@ class Rows {
     return row;
   }
   /// An angular equality: J_a = -J_b.
-  Row& addAngular(const Vec3& J_b, Scalar C) { return addEquality(Vec3::Zero(), J_b, J_b, C); }
-
-  /// The row of a coordinate with J_b = d coordinate / d w_b = -J_a.
-  Row& addAngularAxis(const Vec3& J_b, Scalar coordinate, const Axis& axis, bool limit,
-                      Scalar sign) {
-    Row& row = addAngular(J_b, coordinate);
-    row.axis = &axis;
-    row.limit = limit;
-    row.sign = sign;
+  Row& addAngular(const Vec3& J_b, Scalar C, Scalar curvature = 0) {
+    Row& row = addEquality(Vec3::Zero(), J_b, J_b, C, curvature);
+    row.angular = true;
     return row;
   }
 
+  /// The row of the joint's axis `index`, whose coordinate moves with sign * J. `limit`: whether the
+  /// limit of the axis may act in this step (rows/limit_reach.h).
+  Row& addAxis(int index, const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar coordinate,
+               const Axis& axis, bool limit, Scalar sign = 1) {
+    return setAxis(addEquality(L, A_a, A_b, coordinate), index, axis, limit, sign);
+  }
+  /// The same with J_a = -J_b.
+  Row& addAngularAxis(int index, const Vec3& J_b, Scalar coordinate, const Axis& axis, bool limit,
+                      Scalar sign = 1) {
+    return setAxis(addAngular(J_b, coordinate), index, axis, limit, sign);
+  }
+
  private:
+  Row& setAxis(Row& row, int index, const Axis& axis, bool limit, Scalar sign) {
+    row.axis = &axis;
+    row.axis_index = static_cast<unsigned char>(index);
+    row.limit = limit;
+    row.sign = sign;
+    row.target = 0;
+    ++m_axis_rows;
+    return row;
+  }
   Row& add(Scalar position) {
     btAssert(m_size < m_capacity);
     Row& row = m_rows[m_size++];
     row.position = position;
     row.max_speed = infinity;
-    row.max_impulse = infinity;
     row.axis = nullptr;
+    row.angular = false;
     return row;
   }
 
   Row* m_rows;
   RowResidual* m_residuals;
-  int m_size = 0;
-  int m_capacity;
+  AxisState* m_axes;
+  int m_size = 0, m_axis_rows = 0;
+  int m_capacity, m_axis_count;
+  Scalar m_max_impulse = infinity;
 };
 
 }  // namespace PINTLE_PRECISION

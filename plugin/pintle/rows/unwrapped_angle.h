@@ -3,6 +3,7 @@
 // than half a turn between two looks (Bullet turns two bodies by at most a quarter).
 #pragma once
 
+#include <pintle/arctangent.h>
 #include <pintle/precision.h>
 
 namespace pintle {
@@ -23,7 +24,15 @@ class UnwrappedAngle {
   /// The angle is atan2(y, x) now. Taking the same one again changes nothing.
   void update(Scalar x, Scalar y) {
     y += Scalar(0);  // -0 is +0: half a turn is +pi, as atan2 has it
-    const Scalar sine = m_x * y - m_y * x, cosine = m_x * x + m_y * y;
+    const Scalar sine = m_x * y - m_y * x;
+    // Both within a quarter of a turn of zero: the nearest way does not pass half a turn.
+    if (x > Scalar(0.1) && m_x > Scalar(0.1)) {
+      if (sine != 0) m_direction = sine;
+      m_x = x;
+      m_y = y;
+      return;
+    }
+    const Scalar cosine = m_x * x + m_y * y;
     // At half a turn to within rounding both ways are as near: on as before.
     const bool tie = cosine < 0 && std::abs(sine) < Scalar(-1e-3) * cosine && m_direction != 0;
     const Scalar direction = tie ? m_direction : sine;
@@ -33,7 +42,7 @@ class UnwrappedAngle {
     const Scalar growth = below != was_below ? Scalar(below ? -1 : 1) : sine != 0 ? sine : m_x - x;
     if (direction > 0 && growth < 0) ++m_turns;
     if (direction < 0 && growth > 0) --m_turns;
-    if (sine != 0) m_direction = direction > 0 ? Scalar(1) : Scalar(-1);
+    if (sine != 0) m_direction = direction;
     m_x = x;
     m_y = y;
   }
@@ -43,23 +52,30 @@ class UnwrappedAngle {
   void update(Scalar x, Scalar y, Scalar change) {
     y += Scalar(0);
     if (x == m_x && y == m_y) return;  // looked already
-    const Scalar expected = value() + change, rest = std::atan2(y, x);
+    const Scalar expected = value() + change, rest = arctangent(y, x);
     m_turns = std::round((expected - rest) / Scalar(2 * pi));
     m_x = x;
     m_y = y;
-    m_direction = change > 0 ? Scalar(1) : Scalar(-1);
+    m_direction = change;
   }
 
   Scalar turns() const { return m_turns; }
   /// Within the turn, in [-pi, pi].
-  Scalar remainder() const { return std::atan2(m_y, m_x); }
+  Scalar remainder() const { return arctangent(m_y, m_x); }
   /// rad, over any number of turns.
   Scalar value() const { return remainder() + Scalar(2 * pi) * m_turns; }
+  /// The same to within rough_error, without an arc tangent.
+  Scalar roughValue() const {
+    const Scalar quarters = m_y / (std::abs(m_x) + std::abs(m_y));
+    const Scalar past = m_x < 0 ? (m_y < 0 ? Scalar(-2) : Scalar(2)) - quarters : quarters;
+    return Scalar(pi / 2) * (past + 4 * m_turns);
+  }
+  static constexpr Scalar rough_error = Scalar(0.072);
 
  private:
   Scalar m_x = 1, m_y = 0;
   Scalar m_turns = 0;
-  Scalar m_direction = 0;
+  Scalar m_direction = 0;  // its sign: which way the angle moved last; 0: it has not
 };
 
 }  // namespace PINTLE_PRECISION

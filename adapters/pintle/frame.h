@@ -1,0 +1,39 @@
+// Purpose: a joint frame in the world. It is kept component by component, as it comes from the
+// product of two matrices, so that products of two frames' axes are had by threes.
+#pragma once
+
+#include <pintle/body_pair.h>
+
+#include <LinearMath/btTransform.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// The unit axes a, b, c (x, y, z of the frame), and r, from the body's centre to the frame's
+/// origin: world space.
+class Frame {
+ public:
+  Frame(const btTransform& body, const btTransform& local) {
+    const btMatrix3x3 &R = body.getBasis(), &A = local.getBasis();
+    const LanesView A_0 = lanes(A[0]), A_1 = lanes(A[1]), A_2 = lanes(A[2]);
+    m_x = R[0].x() * A_0 + R[0].y() * A_1 + R[0].z() * A_2;
+    m_y = R[1].x() * A_0 + R[1].y() * A_1 + R[1].z() * A_2;
+    m_z = R[2].x() * A_0 + R[2].y() * A_1 + R[2].z() * A_2;
+    m_r = view(R) * view(local.getOrigin());
+  }
+
+  Vec3 a() const { return {m_x[0], m_y[0], m_z[0]}; }
+  Vec3 b() const { return {m_x[1], m_y[1], m_z[1]}; }
+  Vec3 c() const { return {m_x[2], m_y[2], m_z[2]}; }
+  const Vec3& r() const { return m_r; }
+
+  /// a.a', b.b', c.c'
+  Lanes dots(const Frame& f) const { return m_x * f.m_x + m_y * f.m_y + m_z * f.m_z; }
+
+ private:
+  Lanes m_x, m_y, m_z;  // the fourth lane means nothing
+  Vec3 m_r;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

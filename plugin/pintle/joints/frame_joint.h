@@ -1,0 +1,55 @@
+// Purpose: the base of the joints that are made of two joint frames, one in each body.
+#pragma once
+
+#include <pintle/joints/joint.h>
+
+#include <LinearMath/btTransform.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class FrameJoint : public Joint {
+ public:
+  // --- as Bullet's joints have it ----------------------------------------------------------------
+  btTransform& getFrameOffsetA() { return m_frame_a; }
+  btTransform& getFrameOffsetB() { return m_frame_b; }
+  const btTransform& getFrameOffsetA() const { return m_frame_a; }
+  const btTransform& getFrameOffsetB() const { return m_frame_b; }
+  /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
+  void setFrames(const btTransform& frameInA, const btTransform& frameInB);
+
+  /// No position rows: the bodies share directions only.
+  void setAngularOnly(bool angularOnly) { m_angular_only = angularOnly; }
+  bool getAngularOnly() const { return m_angular_only; }
+
+  /// ERP and CFM: the equalities; STOP_ERP, STOP_CFM: the limits. >= 0. Axis -1, or 0 to 5: one value
+  /// for all.
+  void setParam(int num, btScalar value, int axis = -1) override;
+  btScalar getParam(int num, int axis = -1) const override;
+
+  /// The two frames.
+  void drawJoint(btIDebugDraw& drawer) const override;
+
+ protected:
+  /// The constructor of the joint sets the frames: only there errors know its name.
+  FrameJoint(btRigidBody& a, btRigidBody& b, Rows rows) : Joint(a, b, rows) {}
+  FrameJoint(btRigidBody& a, Rows rows) : Joint(a, rows) {}
+
+  /// The frame of b that lies where that of a is now.
+  btTransform coincident(const btTransform& frameInA) const {
+    return m_rbB.getCenterOfMassTransform().inverse() * m_rbA.getCenterOfMassTransform() * frameInA;
+  }
+  /// What a joint remembers of its frames starts anew.
+  virtual void framesChanged() {}
+
+  /// The three rows of the pivot, in the joint's formulation; none if the joint is angular only.
+  /// r: from the centres to the anchors, d = p_b - p_a (3.1.3).
+  void addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
+                    Rows& rows) const;
+
+  btTransform m_frame_a = btTransform::getIdentity(), m_frame_b = btTransform::getIdentity();
+  bool m_angular_only = false;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,89 @@
+// Purpose: the parts that can act along an axis, one by one: a limit, a motor or servo, friction.
+#pragma once
+
+#include <pintle/equations/impulse.h>
+#include <pintle/rows/axis.h>
+
+#include <LinearMath/btMinMax.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+// Bullet iterates a soft row by lambda <- rhs - cfm lambda, which leaves cfm^n of the answer after
+// n iterations. Softer springs than this are solved here, and written as the impulse that they are.
+constexpr Scalar max_spring_cfm = Scalar(0.1);
+
+/// lambda = clamp((target - u) / softness, lower, upper), softness from cfm, a fraction of K.
+struct AxisPart {
+  Scalar target = 0, cfm = 0, lower = 0, upper = 0;
+  bool rigid = true;  ///< Bullet's solver can run it as a row
+  bool on = false;
+};
+
+inline AxisPart rigidPart(Scalar target, Scalar cfm, Scalar lower, Scalar upper) {
+  return {target, cfm, lower, upper, cfm < 1, true};
+}
+
+inline AxisPart springPart(const Spring& spring, Scalar error, Scalar dt, Scalar lower,
+                           Scalar upper) {
+  const auto soft = equations::softness_by_frequency<Scalar>(spring.angular_frequency,
+                                                             spring.damping_ratio, dt, Scalar(1));
+  const Scalar cfm = soft.gamma / dt;
+  return {
+      -equations::baumgarte(error, soft.beta, dt), cfm, lower, upper, cfm <= max_spring_cfm, true};
+}
+
+/// `incoming` becomes the speed towards the limit that the part is to stop.
+inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incoming) {
+  // The side that is broken, or nearer after the motion as it is.
+  const bool locked = axis.locked();
+  bool at_low = m.position <= axis.low;
+  if (!at_low && m.position < axis.high) {
+    const Scalar next = m.position + m.velocity / m.fps;
+    at_low = next - axis.low < axis.high - next;
+  }
+  const Scalar lower = locked || !at_low ? -infinity : Scalar(0);
+  const Scalar upper = locked || at_low ? infinity : Scalar(0);
+  // Towards the inside is positive from here on, for both sides.
+  const Scalar side = at_low ? Scalar(1) : Scalar(-1);
+  const Scalar gap = side * (m.position - (at_low ? axis.low : axis.high));
+  const Scalar inward = side * m.velocity;
+
+  if (axis.limit_spring.angular_frequency > 0) {
+    if (gap > 0 && !locked) return {};
+    return springPart(axis.limit_spring, side * gap, 1 / m.fps, lower, upper);
+  }
+  // No rebound goes further than half way to the other limit in a step.
+  const auto away = [&](Scalar speed) {
+    return locked ? speed : btMin(speed, (axis.high - axis.low) * m.fps / 2);
+  };
+  if (gap > 0 && !locked) {
+    if (m.incoming > 0 && gap * m.fps < Scalar(0.1) * m.incoming)  // reached in the last step
+      return rigidPart(side * away(axis.bias * axis.relaxation * m.incoming), 0, lower, upper);
+    // Not there yet: the step may close the gap, and no more. Bullet's softness means nothing here.
+    incoming = btMax(Scalar(0), -inward);
+    return rigidPart(side * -gap * m.fps, 0, lower, upper);
+  }
+  // As in Bullet: a rebound if the joint comes in, of the speed with which it did.
+  Scalar speed = btMin(-m.fps * m.limit_erp * axis.bias * gap, m.max_speed);
+  const Scalar came = btMax(m.incoming, -inward);
+  if (axis.relaxation > 0 && came > 0)
+    speed = btMax(speed, away(axis.bias * axis.relaxation * came));
+  return rigidPart(side * speed, m.limit_cfm, lower, upper);
+}
+
+inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
+  if (axis.drive == Axis::Drive::velocity)
+    return rigidPart(m.motor_factor * axis.motor_velocity, m.motor_cfm, -axis.max_motor_impulse,
+                     axis.max_motor_impulse);
+  const Scalar bound = axis.max_servo_force / m.fps;
+  return springPart(axis.servo_spring, m.position - axis.servo_target, 1 / m.fps, -bound, bound);
+}
+
+inline AxisPart frictionPart(const Axis& axis, const AxisMotion& m) {
+  const Scalar bound = axis.max_friction / m.fps;
+  return rigidPart(0, 0, -bound, bound);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,30 @@
+// Every joint type in both formulations, with what it can be set to: what the contract is held
+// against. A new joint type is a line in joint_kinds.cpp.
+#pragma once
+
+#include <pintle/joints/joint.h>
+
+#include <functional>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace kinds {
+
+struct Kind {
+  std::string name;
+  size_t bytes;
+  int variants;  ///< settings from few (0: as constructed) to all
+  std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, btRigidBody& b,
+                                               const btTransform& frame_a,
+                                               const btTransform& frame_b, int variant)>
+      make;
+  /// To Bullet's fixed body.
+  std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, const btTransform& frame_a)> make_one;
+};
+inline std::ostream& operator<<(std::ostream& out, const Kind& kind) { return out << kind.name; }
+
+std::vector<Kind> all();
+
+}  // namespace kinds
