@@ -21,7 +21,8 @@ AngularRow<T> cross_product_row(const Vector3<T>& c_a, const Vector3<T>& c_b) {
 
 /// A hinge in three rows, this one along u, fixed in the world: C = u.(c_a x c_b),
 /// J_a = [c_b]x [c_a]x, J_b = -[c_a]x [c_b]x, which are not opposite. Where C = 0 the rows have
-/// rank 2 and K no inverse; elsewhere they have rank 3, whatever the document's determinants say.
+/// rank 2 and K no inverse. Elsewhere it has one, whatever the document's determinants say, but for
+/// a swing of 90 degrees: of unit inertias its determinant is sin^2(2 swing)/2.
 template <class T>
 LinearRow<T> cross_product_matrix_row(const Vector3<T>& u, const Vector3<T>& c_a,
                                       const Vector3<T>& c_b) {
