@@ -268,7 +268,7 @@ Vector3<T> arm(const Quaternion<T>& q, const Vector& anchor) {
 template <class T>
 Vector3<T> error(const Hinge& hinge, const Bodies<T>& bodies) {
   return pintle::equations::position_error(bodies.x_a, arm(bodies.q_a, hinge.anchor_a), bodies.x_b,
-                                   arm(bodies.q_b, hinge.anchor_b));
+                                           arm(bodies.q_b, hinge.anchor_b));
 }
 
 template <class T>

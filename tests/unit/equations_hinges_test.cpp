@@ -104,8 +104,8 @@ TYPED_TEST(OtherHinges, PointsAreTheGradientOnAndOffTheManifold) {
     const Vector u = random.unit();
     const auto C = [&](const auto& bodies) {
       using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
-      const Vector3<S> d = error(hinge, bodies) + S(s) * (axis(bodies.q_b, hinge.f_b, 2) -
-                                                          axis(bodies.q_a, hinge.f_a, 2));
+      const Vector3<S> d = error(hinge, bodies) +
+                           S(s) * (axis(bodies.q_b, hinge.f_b, 2) - axis(bodies.q_a, hinge.f_a, 2));
       return S(d.dot(constant<S>(u)));
     };
     const auto row = point_row<TypeParam>(hinge, u, s);

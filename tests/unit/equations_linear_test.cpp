@@ -64,7 +64,8 @@ TYPED_TEST(LinearRows, DistanceIsTheGradientOfTheLength) {
 }
 
 TYPED_TEST(LinearRows, DistanceOfAlmostOnePointIsTheGradientToo) {
-  // With the direction of the gap as it is: epsilon of the levers over 1e-8 of its digits are right.
+  // With the direction of the gap as it is: epsilon of the levers over 1e-8 of its digits are
+  // right.
   for (const Hinge& hinge : hinges({0}, {1e-8})) {
     const auto C = [&](const auto& bodies) { return length_of(error(hinge, bodies)); };
     const auto at = anchors<double>(hinge);
@@ -132,9 +133,10 @@ TYPED_TEST(LinearRows, DistanceCurvatureIsTheSecondDerivativeOfTheLength) {
     const double exact = second_difference(C, kCurvatureStep);
     // Squares of velocities up to 10; the step's error is the sixth derivative, by up to (v/|d|)^6.
     ASSERT_LE(std::abs(curvature - exact), 20 * this->kTolerance * size(hinge) + 1e-4);
-    passing = std::max(passing, std::abs(exact - double(to.n.dot(equations::position_curvature<T>(
-                                                     v.segment<3>(3).template cast<T>(), at.r_a,
-                                                     v.segment<3>(9).template cast<T>(), at.r_b)))));
+    passing =
+        std::max(passing, std::abs(exact - double(to.n.dot(equations::position_curvature<T>(
+                                               v.segment<3>(3).template cast<T>(), at.r_a,
+                                               v.segment<3>(9).template cast<T>(), at.r_b)))));
   }
   // What the centripetal part alone would miss.
   EXPECT_GT(passing, 10);
@@ -235,7 +237,8 @@ TYPED_TEST(LinearRows, SliderMiddleHasTheVelocityOfTheErrorIfBothBodiesTurnAlike
 
 TYPED_TEST(LinearRows, ContactAndSliderCurvatureHasTheCoriolisPart) {
   // A bead that flies straight on, at s of a bar that turns at w about z, and outwards at s': seen
-  // from the bar it is accelerated by the centrifugal w^2 s along it and the Coriolis -2 w s' across.
+  // from the bar it is accelerated by the centrifugal w^2 s along it and the Coriolis -2 w s'
+  // across.
   using T = TypeParam;
   const T w = 3, s = 2, rate = 5;
   const equations::Anchors<T> at{Vector3<T>::Zero(), Vector3<T>::Zero(), Vector3<T>(s, 0, 0)};

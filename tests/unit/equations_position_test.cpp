@@ -88,7 +88,8 @@ TYPED_TEST(PositionRow, ConservingAddsNoAngularMomentumAndTheDocumentsAddsDCross
     const Vector u = hinge.axis_a(0), d = hinge.d();
     // The centres of mass are up to 8 from the origin, too.
     const double tolerance = this->kTolerance * (size(hinge) + 10);
-    ASSERT_LE(mismatch(added_momentum(hinge, this->conserving(hinge, u)), Vector::Zero()), tolerance);
+    ASSERT_LE(mismatch(added_momentum(hinge, this->conserving(hinge, u)), Vector::Zero()),
+              tolerance);
     ASSERT_LE(mismatch(added_momentum(hinge, this->documents(hinge, u)), cross(d, u)), tolerance);
   }
 }
@@ -170,9 +171,9 @@ TYPED_TEST(PositionRow, RelativeVelocityIsTheRateOfTheGap) {
     const Velocities v = random.velocities();
     const auto at = anchors<T>(hinge);
     const Vector3<T> rate = equations::relative_velocity(velocity<T>(v), at.r_a, at.r_b);
-    const Vector expected = (error(hinge, moved(hinge.bodies, v, step)) -
-                             error(hinge, moved(hinge.bodies, v, -step))) /
-                            (2 * step);
+    const Vector expected =
+        (error(hinge, moved(hinge.bodies, v, step)) - error(hinge, moved(hinge.bodies, v, -step))) /
+        (2 * step);
     ASSERT_LE(mismatch(rate.template cast<double>(), expected),
               2 * this->kTolerance * size(hinge) + difference_tolerance * size(hinge));
   }

@@ -122,8 +122,8 @@ TYPED_TEST(Reaction, MomentumIsConservedAndEnergyIsLostByRestitutionOnly) {
       t.p = p_a + p_b;
       t.L = cross(c.x_a, p_a) + L_a + cross(c.x_b, p_b) + L_b;
       t.energy = (p_a.dot(v_a) + L_a.dot(w_a) + p_b.dot(v_b) + L_b.dot(w_b)) / 2;
-      t.terms = p_a.cwiseAbs().sum() + p_b.cwiseAbs().sum() + L_a.cwiseAbs().sum() +
-                L_b.cwiseAbs().sum();
+      t.terms =
+          p_a.cwiseAbs().sum() + p_b.cwiseAbs().sum() + L_a.cwiseAbs().sum() + L_b.cwiseAbs().sum();
       return t;
     };
     const Total before = total(o.before), after = total(o.after);
@@ -174,8 +174,9 @@ TYPED_TEST(Reaction, ForceOverTheStepSatisfiesTheVelocityConstraint) {
     MJ << c.M.m_a * J.segment<3>(0), c.M.I_a * J.segment<3>(3), c.M.m_b * J.segment<3>(6),
         c.M.I_b * J.segment<3>(9);
     const Velocities after = c.v + double(dt) * f * MJ;
-    ASSERT_LE(std::abs(J.dot(after) + double(b)),
-              10 * this->kTolerance * (1 + J.cwiseAbs().maxCoeff()) * (1 + after.cwiseAbs().maxCoeff()));
+    ASSERT_LE(
+        std::abs(J.dot(after) + double(b)),
+        10 * this->kTolerance * (1 + J.cwiseAbs().maxCoeff()) * (1 + after.cwiseAbs().maxCoeff()));
   }
 }
 

@@ -1,5 +1,5 @@
-// The constraints that the document lists as unstable: their corrected rows are gradients, and it is
-// these gradients that make them unstable.
+// The constraints that the document lists as unstable: their corrected rows are gradients, and it
+// is these gradients that make them unstable.
 #include <gtest/gtest.h>
 #include <pintle/equations/unstable.h>
 #include <pintle/precision.h>
@@ -149,8 +149,8 @@ TYPED_TEST(Unstable, QuaternionDotHasNoRowWhereItHolds) {
     const Turn q_a = random.turn();
     const Turn q_b = equations::product(equations::rotation<double>(random.unit(), angle), q_a);
     using T = TypeParam;
-    const auto row = equations::quaternion_dot_row<T>({T(q_a.w), q_a.v.cast<T>()},
-                                                      {T(q_b.w), q_b.v.cast<T>()});
+    const auto row =
+        equations::quaternion_dot_row<T>({T(q_a.w), q_a.v.cast<T>()}, {T(q_b.w), q_b.v.cast<T>()});
     EXPECT_LE(std::abs(std::sqrt(double(row.J_b.dot(row.J_b))) - std::sin(angle / 2) / 2),
               this->kTolerance);
     EXPECT_LE(std::abs(double(row.C) + 2 * std::pow(std::sin(angle / 4), 2)), this->kTolerance);

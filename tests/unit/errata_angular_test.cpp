@@ -1,6 +1,6 @@
-// The errata of the document's hinges by dot products and of points, of its unstable constraints and
-// of its appendix A: each test has the printed form, wrong by a stated amount, next to the form that
-// the library uses, right to rounding.
+// The errata of the document's hinges by dot products and of points, of its unstable constraints
+// and of its appendix A: each test has the printed form, wrong by a stated amount, next to the form
+// that the library uses, right to rounding.
 #include <gtest/gtest.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/equations/unstable.h>
@@ -47,8 +47,8 @@ TEST(Errata, Equation3_17InvertsTheWrongFactor) {
     const Vector x = cross(d, f);
     const double form = Vector(I_a * x).dot(x) + Vector(I_b * x).dot(x);
     printed = std::max(printed, std::abs(form / exact - 1));
-    used = std::max(used,
-                    std::abs(equations::angular_inverse_effective_mass(M, dot.J_b) / exact - 1));
+    used =
+        std::max(used, std::abs(equations::angular_inverse_effective_mass(M, dot.J_b) / exact - 1));
   }
   EXPECT_GT(printed, 0.9);
   EXPECT_LT(used, kRight);
@@ -57,7 +57,8 @@ TEST(Errata, Equation3_17InvertsTheWrongFactor) {
 // --- 3.3 -----------------------------------------------------------------------------------------
 
 TEST(Errata, Equation3_52IsZeroAsPrinted) {
-  // With r_i the turning axes, (3.51) has d = e = f: the cross products are taken in the wrong order.
+  // With r_i the turning axes, (3.51) has d = e = f: the cross products are taken in the wrong
+  // order.
   double printed = 0, form_length = 0, used = 0;
   for (const Hinge& hinge : all_hinges()) {
     const auto C = [&](const auto& bodies) {
@@ -71,8 +72,7 @@ TEST(Errata, Equation3_52IsZeroAsPrinted) {
     const Velocities exact = gradient(C, hinge.bodies);
     printed = std::max(printed, mismatch(form, exact));
     form_length = std::max(form_length, form.norm());
-    used = std::max(used,
-                    mismatch(angular_row(equations::cross_product_row(c_a, c_b).J_b), exact));
+    used = std::max(used, mismatch(angular_row(equations::cross_product_row(c_a, c_b).J_b), exact));
   }
   EXPECT_GT(printed, 0.4);
   EXPECT_EQ(form_length, 0);
@@ -136,7 +136,8 @@ TEST(Errata, Equation3_61LeavesOutAFactorOfOneHalf) {
     const Vector form_a = equations::product(q_b, equations::conjugate(q_a)).v;
     const Vector form_b = equations::product(q_a, equations::conjugate(q_b)).v;
     printed = std::max(printed, mismatch(angular_rows(form_a, form_b), exact));
-    used = std::max(used, mismatch(angular_row(equations::quaternion_dot_row(q_a, q_b).J_b), exact));
+    used =
+        std::max(used, mismatch(angular_row(equations::quaternion_dot_row(q_a, q_b).J_b), exact));
   }
   EXPECT_GT(printed, 0.4);
   EXPECT_LT(used, kRight);
@@ -165,8 +166,8 @@ TEST(Errata, EquationA_15IsTheAngleOfOneSignOfTheQuaternionOnly) {
 }
 
 TEST(Errata, EquationA_25LeavesOutTheAxisOfTheTwist) {
-  // What is left of q without its twist has to have no part along the axis v (A.26). As printed, the
-  // twist's imaginary part is one number: taken for the first of three.
+  // What is left of q without its twist has to have no part along the axis v (A.26). As printed,
+  // the twist's imaginary part is one number: taken for the first of three.
   double printed = 0, used = 0;
   for (const Hinge& hinge : hinges({0, 1e-8, 1, 2.5}, {0})) {
     const Turn q = turn(hinge, hinge.bodies);

@@ -1,5 +1,6 @@
 // The errata of the document's linear constraints and of its reaction model: each test has the
-// printed form, wrong by a stated amount, next to the form that the library uses, right to rounding.
+// printed form, wrong by a stated amount, next to the form that the library uses, right to
+// rounding.
 #include <gtest/gtest.h>
 #include <pintle/equations/distance.h>
 #include <pintle/equations/impulse_reaction.h>
@@ -33,8 +34,7 @@ TEST(Errata, Equation3_4HasTheLeverOfTheWrongBody) {
     const auto J = equations::distance_row(to, 1.0, at.r_a, at.r_b).J;
     const double exact = dense_product(J, M);
     const Vector x_a = cross(at.r_a, to.n), x_b = cross(at.r_b, to.n);
-    const double form =
-        M.m_a + Vector(M.I_a * x_a).dot(x_a) + M.m_b + Vector(M.I_b * x_b).dot(x_a);
+    const double form = M.m_a + Vector(M.I_a * x_a).dot(x_a) + M.m_b + Vector(M.I_b * x_b).dot(x_a);
     printed = std::max(printed, std::abs(form / exact - 1));
     used = std::max(used, std::abs(equations::inverse_effective_mass(J, M, J) / exact - 1));
   }
