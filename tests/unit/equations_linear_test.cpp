@@ -37,10 +37,12 @@ TYPED_TEST_SUITE(LinearRows, Scalars);
 
 // --- distance ------------------------------------------------------------------------------------
 
-const auto length_of = [](const auto& d) {
+template <class T>
+T length_of(const Vector3<T>& d) {
   using std::sqrt;
-  return sqrt(d.dot(d));
-};
+  const T length2 = d.dot(d);
+  return sqrt(length2);
+}
 
 template <class T>
 equations::Distance<T> distance_of(const Hinge& hinge) {
@@ -52,8 +54,8 @@ TYPED_TEST(LinearRows, DistanceIsTheGradientOfTheLength) {
   for (const Hinge& hinge : hinges(kSwings, {0.5, 4})) {
     const double l = hinge.th;
     const auto C = [&](const auto& bodies) {
-      const auto length = length_of(error(hinge, bodies));
-      return std::decay_t<decltype(length)>(length - l);
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      return S(length_of(error(hinge, bodies)) - l);
     };
     const auto at = anchors<T>(hinge);
     // The third derivatives are up to 3 size^3 / |d|^2 at the shorter distance.

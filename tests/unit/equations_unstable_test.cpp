@@ -51,9 +51,9 @@ equations::AngularRow<T> dot_row(const Hinge& hinge) {
 TYPED_TEST(Unstable, CrossProductIsTheGradient) {
   for (const Hinge& hinge : hinges(kSwings, {0, 1})) {
     const auto C = [&](const auto& bodies) {
-      const auto x = axes_crossed(hinge, bodies);
-      const auto c = x.dot(x) / 2;
-      return std::decay_t<decltype(x[0])>(c);
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      const Vector3<S> x = axes_crossed(hinge, bodies);
+      return S(x.dot(x) / 2);
     };
     const auto row = cross_row<TypeParam>(hinge);
     const Velocities J = angular_row(row.J_b);

@@ -62,9 +62,9 @@ TEST(Errata, Equation3_52IsZeroAsPrinted) {
   double printed = 0, form_length = 0, used = 0;
   for (const Hinge& hinge : all_hinges()) {
     const auto C = [&](const auto& bodies) {
-      const auto x = crossed(hinge, bodies);
-      const auto c = x.dot(x) / 2;
-      return std::decay_t<decltype(x[0])>(c);
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      const Vector3<S> x = crossed(hinge, bodies);
+      return S(x.dot(x) / 2);
     };
     const Vector c_a = hinge.axis_a(2), c_b = hinge.axis_b(2);
     const Vector d = cross(c_a, c_b), e = cross(c_a, c_b), f = cross(c_a, c_b);
