@@ -16,23 +16,6 @@ namespace equations = pintle::equations;
 const std::vector<double> kGaps = {0, 1e-8, 0.5, 4};
 const std::vector<double> kSwings = {0, 1e-8, -pi, pi - 1e-8, pi};
 
-// Levers and gap are at most about 8 long: what the rounding of their entries is a multiple of.
-double size(const Hinge& hinge) {
-  return 1 + hinge.r_a().cwiseAbs().maxCoeff() + hinge.r_b().cwiseAbs().maxCoeff() +
-         hinge.d().cwiseAbs().maxCoeff();
-}
-
-template <class T>
-Vector3<T> arm(const Quaternion<T>& q, const Vector& anchor) {
-  return equations::rotate(q, constant<T>(anchor));
-}
-
-template <class T>
-Vector3<T> error(const Hinge& hinge, const Bodies<T>& bodies) {
-  return equations::position_error(bodies.x_a, arm(bodies.q_a, hinge.anchor_a), bodies.x_b,
-                                   arm(bodies.q_b, hinge.anchor_b));
-}
-
 template <class T>
 class PositionRow : public testing::Test {
  public:
@@ -100,19 +83,14 @@ TYPED_TEST(PositionRow, TheTwoAreOneWhileTheJointHolds) {
   }
 }
 
-// The angular momentum about the origin that one unit of the row's impulse adds.
-Vector added(const Hinge& hinge, const Velocities& J) {
-  return cross(hinge.bodies.x_a, J.segment<3>(0)) + J.segment<3>(3) +
-         cross(hinge.bodies.x_b, J.segment<3>(6)) + J.segment<3>(9);
-}
-
 TYPED_TEST(PositionRow, ConservingAddsNoAngularMomentumAndTheDocumentsAddsDCrossU) {
   for (const Hinge& hinge : hinges(kSwings, kGaps)) {
     const Vector u = hinge.axis_a(0), d = hinge.d();
     // The centres of mass are up to 8 from the origin, too.
     const double tolerance = this->kTolerance * (size(hinge) + 10);
-    ASSERT_LE(mismatch(added(hinge, this->conserving(hinge, u)), Vector::Zero()), tolerance);
-    ASSERT_LE(mismatch(added(hinge, this->documents(hinge, u)), cross(d, u)), tolerance);
+    ASSERT_LE(mismatch(added_momentum(hinge, this->conserving(hinge, u)), Vector::Zero()),
+              tolerance);
+    ASSERT_LE(mismatch(added_momentum(hinge, this->documents(hinge, u)), cross(d, u)), tolerance);
   }
 }
 
@@ -129,10 +107,6 @@ TYPED_TEST(PositionRow, ErrorKeepsItsDigitsFarFromTheOrigin) {
 }
 
 // --- curvature -----------------------------------------------------------------------------------
-
-// A five-point second difference at this step: h^4/90 |w|^6 r is below 1e-9 for the speeds below 2
-// and levers below 5 here, and rounding, epsilon / h^2 times some 10, below 1e-10.
-constexpr double kCurvatureStep = 5e-3, kCurvatureTolerance = 1e-8;
 
 TYPED_TEST(PositionRow, CurvatureIsTheSecondDerivativeOfTheGap) {
   using T = TypeParam;
@@ -172,26 +146,40 @@ TYPED_TEST(PositionRow, CurvatureOfTheConservingLeversIsThatOfASatisfiedVelocity
   }
 }
 
+TYPED_TEST(PositionRow, CurvatureSeenFromBodyAIsTheSecondDerivativeAtAnyVelocity) {
+  using T = TypeParam;
+  Random random(9);
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Velocities v = random.velocities();
+    const Vector u_l = hinge.m;
+    const auto C = [&](double t) {
+      const Bodies<double> then = moved(hinge.bodies, v, t);
+      return arm(then.q_a, u_l).dot(error(hinge, then));
+    };
+    const auto curvature =
+        equations::position_curvature_conserving<T>(anchors<T>(hinge), velocity<T>(v));
+    const double along = arm(hinge.bodies.q_a, u_l).dot(curvature.template cast<double>());
+    ASSERT_LE(std::abs(along - second_difference(C, kCurvatureStep)),
+              10 * this->kTolerance * size(hinge) + 4 * kCurvatureTolerance);
+  }
+}
+
+TYPED_TEST(PositionRow, RelativeVelocityIsTheRateOfTheGap) {
+  using T = TypeParam;
+  Random random(10);
+  for (const Hinge& hinge : hinges(kSwings, kGaps)) {
+    const Velocities v = random.velocities();
+    const auto at = anchors<T>(hinge);
+    const Vector3<T> rate = equations::relative_velocity(velocity<T>(v), at.r_a, at.r_b);
+    const Vector expected =
+        (error(hinge, moved(hinge.bodies, v, step)) - error(hinge, moved(hinge.bodies, v, -step))) /
+        (2 * step);
+    ASSERT_LE(mismatch(rate.template cast<double>(), expected),
+              2 * this->kTolerance * size(hinge) + difference_tolerance * size(hinge));
+  }
+}
+
 // --- inverse effective mass ----------------------------------------------------------------------
-
-using Dense = Eigen::Matrix<double, 12, 12>;
-
-template <class T>
-equations::InverseMass<T> any_mass(Random& random) {
-  const double m_a = random.uniform(0.01, 10), m_b = random.uniform(0.01, 10);
-  const Matrix3<double> I_a = random.inertia(), I_b = random.inertia();
-  return {T(m_a), T(m_b), I_a.cast<T>(), I_b.cast<T>()};
-}
-
-template <class T>
-Dense dense(const equations::InverseMass<T>& M) {
-  Dense m = Dense::Zero();
-  m.block<3, 3>(0, 0) = double(M.m_a) * Matrix3<double>::Identity();
-  m.block<3, 3>(3, 3) = M.I_a.template cast<double>();
-  m.block<3, 3>(6, 6) = double(M.m_b) * Matrix3<double>::Identity();
-  m.block<3, 3>(9, 9) = M.I_b.template cast<double>();
-  return m;
-}
 
 TYPED_TEST(PositionRow, InverseEffectiveMassIsTheDenseProduct) {
   using T = TypeParam;
@@ -208,6 +196,19 @@ TYPED_TEST(PositionRow, InverseEffectiveMassIsTheDenseProduct) {
     EXPECT_LE(std::abs(double(equations::inverse_effective_mass(J, M, K)) - entry),
               this->kTolerance * terms);
     EXPECT_GT(double(equations::inverse_effective_mass(J, M, J)), 0);
+  }
+}
+
+TYPED_TEST(PositionRow, AngularInverseEffectiveMassIsThatOfARowWithoutALinearPart) {
+  using T = TypeParam;
+  Random random(11);
+  for (int i = 0; i < 200; ++i) {
+    const auto M = any_mass<T>(random);
+    const Vector3<T> x = random.vector(3).cast<T>();
+    const equations::Jacobian<T> J{Vector3<T>::Zero(), x, x};
+    const double exact = double(equations::inverse_effective_mass(J, M, J));
+    EXPECT_LE(std::abs(double(equations::angular_inverse_effective_mass(M, x)) - exact),
+              this->kTolerance * exact);
   }
 }
 

@@ -27,4 +27,11 @@ T inverse_effective_mass(const Jacobian<T>& i, const InverseMass<T>& M, const Ja
   return i.L.dot(j.L) * (M.m_a + M.m_b) + i.A_a.dot(M.I_a * j.A_a) + i.A_b.dot(M.I_b * j.A_b);  // (2.6)
 }
 
+/// The same of one angular row, A_a = A_b = x and L = 0. The document inverts the product I x, and
+/// not I.
+template <class T>
+T angular_inverse_effective_mass(const InverseMass<T>& M, const Vector3<T>& x) {
+  return x.dot(M.I_a * x) + x.dot(M.I_b * x);                                            // (3.17)
+}
+
 }  // namespace pintle::equations

@@ -14,6 +14,12 @@ T impulse(T K, T Jv, T b) {
   return (Jv + b) / -K;                                                                   // (2.4)
 }
 
+/// The same as the force that acts for the whole step: lambda of most other works.
+template <class T>
+T force(T K, T Jv, T b, T dt) {
+  return impulse(K, Jv, b) / dt;                                                          // (B.5)
+}
+
 /// Velocity bias that takes away the fraction beta of the error c in one step.
 template <class T>
 T baumgarte(T c, T beta, T dt) {

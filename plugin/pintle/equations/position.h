@@ -5,8 +5,22 @@
 #pragma once
 
 #include <pintle/equations/effective_mass.h>
+#include <pintle/equations/velocity.h>
 
 namespace pintle::equations {
+
+/// Where a joint holds its bodies: the levers of both anchors and the gap between them.
+template <class T>
+struct Anchors {
+  Vector3<T> r_a, r_b, d;
+};
+
+/// One row with a linear part: J and its position error C.
+template <class T>
+struct LinearRow {
+  Jacobian<T> J;
+  T C;
+};
 
 /// d, in the order of operations that keeps its digits far from the origin.
 template <class X, class R>
@@ -41,6 +55,15 @@ template <class T>
 Vector3<T> position_curvature(const Vector3<T>& w_a, const Vector3<T>& r_a, const Vector3<T>& w_b,
                               const Vector3<T>& r_b) {
   return cross(w_b, cross(w_b, r_b)) - cross(w_a, cross(w_a, r_a));
+}
+
+/// The same as seen from body a, at any gap: u . this is d^2/dt^2 of u.d with u fixed in body a. The
+/// point at p_b of body b may move in body a meanwhile (slide), which adds the Coriolis part.
+template <class T>
+Vector3<T> position_curvature_conserving(const Anchors<T>& at, const Velocity<T>& v) {
+  const Vector3<T> lever_a = at.r_a + at.d;
+  const Vector3<T> slide = relative_velocity(v, lever_a, at.r_b);
+  return position_curvature(v.w_a, lever_a, v.w_b, at.r_b) - T(2) * cross(v.w_a, slide);
 }
 
 /// K of the three world rows as one block.

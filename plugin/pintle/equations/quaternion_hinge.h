@@ -4,29 +4,19 @@
 // J_a = -J_b everywhere and there is no linear part, so a row is its J_b.
 #pragma once
 
-#include <pintle/equations/quaternion.h>
+#include <pintle/equations/orientation_lock.h>
 
 #include <cmath>
 
 namespace pintle::equations {
 
-/// One angular row: J_b and its position error C.
-template <class T>
-struct AngularRow {
-  Vector3<T> J_b;
-  T C;
-};
-
-/// The document's row about the axis u of the joint frame, with p = conj(q_a f_a) (q_b f_b) the
-/// rotation of the joint frames (this is q_r conj(q_0), and it settles which angle is zero) and
-/// F = R(q_a f_a). The printed J is transposed. It vanishes along the error as the error nears
-/// pi: J has singular values 1/2 and cos(swing/2)/2, and at pi the row is stuck.
+/// The document's row about the axis u of the joint frame, normal to the hinge's: two of the lock's
+/// three rows, with p to settle which angle is zero. The printed J is transposed. It vanishes along
+/// the error as the error nears pi: J has singular values 1/2 and cos(swing/2)/2, and at pi the row
+/// is stuck.
 template <class T>
 AngularRow<T> quaternion_hinge_row(const Quaternion<T>& p, const Matrix3<T>& F, const Vector3<T>& u) {
-  AngularRow<T> row;
-  row.C = p.v.dot(u);                                                                    // (3.25)
-  row.J_b = T(0.5) * (F * (p.w * u + cross(p.v, u)));                                    // (3.28)
-  return row;
+  return quaternion_row(p, F, u);                                               // (3.25), (3.28)
 }
 
 /// The conditioned form. A relative rotation is a swing between two halves of one twist,
@@ -64,8 +54,7 @@ Swing<T> swing(const Vector3<T>& c_a, const Vector3<T>& c_b) {
   s.h = sum * (T(1) / sqrt(sum2));
   s.h_scale = T(4) / sum2;
   if (sin2 < T(1e-5) && sum2 > T(2)) {
-    // swing / sin(swing), without the trigonometry: the next term is 5e-17.
-    const T ratio = T(1) + sin2 * (T(1) / T(6) + sin2 * (T(3) / T(40)));
+    const T ratio = small_angle_over_sine(sin2);
     s.sigma = x * ratio;
     s.angle = sin_swing * ratio;
     return s;

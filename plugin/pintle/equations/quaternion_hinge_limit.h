@@ -1,6 +1,6 @@
 // Purpose: the angle of a hinge and the row of its limit (document, section 3.2.5), in the
 // document's half-sine space and in plain radians.
-// th is the rotation of b against a about the hinge axis c, p and F as in quaternion_hinge.h, and
+// th is the rotation of b against a about the hinge axis c, p and F as in orientation_lock.h, and
 // m the number of whole turns in th (th - 2 pi m in [-pi, pi]); J_a = -J_b.
 #pragma once
 
@@ -24,10 +24,8 @@ template <class T>
 AngularRow<T> quaternion_hinge_limit_row(Quaternion<T> p, const Matrix3<T>& F, const Vector3<T>& c,
                                          T turns) {
   if (p.w < T(0)) p = {-p.w, -p.v};
-  const T c_lim = p.v.dot(c);                                                            // (3.29)
-  AngularRow<T> row;
-  row.C = c_lim + T(2) * turns;                                                          // (3.35)
-  row.J_b = T(0.5) * (F * (p.w * c + cross(p.v, c)));
+  AngularRow<T> row = quaternion_row(p, F, c);                                           // (3.29)
+  row.C += T(2) * turns;                                                                 // (3.35)
   return row;
 }
 
