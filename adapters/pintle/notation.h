@@ -38,7 +38,7 @@ Vector3<T> cross_unit(const Vector3<T>& a) {
   if constexpr (i == 2) return {a.y(), -a.x(), T(0)};
 }
 
-/// A unit vector normal to the unit vector `a`, the same one for the same `a`.
+/// A unit vector normal to the unit vector `a`, the same one for the same `a`. (One for zero, too.)
 template <class T>
 Vector3<T> any_tangent(const Vector3<T>& a) {
   using std::abs;
@@ -47,7 +47,9 @@ Vector3<T> any_tangent(const Vector3<T>& a) {
     const T k = T(1) / sqrt(a.y() * a.y() + a.z() * a.z());
     return {T(0), -a.z() * k, a.y() * k};
   }
-  const T k = T(1) / sqrt(a.x() * a.x() + a.y() * a.y());
+  const T length2 = a.x() * a.x() + a.y() * a.y();
+  if (!(length2 > T(0))) return Vector3<T>::Unit(0);
+  const T k = T(1) / sqrt(length2);
   return {-a.y() * k, a.x() * k, T(0)};
 }
 

@@ -205,6 +205,18 @@ Quaternion<T> turn(const Hinge& hinge, const Bodies<T>& bodies) {
                                      product(bodies.q_b, constant<T>(hinge.f_b)));
 }
 
+/// Axis i of the joint frame of each body, for any scalar.
+template <class T>
+Vector3<T> axis_a(const Hinge& hinge, const Bodies<T>& bodies, int i) {
+  const auto frame = pintle::equations::product(bodies.q_a, constant<T>(hinge.f_a));
+  return pintle::equations::rotate(frame, constant<T>(Vector(Vector::Unit(i))));
+}
+template <class T>
+Vector3<T> axis_b(const Hinge& hinge, const Bodies<T>& bodies, int i) {
+  const auto frame = pintle::equations::product(bodies.q_b, constant<T>(hinge.f_b));
+  return pintle::equations::rotate(frame, constant<T>(Vector(Vector::Unit(i))));
+}
+
 inline Hinge make_hinge(unsigned seed, double th, double swing, double gap, double sign) {
   using pintle::equations::product;
   using pintle::equations::rotation;

@@ -51,7 +51,7 @@ Swing<T> swing(const Vector3<T>& c_a, const Vector3<T>& c_b) {
     s.h_scale = T(4) / T(1e-10);
     return s;
   }
-  s.h = sum * (T(1) / sqrt(sum2));
+  s.h = sum * (T(1) / sqrt(sum2));                                                       // (A.23)
   s.h_scale = T(4) / sum2;
   if (sin2 < T(1e-5) && sum2 > T(2)) {
     const T ratio = small_angle_over_sine(sin2);
@@ -60,7 +60,7 @@ Swing<T> swing(const Vector3<T>& c_a, const Vector3<T>& c_b) {
     return s;
   }
   s.angle = atan2(sin_swing, c_a.dot(c_b));
-  s.sigma = x * (s.angle / sin_swing);
+  s.sigma = x * (sin_swing > T(0) ? s.angle / sin_swing : T(0));
   return s;
 }
 

@@ -1,0 +1,67 @@
+// Purpose: the row of the universal joint and its two angles (document, section 3.2.9).
+//   C = z.y = 0,  J_b = y x z, J_a = -J_b
+// Terms, world space: {x_a, y_a, z_a} and {x_b, y_b, z_b} the joint frames, z = z_a the hinge of
+// body a, y = y_b that of body b, always at right angles. R_a^T R_b = Rz(alpha) Ry(beta) Rx(gamma),
+// and C = cos(beta) sin(gamma). |J| is sqrt(1 - C^2), nothing where z and y have come together.
+// gamma = pi satisfies C as well as gamma = 0: it is the same joint, turned by half a turn about
+// both hinges.
+#pragma once
+
+#include <pintle/equations/angle_about.h>
+#include <pintle/equations/dot.h>
+
+namespace pintle::equations {
+
+/// The document's row.
+template <class T>
+AngularRow<T> universal_dot_row(const Vector3<T>& z, const Vector3<T>& y) {
+  return dot_row(z, y);
+}
+
+/// The conditioned form: C (rad, in [-pi/2, pi/2]) by which the angle between z and y is short of
+/// pi/2, with a unit row that is its gradient anywhere. beta may be anything.
+template <class T>
+AngularRow<T> universal_row(const Vector3<T>& z, const Vector3<T>& y) {
+  using std::atan2;
+  using std::sqrt;
+  const AngularRow<T> dot = dot_row(z, y);
+  const T length2 = dot.J_b.dot(dot.J_b);
+  if (!(length2 > T(1e-30))) return {any_tangent(z), dot.C > T(0) ? T(pi / 2) : T(-pi / 2)};
+  const T length = sqrt(length2);
+  return {dot.J_b / length, atan2(dot.C, length)};
+}
+
+/// The same for a joint that keeps beta within +-pi/2, as Bullet's does, where gamma = pi is an
+/// error and no place to rest: C = cos(beta) gamma, rad, and J_b = cos(beta) J_b(gamma), a unit
+/// row. It goes on to pi at half a turn. Beyond pi/2 it sees gamma = pi: an error of pi
+/// |cos(beta)|, which begins with nothing, so that a limit may give a little.
+template <class T>
+AngularRow<T> universal_gamma_row(const Vector3<T>& z, const Vector3<T>& x_b,
+                                  const Vector3<T>& z_b) {
+  // Of z as body b sees it: -gamma, and the row of a body that is a here.
+  const AngleAbout<T> to = angle_about(x_b, z_b, z);
+  return {to.unit, -to.length * to.angle()};
+}
+
+/// d^2/dt^2 of C at constant w where C = 0, and gamma for the last form: that of all three.
+template <class T>
+T universal_curvature(const Vector3<T>& z, const Vector3<T>& y, const Vector3<T>& w_a,
+                      const Vector3<T>& w_b) {
+  return dot_curvature(z, w_a, y, w_b);
+}
+
+/// alpha, the turn about z. Bullet's getAngle1() is -alpha.
+template <class T>
+AngleAbout<T> universal_alpha(const Vector3<T>& x_a, const Vector3<T>& z, const Vector3<T>& x_b) {
+  return angle_about(z, x_a, x_b);
+}
+
+/// beta (rad, in [-pi/2, pi/2]), the turn about y, with J_b: a unit row that is its gradient.
+/// Bullet's getAngle2() is -beta.
+template <class T>
+AngularRow<T> universal_beta(const Vector3<T>& z, const Vector3<T>& x_b) {
+  const AngularRow<T> row = universal_row(z, x_b);
+  return {-row.J_b, -row.C};
+}
+
+}  // namespace pintle::equations
