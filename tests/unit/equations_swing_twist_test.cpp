@@ -133,8 +133,10 @@ TYPED_TEST(SwingTwist, ShortestRotationIsTheSwing) {
 TYPED_TEST(SwingTwist, TwistAngleIsTheQuaternionsAndInTheRange) {
   using T = TypeParam;
   for (const Hinge& hinge : hinges(kSmoothSwings, {0})) {
-    const auto twist = equations::twist<T>(hinge.axis_a(0).cast<T>(), hinge.axis_a(2).cast<T>(),
-                                           hinge.axis_b(0).cast<T>(), hinge.axis_b(2).cast<T>());
+    const auto dot = [&](int i, int j) {
+      return Vector3<T>(hinge.axis_a(i).cast<T>()).dot(Vector3<T>(hinge.axis_b(j).cast<T>()));
+    };
+    const auto twist = equations::twist<T>(dot(0, 0), dot(1, 1), dot(1, 0), dot(0, 1));
     const double found = double(equations::twist_angle(twist));
     ASSERT_LE(found, pi + this->kEpsilon);
     ASSERT_GE(found, -pi - this->kEpsilon);
@@ -261,8 +263,8 @@ TYPED_TEST(SwingTwist, TwistAgainstALimitIsClassifiedWithoutError) {
     };
     const double cosine = std::cos(swing / 2);
     if (std::abs(std::abs(th) - limit) < 100 * this->kEpsilon / (cosine * cosine)) continue;
-    const auto twist =
-        equations::twist<T>(world(q_a, 0), world(q_a, 2), world(q_b, 0), world(q_b, 2));
+    const auto dot = [&](int i, int j) { return world(q_a, i).dot(world(q_b, j)); };
+    const auto twist = equations::twist<T>(dot(0, 0), dot(1, 1), dot(1, 0), dot(0, 1));
     wrong += (std::abs(equations::twist_angle(twist)) > T(limit)) != (std::abs(th) > limit);
     ++counted;
   }

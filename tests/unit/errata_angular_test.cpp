@@ -177,8 +177,8 @@ TEST(Errata, EquationA_25LeavesOutTheAxisOfTheTwist) {
     const Vector v = Vector::Unit(2);
     const double s = q.v.dot(v), norm = std::hypot(q.w, s);
     printed = std::max(printed, left({q.w / norm, Vector(s / norm, 0, 0)}, v));
-    const auto used_twist = equations::twist<double>(hinge.axis_a(0), hinge.axis_a(2),
-                                                     hinge.axis_b(0), hinge.axis_b(2));
+    const auto dot = [&](int i, int j) { return hinge.axis_a(i).dot(hinge.axis_b(j)); };
+    const auto used_twist = equations::twist<double>(dot(0, 0), dot(1, 1), dot(1, 0), dot(0, 1));
     const double angle = std::atan2(used_twist.y, used_twist.x);
     used = std::max(used, left(equations::rotation<double>(v, angle), v));
   }

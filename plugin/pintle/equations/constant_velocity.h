@@ -2,7 +2,7 @@
 // section 3.2.10).
 //   C = y_a.z_b - z_a.y_b = -4 w v.x,  J_b = z_b x y_a - y_b x z_a, J_a = -J_b
 // Terms: {x, y, z} the joint frames, x along the shafts; p = conj(q_a f_a) (q_b f_b) = (w, v) their
-// rotation and F = R(q_a f_a), as for quaternion_hinge_row. Everything else is in world space.
+// rotation and F = R(q_a f_a), as for quaternion_row. Everything else is in world space.
 // The joint holds v.x = 0: no twist about x, so that p bends the shaft and does nothing else. The
 // document's C is zero at w = 0 too, which is no joint, and its row is 2 cos(bend/2) long.
 // The bend is swing(x_a, x_b), and cone_row limits it.
@@ -37,7 +37,7 @@ AngularRow<T> constant_velocity_row(const Quaternion<T>& p, const Matrix3<T>& F,
                                     const Vector3<T>& x) {
   using std::atan2;
   using std::sqrt;
-  const AngularRow<T> half = quaternion_hinge_row(p, F, x);
+  const AngularRow<T> half = quaternion_row(p, F, x);
   const T length2 = T(4) * half.J_b.dot(half.J_b);
   // A twist by pi and no bend: back about x, either way.
   if (!(length2 > T(1e-30))) return {F * x, half.C < T(0) ? T(-pi) : T(pi)};

@@ -3,7 +3,7 @@
 //   p = q_swing q_twist      twist about c, then the shortest turn that takes c_a to c_b
 //   th                       twist angle: that of `twist` (quaternion_hinge_limit.h), rad
 //   s_e = sigma.e            component of the swing's rotation vector along an axis e normal to c_a
-//   J_b(th)  = (c_a + c_b)/(1 + c_a.c_b)
+//   J_b(th)  = h/cos(swing/2), `twist_row` of the same file
 //   J_b(s_e) = (n.e) n + (m.e) (swing cot(swing) m - swing c_a), n = unit(sigma), m = n x c_a
 // Terms, world space: c_a and c_b the twist axes of the bodies (Bullet's cone twist has the frames'
 // x there; any other will do), e fixed in body a, J_a = -J_b. For a swing as seen from body b
@@ -52,13 +52,6 @@ template <class T>
 T twist_angle(const Twist<T>& twist) {
   using std::atan2;
   return atan2(twist.y + T(0), twist.x + T(0));  // -0 is +0: half a turn is +pi, nothing is 0
-}
-
-/// J_b of the twist angle: exact up to a swing of pi - 1e-5, and finite beyond, along s.h.
-template <class T>
-Vector3<T> twist_row(const Swing<T>& s) {
-  using std::sqrt;
-  return sqrt(s.h_scale) * s.h;
 }
 
 /// The unit vector about which the swing turns; at no swing any tangent.
