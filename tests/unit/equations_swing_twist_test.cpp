@@ -263,7 +263,7 @@ TYPED_TEST(SwingTwist, TwistAgainstALimitIsClassifiedWithoutError) {
     };
     const double cosine = std::cos(swing / 2);
     if (std::abs(std::abs(th) - limit) < 100 * this->kEpsilon / (cosine * cosine)) continue;
-    const auto dot = [&](int i, int j) { return world(q_a, i).dot(world(q_b, j)); };
+    const auto dot = [&](int e, int f) { return world(q_a, e).dot(world(q_b, f)); };
     const auto twist = equations::twist<T>(dot(0, 0), dot(1, 1), dot(1, 0), dot(0, 1));
     wrong += (std::abs(equations::twist_angle(twist)) > T(limit)) != (std::abs(th) > limit);
     ++counted;
