@@ -1,5 +1,6 @@
 #include <pintle/joints/draw_joints.h>
 
+#include <pintle/joints/drawing.h>
 #include <pintle/joints/joint.h>
 
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
@@ -9,10 +10,10 @@ inline namespace PINTLE_PRECISION {
 
 void drawJoints(btDynamicsWorld& world) {
   btIDebugDraw* drawer = world.getDebugDrawer();
-  if (drawer == nullptr) return;
+  if (drawer == nullptr || !(drawsFrames(*drawer) || drawsLimits(*drawer))) return;
   for (int i = 0; i < world.getNumConstraints(); ++i) {
-    const auto* joint = dynamic_cast<const Joint*>(world.getConstraint(i));
-    if (joint != nullptr) joint->drawJoint(*drawer);
+    auto* joint = dynamic_cast<Joint*>(world.getConstraint(i));
+    if (joint != nullptr && joint->getDbgDrawSize() > 0) joint->drawJoint(*drawer);
   }
 }
 
