@@ -45,8 +45,8 @@ function(pintle_add_library precision wanted)
   target_compile_options(${target} PRIVATE
     "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
     "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>"
-    # gcc packs vectors of three for less than it costs.
-    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
+    # gcc packs vectors of three, and loops over five rows, for less than it costs.
+    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-vectorize>")
   pintle_set_warnings(${target} -Wconversion)
   set(PINTLE_PRECISIONS ${PINTLE_PRECISIONS} ${precision} PARENT_SCOPE)
 endfunction()

@@ -127,19 +127,20 @@ void Joint::getInfo1(btConstraintInfo1* info) {
 
 // What acts along an axis in this step. `block` is its row after the elimination, whose target is
 // what the equalities' targets came to in it; null: as it stands.
-inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const BlockMass* mass,
-                                   const Step& step) {
-  const Axis& axis = *row.axis;
-  AxisState& state = m_rows.axis(row.axis_index);
+inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass* mass,
+                          const Step& step) {
+  AxisState& state = m_rows.axis(row.axis);
+  const Axis& axis = *state.axis;
+  const Scalar sign = row.sign;
   state.sign = row.sign;
   state.acted = true;
-  state.row = {};
+  state.clear();
   const BodyPair pair(m_rbA, m_rbB);
   AxisMotion motion;
   motion.position = row.position;
   motion.velocity =
-      row.sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
-                              : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
+      sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
+                          : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
   motion.max_speed = m_max_correction_speed;
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
@@ -152,15 +153,22 @@ inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const 
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
                                          step.fps * motion.limit_erp);
-  if (!axis.isSimple(row.limit))
-    solveCompound(row, block, mass, motion, state.row);
-  else if (row.limit)
-    state.row.take(Axis::limit, limitPart(axis, motion, state.row.incoming));
-  else if (axis.drive != Axis::Drive::off)
-    state.row.take(Axis::motor, motorPart(axis, motion));
-  else
-    state.row.take(Axis::friction, frictionPart(axis, motion));
-  return state;
+  AxisRow result;
+  if (!axis.isSimple(row.limit)) {
+    result = solveCompound(row, block, mass, motion);
+  } else if (row.limit) {
+    state.active = Axis::limit;
+    result = limitPart(axis, motion, state.incoming).row;
+  } else if (axis.drive != Axis::Drive::off) {
+    state.active = Axis::motor;
+    result = motorPart(axis, motion).row;
+  } else {
+    state.active = Axis::friction;
+    result = frictionPart(axis, motion).row;
+  }
+  // From along the coordinate to along J.
+  if (sign > 0) return result;
+  return {-result.target, result.cfm, -result.upper, -result.lower};
 }
 
 PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
@@ -172,10 +180,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const Scalar damped = damping();
   info->m_damping = damped;
   const auto write_axis = [&](const Scalar* L, const Scalar* A_a, const Scalar* A_b, Scalar target,
-                              const AxisState& axis) {
-    const bool same = axis.sign > 0;
-    out.write(L, A_a, A_b, target + axis.sign * axis.row.target, axis.row.cfm,
-              same ? axis.row.lower : -axis.row.upper, same ? axis.row.upper : -axis.row.lower);
+                              const AxisRow& axis) {
+    out.write(L, A_a, A_b, target + axis.target, axis.cfm, axis.lower, axis.upper);
   };
 
   const bool breaks = breakable();
@@ -208,10 +214,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
 
   for (int i = 0; i < equalities; ++i) {
     Row& row = m_rows[i];
-    RowResidual& residual = m_rows.residual(i);
-    row.target = step.target(row);
-    if (m_residuals_known) row.target -= residual.correction;
-    residual.target = row.target;
+    row.target = step.target(row) - (m_residuals_known ? row.correction : Scalar(0));
   }
   const BlockMass mass(BodyPair(m_rbA, m_rbB));
   BlockRow block[max_rows];
@@ -229,8 +232,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 }
 
-void Joint::solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
-                          AxisMotion& motion, AxisRow& result) const {
+AxisRow Joint::solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
+                             AxisMotion& motion) {
   const BodyPair pair(m_rbA, m_rbB);
   BlockRow alone;
   if (block == nullptr)
@@ -247,24 +250,25 @@ void Joint::solveCompound(const Row& row, const BlockRow* block, const BlockMass
   const Scalar dt = m_time_step;
   const Vec3 v_ab = freeLinear(m_rbB, dt) - freeLinear(m_rbA, dt);
   motion.free_velocity =
-      row.sign * (alone.L.head<3>().matrix().dot(v_ab) -
+      Scalar(row.sign) * (alone.L.head<3>().matrix().dot(v_ab) -
                   alone.A_a.head<3>().matrix().dot(freeAngular(m_rbA, dt)) +
                   alone.A_b.head<3>().matrix().dot(freeAngular(m_rbB, dt)) - alone.target());
-  solveAxis(*row.axis, motion, result);
+  AxisState& state = m_rows.axis(row.axis);
+  return solveAxis(*state.axis, motion, state);
 }
 
 Scalar Joint::axisImpulse(int axis, Axis::Part part) const {
   const AxisState& state = m_rows.axis(axis);
   if (!state.acted || m_rows.size() == 0) return 0;
-  const bool last = m_rows[m_rows.size() - 1].axis_index == axis;
-  return state.row.impulse(part, last ? -state.sign * m_appliedImpulse : state.whole);
+  const bool last = m_rows[m_rows.size() - 1].axis == axis;
+  return state.impulse(part, last ? -state.sign * m_appliedImpulse : state.whole);
 }
 
 // Bullet calls this after each pass over the rows. The last one shows what they were left with.
 void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
   if (m_solver_rows != nullptr) {
     for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-      AxisState& axis = m_rows.axis(m_rows[i].axis_index);
+      AxisState& axis = m_rows.axis(m_rows[i].axis);
       axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
     }
   }
@@ -279,12 +283,12 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
   };
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
   for (int i = 0; i < m_rows.equalities(); ++i) {
-    RowResidual& residual = m_rows.residual(i);
-    const Scalar now = velocity(m_rows[i], v_ab, w_a, w_b) - residual.target;
-    const Scalar last = m_residuals_known ? residual.last : Scalar(0);
-    residual.correction =
+    Row& row = m_rows[i];
+    const Scalar now = velocity(row, v_ab, w_a, w_b) - row.target;
+    const Scalar last = m_residuals_known ? row.residual : Scalar(0);
+    row.correction =
         now * last > 0 ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
-    residual.last = now;
+    row.residual = now;
   }
   m_residuals_known = true;
 }

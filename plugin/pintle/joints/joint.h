@@ -120,10 +120,9 @@ class Joint : public btTypedConstraint {
  private:
   struct Step;
 
-  const AxisState& act(const Row& row, const BlockRow* block, const BlockMass* mass,
-                       const Step& step);
-  void solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
-                     AxisMotion& motion, AxisRow& result) const;
+  AxisRow act(const Row& row, const BlockRow* block, const BlockMass* mass, const Step& step);
+  AxisRow solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
+                        AxisMotion& motion);
 
   Rows m_rows;
   const btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved

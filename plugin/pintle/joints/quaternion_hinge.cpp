@@ -359,7 +359,7 @@ inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
   } else {
     addConditionedRows(pair, at, d, swing, rows);
   }
-  if (axis) rows.addAngularAxis(0, equations::twist_row(swing), angle, m_axis, limit, m_sign);
+  if (axis) rows.addAngularAxis(0, equations::twist_row(swing), angle, m_axis, limit, m_sign > 0 ? 1 : -1);
 }
 
 inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Frames& at,
@@ -397,7 +397,8 @@ void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, co
   if (limit) {
     const auto row =
         equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), limit->turns());
-    rows.addAngularAxis(0, row.J_b, m_sign * row.C, m_half_sine_axis, true, m_sign);
+    rows.addAngularAxis(0, row.J_b, m_sign * row.C, m_half_sine_axis, true,
+                        m_sign > 0 ? 1 : -1);
   }
 }
 

@@ -17,10 +17,10 @@ struct Slope {
   double target, softness, lower, upper;
 
   Slope(const AxisPart& part, double K)
-      : target(part.target),
-        softness(std::max(double(part.cfm), rigid_softness) * K),
-        lower(std::max(double(part.lower), -unbounded)),
-        upper(std::min(double(part.upper), unbounded)) {}
+      : target(part.row.target),
+        softness(std::max(double(part.row.cfm), rigid_softness) * K),
+        lower(std::max(double(part.row.lower), -unbounded)),
+        upper(std::min(double(part.row.upper), unbounded)) {}
   Slope() = default;
   double at(double u) const { return std::clamp((target - u) / softness, lower, upper); }
   double begin() const { return target - softness * upper; }
@@ -58,13 +58,13 @@ double meet(const Slope* slope, const AxisPart* part, double u_free, double K) {
 
 }  // namespace
 
-void solveAxis(const Axis& axis, const AxisMotion& m, AxisRow& row) {
-  if (!(m.K > 0)) return;  // neither body can move
+AxisRow solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state) {
+  if (!(m.K > 0)) return {};  // neither body can move
 
   AxisPart part[Axis::parts];
   if (axis.drive != Axis::Drive::off) part[Axis::motor] = motorPart(axis, m);
   if (axis.max_friction > 0) part[Axis::friction] = frictionPart(axis, m);
-  if (m.limit) part[Axis::limit] = limitPart(axis, m, row.incoming);
+  if (m.limit) part[Axis::limit] = limitPart(axis, m, state.incoming);
   Slope slope[Axis::parts];
   for (int i = 0; i < Axis::parts; ++i) slope[i] = Slope(part[i], m.K);
   const double u = meet(slope, part, m.free_velocity, m.K);
@@ -72,7 +72,7 @@ void solveAxis(const Axis& axis, const AxisMotion& m, AxisRow& row) {
   double nearest = unbounded;
   for (int i = 0; i < Axis::parts; ++i) {
     if (!part[i].on) continue;
-    row.share[i] = Scalar(slope[i].at(u));
+    state.share[i] = Scalar(slope[i].at(u));
     // The rigid part that u is on, or else the one that it would come to first.
     const double away = std::max({0., slope[i].begin() - u, u - slope[i].end()});
     if (part[i].rigid && away < nearest) {
@@ -80,15 +80,17 @@ void solveAxis(const Axis& axis, const AxisMotion& m, AxisRow& row) {
       active = i;
     }
   }
-  if (active != Axis::parts) row.share[active] = 0;
-  const Scalar others = row.share[0] + row.share[1] + row.share[2];
-  if (active == Axis::parts) {
-    row.lower = row.upper = others;
-    return;
+  state.active = static_cast<signed char>(active);
+  if (active != Axis::parts) state.share[active] = 0;
+  const Scalar others = state.share[0] + state.share[1] + state.share[2];
+  AxisRow row;
+  row.lower = row.upper = others;
+  if (active != Axis::parts) {
+    row = part[active].row;
+    row.lower = std::max(-infinity, row.lower + others);
+    row.upper = std::min(infinity, row.upper + others);
   }
-  part[active].lower = std::max(-infinity, part[active].lower + others);
-  part[active].upper = std::min(infinity, part[active].upper + others);
-  row.take(Axis::Part(active), part[active]);
+  return row;
 }
 
 }  // namespace PINTLE_PRECISION

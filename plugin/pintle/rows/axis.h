@@ -68,47 +68,41 @@ struct AxisMotion {
   Scalar K;              ///< J M^-1 J^T of the row, after the joint's equalities
 };
 
-/// The row: J v = target, with Bullet's softness and bounds in impulses; and how to read it back.
+/// The row: J v = target, with Bullet's softness and bounds in impulses.
 struct AxisRow {
   Scalar target = 0, cfm = 0, lower = 0, upper = 0;
-  /// Impulses of the parts that are not the active one.
-  std::array<Scalar, Axis::parts> share = {};
-  int active = Axis::parts;  ///< the part that takes what the others leave; `parts`: none
-  Scalar incoming = 0;       ///< speed towards a limit that this row stops, else 0
-
-  /// One part alone is the row.
-  template <class AxisPart>
-  void take(Axis::Part which, const AxisPart& part) {
-    active = which;
-    target = part.target;
-    cfm = part.cfm;
-    lower = part.lower;
-    upper = part.upper;
-  }
-  /// The impulse of one part, of the row's whole impulse.
-  Scalar impulse(Axis::Part part, Scalar whole) const {
-    if (part != active) return share[part];
-    return whole - share[0] - share[1] - share[2];
-  }
 };
 
-/// What a joint remembers of an axis.
+/// What a joint remembers of an axis that has a row.
 struct AxisState {
-  AxisRow row;  ///< of this step
-  /// row.incoming of the last step. Two, so that getInfo2 may be called again.
-  Scalar last_incoming = 0;
-  Scalar whole = 0;    ///< impulse of the row, along the coordinate, where a solver lets it be read
-  Scalar sign = 1;     ///< of Row
-  bool acted = false;  ///< whether the axis has a row in this step, and `row` means anything
+  const Axis* axis = nullptr;
+  /// Impulses of the parts that are not the active one.
+  std::array<Scalar, Axis::parts> share = {};
+  Scalar incoming = 0;       ///< speed towards a limit that this step's row stops, else 0
+  Scalar last_incoming = 0;  ///< the same of the last step. Two, so that getInfo2 may be called again
+  Scalar whole = 0;  ///< impulse of the row, along the coordinate, where a solver lets it be read
+  signed char active = Axis::parts;  ///< the part that takes what the others leave; `parts`: none
+  signed char sign = 1;              ///< of Row
+  bool acted = false;                ///< whether there is a row in this step
 
   void beginStep() {
-    last_incoming = acted ? row.incoming : 0;
+    last_incoming = acted ? incoming : 0;
     acted = false;
+  }
+  /// No part acts so far.
+  void clear() {
+    share = {};
+    incoming = 0;
+    active = Axis::parts;
+  }
+  /// The impulse of one part, of the row's whole impulse.
+  Scalar impulse(Axis::Part part, Scalar of) const {
+    return part != active ? share[part] : of - share[0] - share[1] - share[2];
   }
 };
 
 /// The row of an axis along which more than one part acts, or a soft one.
-void solveAxis(const Axis& axis, const AxisMotion& motion, AxisRow& row);
+AxisRow solveAxis(const Axis& axis, const AxisMotion& motion, AxisState& state);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

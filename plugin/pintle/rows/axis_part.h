@@ -13,15 +13,16 @@ inline namespace PINTLE_PRECISION {
 // n iterations. Softer springs than this are solved here, and written as the impulse that they are.
 constexpr Scalar max_spring_cfm = Scalar(0.1);
 
-/// lambda = clamp((target - u) / softness, lower, upper), softness from cfm, a fraction of K.
+/// lambda = clamp((target - u) / softness, lower, upper), softness from cfm, a fraction of K. One part
+/// alone is the row.
 struct AxisPart {
-  Scalar target = 0, cfm = 0, lower = 0, upper = 0;
+  AxisRow row;
   bool rigid = true;  ///< Bullet's solver can run it as a row
   bool on = false;
 };
 
 inline AxisPart rigidPart(Scalar target, Scalar cfm, Scalar lower, Scalar upper) {
-  return {target, cfm, lower, upper, cfm < 1, true};
+  return {{target, cfm, lower, upper}, cfm < 1, true};
 }
 
 inline AxisPart springPart(const Spring& spring, Scalar error, Scalar dt, Scalar lower,

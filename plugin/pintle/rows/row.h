@@ -8,47 +8,36 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Each vector is followed by a number, so that the solver's side (block.h) can take it as four
-/// lanes.
+/// Each vector is followed by a number, so that the solver's side (block.h) can take it as four lanes.
+/// Those numbers are the solver's side's, and stay from step to step: a row that other joints disturb
+/// after it was solved keeps a velocity error, its residual (joint.cpp, feed_forward, says what for).
 struct Row {
   Vec3 L;
-  Scalar zero_L = 0;
+  Scalar residual = 0;  ///< of the last step
   Vec3 A_a;
-  Scalar target = 0;  ///< of J v; the solver's side sets it
+  Scalar target = 0;  ///< of J v in this step
   Vec3 A_b;
-  Scalar zero_b = 0;
+  Scalar correction = 0;  ///< of the next target, for the residual
   /// C of an equality, m or rad; the coordinate of an axis, m or rad.
   Scalar position;
   /// The most that a step may correct, m/s or rad/s.
   Scalar max_speed;
   /// d^2 C / dt^2 at constant v, w: what J v leaves out of the motion of C, m/s^2 or rad/s^2.
   Scalar curvature;
-  /// Null for an equality. Else the row is a free coordinate, and this is what acts along it.
-  const Axis* axis;
-  /// J v = sign * d/dt of the coordinate of an axis (+1 or -1): which way Bullet counts its
-  /// impulse.
-  Scalar sign;
-  /// Which of the joint's axes it is.
-  unsigned char axis_index;
+  /// Which of the joint's axes it is; -1: an equality.
+  signed char axis;
+  /// J v = sign * d/dt of the coordinate of an axis (+1 or -1): which way Bullet counts its impulse.
+  signed char sign;
   /// Whether the limit of the axis may act in this step.
   bool limit;
   /// L = 0 and A_a = A_b.
   bool angular;
 };
 
-/// What the solver made of an equality: a row that other joints disturb after it was solved keeps a
-/// velocity error, its residual (joint.cpp, feed_forward, says what for).
-struct RowResidual {
-  Scalar target = 0;      ///< of this step
-  Scalar last = 0;        ///< the residual of the last step
-  Scalar correction = 0;  ///< of the next target
-};
-
 /// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
 template <int N, int Axes = 0>
 struct RowMemory {
   Row rows[N];
-  RowResidual residuals[N];
   std::array<AxisState, Axes> axes;
 };
 
@@ -58,7 +47,6 @@ class Rows {
   template <int N, int Axes>
   Rows(RowMemory<N, Axes>& memory)
       : m_rows(memory.rows),
-        m_residuals(memory.residuals),
         m_axes(memory.axes.data()),
         m_capacity(N),
         m_axis_count(Axes) {}
@@ -67,7 +55,6 @@ class Rows {
   int equalities() const { return m_size - m_axis_rows; }
   Row& operator[](int i) { return m_rows[i]; }
   const Row& operator[](int i) const { return m_rows[i]; }
-  RowResidual& residual(int i) { return m_residuals[i]; }
   int axisCount() const { return m_axis_count; }
   AxisState& axis(int i) { return m_axes[i]; }
   const AxisState& axis(int i) const { return m_axes[i]; }
@@ -99,21 +86,21 @@ class Rows {
   /// The row of the joint's axis `index`, whose coordinate moves with sign * J. `limit`: whether the
   /// limit of the axis may act in this step (rows/limit_reach.h).
   Row& addAxis(int index, const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar coordinate,
-               const Axis& axis, bool limit, Scalar sign = 1) {
+               const Axis& axis, bool limit, int sign = 1) {
     return setAxis(addEquality(L, A_a, A_b, coordinate), index, axis, limit, sign);
   }
   /// The same with J_a = -J_b.
   Row& addAngularAxis(int index, const Vec3& J_b, Scalar coordinate, const Axis& axis, bool limit,
-                      Scalar sign = 1) {
+                      int sign = 1) {
     return setAxis(addAngular(J_b, coordinate), index, axis, limit, sign);
   }
 
  private:
-  Row& setAxis(Row& row, int index, const Axis& axis, bool limit, Scalar sign) {
-    row.axis = &axis;
-    row.axis_index = static_cast<unsigned char>(index);
+  Row& setAxis(Row& row, int index, const Axis& axis, bool limit, int sign) {
+    m_axes[index].axis = &axis;
+    row.axis = static_cast<signed char>(index);
     row.limit = limit;
-    row.sign = sign;
+    row.sign = static_cast<signed char>(sign);
     row.target = 0;
     ++m_axis_rows;
     return row;
@@ -123,13 +110,12 @@ class Rows {
     Row& row = m_rows[m_size++];
     row.position = position;
     row.max_speed = infinity;
-    row.axis = nullptr;
+    row.axis = -1;
     row.angular = false;
     return row;
   }
 
   Row* m_rows;
-  RowResidual* m_residuals;
   AxisState* m_axes;
   int m_size = 0, m_axis_rows = 0;
   int m_capacity, m_axis_count;
