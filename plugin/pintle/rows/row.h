@@ -21,7 +21,8 @@ struct Row {
   Scalar position;
   /// The most that a step may correct, m/s or rad/s.
   Scalar max_speed;
-  /// d^2 C / dt^2 at constant v, w: what J v leaves out of the motion of C, m/s^2 or rad/s^2.
+  /// d^2 C / dt^2 (of an axis: of the coordinate) at constant v, w: what J v leaves out of the
+  /// motion of C, m/s^2 or rad/s^2.
   Scalar curvature;
   /// Null for an equality. Else the row is a free coordinate, and this is what acts along it.
   const Axis* axis;
@@ -34,6 +35,9 @@ struct Row {
   bool limit;
   /// L = 0 and A_a = A_b.
   bool angular;
+  /// The curvature is that at the end of the step. Else it is that of now, and the solver's side
+  /// makes of it what the bodies' turning suggests.
+  bool foreseen;
 };
 
 /// What the solver made of an equality: a row that other joints disturb after it was solved keeps a
@@ -125,6 +129,7 @@ class Rows {
     row.max_speed = infinity;
     row.axis = nullptr;
     row.angular = false;
+    row.foreseen = false;
     return row;
   }
 
