@@ -52,12 +52,12 @@ void set(DistanceJoint& rod, int variant) {
   if (variant == 1) rod.setLimitSpring(3, scalar(0.5));
   if (variant == 2) rod.setLimit(0, scalar(2.5));
   if (variant == 3) {
-    rod.setLimit(4, support::infinite);
+    rod.setLimit(3, support::infinite);
     rod.enableMotor(true, 1, 10);
   }
   if (variant == 4) {
     rod.setLimit(1, 2);
-    rod.setMotorServo(scalar(1.6), 30, 1, 100);
+    rod.setMotorServo(scalar(1.6), 3, 1, 100);
     rod.setFriction(2);
   }
 }
