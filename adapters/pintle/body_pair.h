@@ -22,6 +22,18 @@ inline MatrixView view(const btMatrix3x3& m) {
 /// The fourth lane is what Bullet pads with: anything.
 inline LanesView lanes(const btVector3& v) { return LanesView(static_cast<const btScalar*>(v)); }
 
+/// The velocity of a body at the end of a step if its forces were all that acted.
+inline Vec3 freeLinear(const btRigidBody& body, Scalar dt) {
+  return view(body.getLinearVelocity()) +
+         dt * body.getInvMass() *
+             view(body.getTotalForce()).cwiseProduct(view(body.getLinearFactor()));
+}
+inline Vec3 freeAngular(const btRigidBody& body, Scalar dt) {
+  return view(body.getAngularVelocity()) +
+         dt * (view(body.getInvInertiaTensorWorld()) * view(body.getTotalTorque()))
+                  .cwiseProduct(view(body.getAngularFactor()));
+}
+
 class BodyPair {
  public:
   /// The bodies where they are.

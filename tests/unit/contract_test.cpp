@@ -83,6 +83,7 @@ class Contract : public testing::TestWithParam<Kind> {
     return GetParam().make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
   }
   static int variants() { return GetParam().variants; }
+  static bool holds() { return GetParam().holds; }
 };
 
 INSTANTIATE_TEST_SUITE_P(All, Contract, testing::ValuesIn(kinds::all()),
@@ -189,7 +190,7 @@ TEST_P(Contract, RowsAreFiniteAndWholeAtRandomPoses) {
         joint->setBlockRows(block);
         for (int step = 0; step < 2; ++step) {
           const SolverRows rows = SolverRows::ofStep(*joint);
-          EXPECT_GT(rows.announced(), 0);
+          EXPECT_GE(rows.announced(), holds() ? 1 : 0);
           expectWhole(rows);
         }
       }
@@ -253,6 +254,7 @@ TEST_P(Contract, TheWorldsCfmReachesEveryEquality) {
   StepInfo info;
   info.cfm = 0.0625;
   const SolverRows rows = SolverRows::ofStep(*joint, info);
+  if (!holds()) return;
   ASSERT_GT(rows.announced(), 1);
   for (int i = 0; i < rows.announced(); ++i) EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
 }
@@ -348,7 +350,7 @@ TEST_P(Contract, ABodyThatIsNotFiniteGetsNoRows) {
           Random random(15);
           const Pair pair = randomPair(random);
           const auto joint = make(pair, variant);
-          EXPECT_GT(SolverRows::ofStep(*joint).announced(), 0);
+          EXPECT_GE(SolverRows::ofStep(*joint).announced(), holds() ? 1 : 0);
           btRigidBody& body = first ? *pair.a : *pair.b;
           const btTransform pose = body.getCenterOfMassTransform();
           poison.put(body, value);
@@ -364,7 +366,7 @@ TEST_P(Contract, ABodyThatIsNotFiniteGetsNoRows) {
           body.setAngularVelocity({0, 0, 0});
           body.clearForces();
           expectWhole(SolverRows::ofStep(*joint));
-          EXPECT_GT(SolverRows::ofStep(*joint).announced(), 0);
+          EXPECT_GE(SolverRows::ofStep(*joint).announced(), holds() ? 1 : 0);
         }
       }
     }
@@ -609,7 +611,8 @@ TEST_P(Contract, AddRowsAtAnotherPoseChangesNothing) {
       pintle::RowMemory<SolverRows::capacity, 8> memory;
       pintle::Rows rows(memory), again(memory);
       moving.joint->addRows(pair, rows);
-      EXPECT_GT(rows.size(), 0);
+      if (!holds() && rows.size() == 0) continue;
+      ASSERT_GT(rows.size(), 0);
       const pintle::Vec3 L = rows[0].L, A_a = rows[0].A_a, A_b = rows[0].A_b;
       const btScalar position = rows[0].position;
       moving.joint->addRows(pair, again);

@@ -7,16 +7,18 @@
 // phi_+ - phi_- is from 0 to 2 pi, and 0 need not be between.
 //
 // Which rows a joint writes, all of them inequalities:
-//   up to pi      both planes, n_min and n_max: in the corner, along w, both act
-//   beyond pi     the plane of the half of the sphere that c_b is in (`nearer_plane`): beyond the
-//                 edge the other one is no limit
-//   acute         and `middle` for a third plane while c_b is behind both: they pull it along the
+//   below pi      both planes, n_min and n_max: in the corner, along w, both act
+//   from pi on    the plane of the half of the sphere that c_b is in (`nearer_plane`), and only
+//                 while c_b is behind both: beyond the edge either is no limit
+//   acute         and `middle` for a third plane: where c_b is behind both they pull it along the
 //                 edge at first, this one over it
+// A plane's row is |c_b x n| long. `plane_distance` says the same as an angle: C the shortest turn
+// of c_b onto the plane, its row a unit vector at any error.
 // By the angle there is one row at any total angle (over 2 pi too, if the angle is unwrapped): with
 // to = angle_about(w, c_a, c_b), psi its angle, the row is to.unit, and to.length (psi - phi) its
 // error. With middle for c_a, psi is in (-pi, pi] for any wedge of up to 2 pi, and needs no state.
-// It turns c_b about w, not along the shortest way. Where c_b lies along w there is no angle and no
-// error, and the row stays a unit vector.
+// It turns c_b about w, not along the shortest way, and near w does not see c_b go over the edge.
+// Where c_b lies along w there is no angle and no error, and the row stays a unit vector.
 #pragma once
 
 #include <pintle/equations/angle_about.h>
@@ -59,6 +61,26 @@ Wedge<T> wedge(const Vector3<T>& w, const Vector3<T>& c_a, T phi_min, T phi_max)
 template <class T>
 AngularRow<T> wedge_row(const Vector3<T>& n, const Vector3<T>& c_b) {
   return dot_row(n, c_b);                                                        // (3.40), (3.41)
+}
+
+/// The conditioned form of the same: C = the angle from the plane to c_b (rad, in [-pi/2, pi/2]),
+/// and J_b its exact gradient, a unit vector. `fallback`, normal to n, is the row where c_b lies
+/// along n.
+template <class T>
+AngularRow<T> plane_distance(const AngularRow<T>& plane, const Vector3<T>& fallback) {
+  using std::atan2;
+  using std::sqrt;
+  const T length2 = plane.J_b.dot(plane.J_b);
+  AngularRow<T> row;
+  if (!(length2 > T(1e-30))) {
+    row.C = plane.C < T(0) ? T(-pi / 2) : T(pi / 2);
+    row.J_b = fallback;
+    return row;
+  }
+  const T length = sqrt(length2);
+  row.C = atan2(plane.C, length);
+  row.J_b = plane.J_b / length;
+  return row;
 }
 
 /// The plane of the half of the sphere that c_b is in. The document asks by c_a for the middle,

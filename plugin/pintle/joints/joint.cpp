@@ -34,18 +34,6 @@ Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
 }
 
-// Velocities at the end of the step if its forces were all that acted.
-Vec3 freeLinear(const btRigidBody& body, Scalar dt) {
-  return view(body.getLinearVelocity()) +
-         dt * body.getInvMass() *
-             view(body.getTotalForce()).cwiseProduct(view(body.getLinearFactor()));
-}
-Vec3 freeAngular(const btRigidBody& body, Scalar dt) {
-  return view(body.getAngularVelocity()) +
-         dt * (view(body.getInvInertiaTensorWorld()) * view(body.getTotalTorque()))
-                  .cwiseProduct(view(body.getAngularFactor()));
-}
-
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
   const auto* linear = reinterpret_cast<const btVector3*>(info.m_J1linearAxis);
@@ -66,32 +54,42 @@ const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2&
 // What all rows of a joint share in a step.
 struct Joint::Step {
   Scalar fps, erp, cfm;
-  Scalar half;  ///< of the time step, for the curvature
+  Scalar half;           ///< of the time step, for the curvature
+  Scalar foreseen_half;  ///< the same, for one that is of the end of the step
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
       : fps(info.fps),
         erp(joint.m_erp.orElse(info.erp)),
         cfm(joint.m_cfm.orElse(default_cfm)),
-        half(Scalar(0.5) * joint.m_time_step) {
+        half(Scalar(0.5) * joint.m_time_step),
+        foreseen_half(half) {
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
-    const Scalar w = joint.m_angular_speed, turn = w * joint.m_time_step;
+    const Scalar w = joint.m_angular_speed;
     if (joint.m_last_angular_speed > 0 && w > 0) {
       const Scalar next = btMax(w / 2, btMin(2 * w - joint.m_last_angular_speed, 2 * w)) / w;
       half *= next * next;
     }
-    half *= btMax(Scalar(0), 1 - turn * turn / (max_curved_turn * max_curved_turn));
+    half *= joint.curvedPart();
   }
+
+  // What the curvature adds to the mean velocity of the row in this step.
+  Scalar gain(const Row& row) const { return (row.foreseen ? foreseen_half : half) * row.curvature; }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
   // with it a turning joint does not drift.
   Scalar target(const Row& row) const {
     const Scalar speed = -erp * fps * row.position;
-    return btMax(-row.max_speed, btMin(speed, row.max_speed)) - half * row.curvature;
+    return btMax(-row.max_speed, btMin(speed, row.max_speed)) - gain(row);
   }
 };
+
+Scalar Joint::curvedPart() const {
+  const Scalar turn = m_angular_speed * m_time_step;
+  return btMax(Scalar(0), 1 - turn * turn / (max_curved_turn * max_curved_turn));
+}
 
 Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
     : btTypedConstraint(pintle_type, a, b), m_rows(rows) {}
@@ -138,10 +136,13 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   const BodyPair pair(m_rbA, m_rbB);
   AxisMotion motion;
   motion.position = row.position;
+  // All velocities of an axis are means over the step, and so is the target that comes of them.
+  motion.gain = step.gain(row);
   motion.velocity =
+      motion.gain +
       sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
                           : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
-  motion.max_speed = m_max_correction_speed;
+  motion.max_speed = btMin(row.angular ? m_max_correction_speed : infinity, row.max_speed);
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = step.fps;
@@ -166,6 +167,7 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
     state.active = Axis::friction;
     result = frictionPart(axis, motion).row;
   }
+  result.target -= motion.gain;
   // From along the coordinate to along J.
   if (sign > 0) return result;
   return {-result.target, result.cfm, -result.upper, -result.lower};
@@ -250,6 +252,7 @@ AxisRow Joint::solveCompound(const Row& row, const BlockRow* block, const BlockM
   const Scalar dt = m_time_step;
   const Vec3 v_ab = freeLinear(m_rbB, dt) - freeLinear(m_rbA, dt);
   motion.free_velocity =
+      motion.gain +
       Scalar(row.sign) * (alone.L.head<3>().matrix().dot(v_ab) -
                   alone.A_a.head<3>().matrix().dot(freeAngular(m_rbA, dt)) +
                   alone.A_b.head<3>().matrix().dot(freeAngular(m_rbB, dt)) - alone.target());

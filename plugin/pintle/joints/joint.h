@@ -78,6 +78,9 @@ class Joint : public btTypedConstraint {
   }
   /// Bullet's damping: the part of the velocity that the rows take away.
   virtual Scalar damping() const { return 1; }
+  /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
+  /// step, from 1 (slow) to 0.
+  Scalar curvedPart() const;
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.

@@ -55,7 +55,8 @@ struct Axis {
 /// What the step knows of a coordinate.
 struct AxisMotion {
   Scalar position;
-  Scalar velocity;   ///< at the start of the step
+  Scalar gain;       ///< what the curvature adds to the velocity in the mean over the step
+  Scalar velocity;   ///< at the start of the step, and the gain
   Scalar max_speed;  ///< of the correction of a broken limit
   Scalar incoming;   ///< speed with which a limit was reached in the last step, else 0
   bool limit;        ///< whether the limit may act in this step
@@ -64,7 +65,8 @@ struct AxisMotion {
   Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
   Scalar motor_factor;          ///< of motor_velocity: Bullet's motors slow down before a limit
   // For more than one part, or a soft one (Axis::isSimple is false):
-  Scalar free_velocity;  ///< at the end of the step, if nothing acted along the coordinate
+  /// At the end of the step, if nothing acted along the coordinate, and the gain.
+  Scalar free_velocity;
   Scalar K;              ///< J M^-1 J^T of the row, after the joint's equalities
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/body_pair.h>
+#include <pintle/equations/effective_mass.h>
 #include <pintle/rows/axis.h>
 
 namespace pintle {
@@ -47,6 +48,22 @@ inline Reach angularReach(const BodyPair& pair, const Vec3& h, Scalar dt, Scalar
   const Lanes gain2 = accelerationBound2(pair.a()) + accelerationBound2(pair.b());
   const Scalar gain = btSqrt(2 * (gain2[0] + gain2[1] + gain2[2]));
   return {sign * dt * h.dot(pair.w_b() - pair.w_a()), dt * dt * gain};
+}
+
+/// Of a distance (m) that changes by J v, J = [-L, -A_a, L, A_b] with the unit vector L, and by
+/// `curvature`; r_a and r_b are the levers of the points that it is between.
+inline Reach linearReach(const BodyPair& pair, const equations::Jacobian<Scalar>& J, Scalar curvature,
+                         const Vec3& r_a, const Vec3& r_b, Scalar dt) {
+  // (x + y + z + u)^2 <= 4 (x^2 + y^2 + z^2 + u^2)
+  const auto gain2 = [](const btRigidBody& body, const Vec3& r) -> Lanes {
+    const LanesView F = lanes(body.getTotalForce());
+    return F * F * (body.getInvMass() * body.getInvMass()) + r.dot(r) * accelerationBound2(body);
+  };
+  const Lanes sum = gain2(pair.a(), r_a) + gain2(pair.b(), r_b);
+  const Scalar velocity =
+      J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) + J.A_b.dot(pair.w_b());
+  return {dt * (velocity + Scalar(0.5) * dt * curvature),
+          2 * dt * dt * btSqrt(sum[0] + sum[1] + sum[2])};
 }
 
 }  // namespace PINTLE_PRECISION

@@ -22,7 +22,8 @@ struct Row {
   Scalar position;
   /// The most that a step may correct, m/s or rad/s.
   Scalar max_speed;
-  /// d^2 C / dt^2 at constant v, w: what J v leaves out of the motion of C, m/s^2 or rad/s^2.
+  /// d^2 C / dt^2 (of an axis: of the coordinate) at constant v, w: what J v leaves out of the
+  /// motion of C, m/s^2 or rad/s^2.
   Scalar curvature;
   /// Which of the joint's axes it is; -1: an equality.
   signed char axis;
@@ -32,6 +33,9 @@ struct Row {
   bool limit;
   /// L = 0 and A_a = A_b.
   bool angular;
+  /// The curvature is that at the end of the step. Else it is that of now, and the solver's side
+  /// makes of it what the bodies' turning suggests.
+  bool foreseen;
 };
 
 /// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
@@ -112,6 +116,7 @@ class Rows {
     row.max_speed = infinity;
     row.axis = -1;
     row.angular = false;
+    row.foreseen = false;
     return row;
   }
 

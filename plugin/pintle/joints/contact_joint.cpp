@@ -1,0 +1,117 @@
+#include <pintle/joints/contact_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/contact.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/rows/limit_reach.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+btMatrix3x3 basisWithZ(const btVector3& z) {
+  btVector3 x, y;
+  btPlaneSpace1(z, x, y);
+  return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
+}
+
+}  // namespace
+
+ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+                           const btVector3& pivotInB, const btVector3& normalInA)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(
+      btTransform(basisWithZ(direction("normalInA", normalInA)), point("pivotInA", pivotInA)),
+      btTransform(btMatrix3x3::getIdentity(), point("pivotInB", pivotInB)));
+  setDefaults();
+}
+
+ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                           const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(frameInA, frameInB);
+  setDefaults();
+}
+
+ContactJoint::ContactJoint(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setFrames(frameInA, coincident(frame("frameInA", frameInA)));
+  setDefaults();
+}
+
+void ContactJoint::setDefaults() {
+  m_axis.low = 0;
+  m_axis.high = infinity;
+  // The rebound is bias times relaxation.
+  m_axis.bias = 1;
+  m_axis.relaxation = 0;
+}
+
+void ContactJoint::setRestitution(btScalar restitution) {
+  if (notNegative("restitution", restitution) > 1)
+    reject("restitution", restitution, "must not be above 1");
+  m_axis.relaxation = restitution;
+}
+
+void ContactJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_axis, frequency_hz, damping_ratio);
+}
+
+void ContactJoint::framesChanged() {
+  m_world_normal =
+      view(m_rbA.getCenterOfMassTransform().getBasis() * m_frame_a.getBasis().getColumn(2));
+}
+
+inline Vec3 ContactJoint::normal(const BodyPair& pair) const {
+  if (getFormulation() == Formulation::document) return m_world_normal;
+  return pair.R_a() * Vec3(view(m_frame_a.getBasis()).col(2));
+}
+
+inline equations::Anchors<Scalar> ContactJoint::anchors(const BodyPair& pair) const {
+  equations::Anchors<Scalar> at;
+  at.r_a = pair.R_a() * view(m_frame_a.getOrigin());
+  at.r_b = pair.R_b() * view(m_frame_b.getOrigin());
+  at.d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
+  return at;
+}
+
+btScalar ContactJoint::getDistance() const {
+  const BodyPair pair(m_rbA, m_rbB);
+  return normal(pair).dot(anchors(pair).d);
+}
+
+btScalar ContactJoint::getNormalImpulse() const {
+  return isEquality() ? -m_appliedImpulse : axisImpulse(0, Axis::limit);
+}
+
+void ContactJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer)) return;
+  const btTransform plane = m_rbA.getCenterOfMassTransform() * m_frame_a;
+  drawRange(drawer, plane.getOrigin(), plane.getBasis().getColumn(2),
+            plane.getBasis().getColumn(0), m_dbgDrawSize, 1, -1);
+}
+
+PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const Vec3 n = normal(pair);
+  const auto at = anchors(pair);
+  const bool document = getFormulation() == Formulation::document;
+  const auto row = document ? equations::contact_row_world(n, at) : equations::contact_row(n, at);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(row.C + at.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
+  const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
+  const Scalar curvature =
+      document ? 0 : n.dot(equations::position_curvature_conserving(at, v));
+  if (isEquality()) {
+    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
+    return;
+  }
+  const Vec3 lever_a = at.r_a + at.d;
+  const Reach reach =
+      linearReach(pair, row.J, curvature, lever_a, at.r_b, timeStep()).of(m_axis);
+  if (!reach.reaches(m_axis, row.C)) return;
+  rows.addAxis(0, row.J.L, row.J.A_a, row.J.A_b, row.C, m_axis, true).curvature = curvature;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,200 @@
+#include <pintle/joints/wedge_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/rows/limit_reach.h>
+#include <pintle/rows/position_rows.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// A joint frame with x in the plane of both.
+btMatrix3x3 basisWith(const btVector3& z, const btVector3& x) {
+  const btVector3 y = z.cross(x).normalized(), across = y.cross(z);
+  return {across.x(), y.x(), z.x(), across.y(), y.y(), z.y(), across.z(), y.z(), z.z()};
+}
+
+btVector3 anyNormal(const btVector3& x) {
+  btVector3 y(0, 0, 0), z(0, 0, 0);
+  btPlaneSpace1(x, y, z);
+  return y;
+}
+
+}  // namespace
+
+// World space: the joint frame of a, c_b, how fast it turns in it, and what the forces may add to
+// that in a step, rad.
+struct WedgeJoint::Directions {
+  const Frame& frame;
+  Vec3 c_b;
+  Vec3 spin;
+  Scalar gained;
+};
+
+// One plane of the wedge: how far c_b is on its inner side, as a sine, and by how much less after a
+// step that brings it nearest.
+struct WedgeJoint::Plane {
+  Index index;
+  equations::AngularRow<Scalar> row;
+  Scalar nearest;
+
+  Plane(Index which, const Vec3& n, const Directions& at, Scalar dt) : index(which) {
+    const Vec3 world = n[0] * at.frame.a() + n[1] * at.frame.b();
+    row = equations::wedge_row(world, at.c_b);
+    const Scalar moved = dt * row.J_b.dot(at.spin);
+    nearest = row.C + btMin(2 * moved, moved) - at.gained;
+  }
+  bool reached() const { return nearest <= 0; }
+};
+
+WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+                       const btVector3& pivotInB, const btVector3& referenceInA,
+                       const btVector3& referenceInB, const btVector3& wedgeAxisInA)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  const btVector3 c_a = direction("referenceInA", referenceInA),
+                  c_b = direction("referenceInB", referenceInB),
+                  w = direction("wedgeAxisInA", wedgeAxisInA);
+  const Scalar across = w.cross(c_a).length();
+  if (across < Scalar(1e-3))
+    reject("referenceInA", across, "must not lie along wedgeAxisInA");
+  setFrames(btTransform(basisWith(w, c_a), point("pivotInA", pivotInA)),
+            btTransform(basisWith(anyNormal(c_b), c_b), point("pivotInB", pivotInB)));
+  setDefaults();
+}
+
+WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                       const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(frameInA, frameInB);
+  setDefaults();
+}
+
+WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setFrames(frameInA, coincident(frame("frameInA", frameInA)));
+  setDefaults();
+}
+
+void WedgeJoint::setDefaults() {
+  m_side.bias = m_corner.bias = 1;
+  m_side.relaxation = m_corner.relaxation = 0;
+  m_corner.low = 0;
+  m_corner.high = infinity;
+  setLimit(m_side.low, m_side.high);
+}
+
+// --- settings ------------------------------------------------------------------------------------
+
+void WedgeJoint::setLimit(btScalar low, btScalar high) {
+  setAxisLimit(m_side, low, high);
+  m_other_side = m_side;
+  m_other_side.max_friction = 0;
+  const Scalar total = high - low;
+  const bool limited = total >= 0 && total < SIMD_2_PI;
+  m_convex = limited && total < SIMD_PI;
+  m_reflex = limited && !m_convex;
+  m_acute = limited && total < SIMD_HALF_PI;
+  if (limited)
+    m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+}
+
+void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_side, frequency_hz, damping_ratio);
+  m_other_side.limit_spring = m_corner.limit_spring = m_side.limit_spring;
+}
+
+void WedgeJoint::setFriction(btScalar max_torque) { setAxisFriction(m_side, max_torque); }
+
+// --- readings ------------------------------------------------------------------------------------
+
+inline Scalar WedgeJoint::angle(const equations::AngleAbout<Scalar>& to) const {
+  if (!limited()) return to.angle();
+  const Scalar middle = (m_side.low + m_side.high) / 2;
+  if (!(to.length > 0)) return middle;
+  return middle + std::remainder(to.angle() - middle, SIMD_2_PI);
+}
+
+btScalar WedgeJoint::getAngle() const {
+  const Frame a(m_rbA.getCenterOfMassTransform(), m_frame_a),
+      b(m_rbB.getCenterOfMassTransform(), m_frame_b);
+  return angle(equations::angle_about(a.c(), a.a(), b.a()));
+}
+
+bool WedgeJoint::isInside() const {
+  if (!limited()) return true;
+  const Frame a(m_rbA.getCenterOfMassTransform(), m_frame_a),
+      b(m_rbB.getCenterOfMassTransform(), m_frame_b);
+  const Directions at{a, b.a(), Vec3::Zero(), 0};
+  const bool above_low = Plane(low_side, m_wedge.n_min, at, 0).row.C >= 0;
+  const bool below_high = Plane(high_side, m_wedge.n_max, at, 0).row.C >= 0;
+  return m_convex ? above_low && below_high : above_low || below_high;
+}
+
+void WedgeJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer)) return;
+  const btTransform tr = m_rbA.getCenterOfMassTransform() * m_frame_a;
+  drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(2), tr.getBasis().getColumn(0),
+            m_dbgDrawSize, m_side.low, m_side.high);
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frame a(pair.pose_a(), m_frame_a);
+  const Vec3 r_b = pair.R_b() * view(m_frame_b.getOrigin());
+  const Vec3 c_b = pair.R_b() * Vec3(view(m_frame_b.getBasis()).col(0));
+  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), r_b);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + c_b.sum() + a.a().sum() + a.b().sum() + a.c().sum())) return;
+  addPivotRows(pair, a.r(), r_b, d, rows);
+  if (!limited() && !m_side.driven()) return;
+  const Scalar gained = angularReach(pair, c_b, timeStep()).of(m_other_side).gained;
+  addWedgeRows({a, c_b, pair.w_b() - pair.w_a(), gained}, rows);
+}
+
+inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
+  const Scalar dt = m_side.limit_spring.angular_frequency > 0 ? Scalar(0) : timeStep();
+  bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
+  Index side = low_side;
+  if (limited()) {
+    const Plane low(low_side, m_wedge.n_min, at, dt), high(high_side, m_wedge.n_max, at, dt);
+    if (m_acute) {
+      const Plane extra(corner, m_wedge.middle, at, dt);
+      const bool acts = getFormulation() == Formulation::document
+                            ? low.row.C < 0 && high.row.C < 0
+                            : extra.reached();
+      if (acts) addPlaneRow(extra, at, m_corner, rows);
+    }
+    const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : low.row.C >= high.row.C;
+    const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
+    if (m_convex && !m_side.locked() && other.reached())
+      addPlaneRow(other, at, m_other_side, rows);
+    side = nearer.index;
+    near_side = nearer.reached() && (m_convex || other.reached());
+    if (near_side) addPlaneRow(nearer, at, m_side, rows);
+  }
+  if (near_side || !m_side.driven()) return;
+  const auto to = equations::angle_about(at.frame.c(), at.frame.a(), at.c_b);
+  rows.addAngularAxis(side, to.unit, angle(to), m_side, false);
+}
+
+inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, const Axis& axis,
+                                    Rows& rows) const {
+  auto row = plane.row;
+  if (getFormulation() == Formulation::conditioned)
+    row = equations::plane_distance(row, at.frame.c());
+  // Along the angle: inside is above the low side, and below the high one.
+  const Scalar sign = plane.index == high_side ? Scalar(-1) : Scalar(1);
+  const Scalar from = plane.index == high_side ? axis.high : axis.low;
+  Row& added =
+      rows.addAngularAxis(plane.index, sign * row.J_b, from + sign * row.C, axis, true);
+  // The document's row turns the bodies by as much more as it is shorter than a unit vector.
+  if (getFormulation() == Formulation::document)
+    added.max_speed = getMaxCorrectionSpeed() * row.J_b.norm();
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

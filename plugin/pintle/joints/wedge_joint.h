@@ -1,0 +1,88 @@
+// Purpose: a ball joint whose free body keeps within a wedge of the sphere (document, 3.1.3 + 3.2.7).
+#pragma once
+
+#include <pintle/equations/wedge.h>
+#include <pintle/joints/frame_joint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// A point of each body coincide, and a direction c_b of body b keeps between two half planes of
+/// body a that meet in the wedge axis w. It may turn about itself, and lean towards w and away.
+///
+/// The angle (rad) is that of c_b about w, right-handed, zero where the reference c_a is. In joint
+/// frames w is z of a, c_a is x of a, and c_b is x of b. Along w there is no angle, and c_b may rest
+/// in the corner. Limits are dead stops.
+///
+/// Document: the two planes by dot products, and the extra one while both are broken. Conditioned:
+/// the shortest turns to the same planes, and the extra one as soon as an acute corner is near.
+class WedgeJoint : public FrameJoint {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  /// Pivots (m), the directions c_a and c_b and the wedge axis w in the bodies' frames; directions
+  /// are made unit. c_a may be at any angle to w but along it.
+  WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+             const btVector3& pivotInB, const btVector3& referenceInA,
+             const btVector3& referenceInB, const btVector3& wedgeAxisInA);
+  /// Joint frames in the bodies' frames: z of a is the wedge axis, x of a and of b the references.
+  WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+             const btTransform& frameInB);
+  /// To the world, where the frame is now.
+  WedgeJoint(btRigidBody& rbA, const btTransform& frameInA);
+
+  /// low <= angle <= high (rad, phi_- and phi_+ of the document). Their difference is from 0 to
+  /// below 2 pi, and 0 need not be between. low > high, an infinite side, or a whole turn: free.
+  void setLimit(btScalar low, btScalar high);
+  btScalar getLowerLimit() const { return m_side.low; }
+  btScalar getUpperLimit() const { return m_side.high; }
+  /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
+  /// is critical) of the bodies as they alone would swing. Frequency 0: rigid again.
+  void setLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
+  /// Dry friction of at most max_torque (N m, >= 0 or infinite) against a change of the angle; not
+  /// against leaning towards w, nor against turning about c_b. 0: none.
+  void setFriction(btScalar max_torque);
+
+  /// rad, in the turn around the middle of the limit, as the bodies are now; along w the middle.
+  btScalar getAngle() const;
+  /// Whether c_b is within the limit, as the bodies are now.
+  bool isInside() const;
+
+  /// Impulses of the last step (N m s): of both sides, positive towards larger angles; of an acute
+  /// corner, away from it; of the friction, positive towards larger angles.
+  btScalar getLimitImpulse() const {
+    return axisImpulse(low_side, Axis::limit) + axisImpulse(high_side, Axis::limit);
+  }
+  btScalar getCornerImpulse() const { return axisImpulse(corner, Axis::limit); }
+  btScalar getFrictionImpulse() const {
+    return axisImpulse(low_side, Axis::friction) + axisImpulse(high_side, Axis::friction);
+  }
+
+  /// The frames, and the wedge as a sector of the plane normal to w.
+  void drawJoint(btIDebugDraw& drawer) const override;
+  const char* name() const override { return "WedgeJoint"; }
+  void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ private:
+  enum Index { low_side, high_side, corner, axes };
+  struct Plane;
+  struct Directions;
+
+  void setDefaults();
+  bool limited() const { return m_convex || m_reflex; }
+  Scalar angle(const equations::AngleAbout<Scalar>& to) const;
+  void addWedgeRows(const Directions& at, Rows& rows) const;
+  void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
+
+  Axis m_side;        ///< along the angle: both limits, and friction
+  Axis m_other_side;  ///< the same without friction
+  Axis m_corner;      ///< along the turn to the extra plane
+  equations::Wedge<Scalar> m_wedge;  ///< in the joint frame of body a
+  bool m_convex = false;             ///< below pi
+  bool m_reflex = false;             ///< from pi on
+  bool m_acute = false;
+  RowMemory<3 + axes, axes> m_row_memory;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
