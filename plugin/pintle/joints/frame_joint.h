@@ -35,6 +35,11 @@ class FrameJoint : public Joint {
   FrameJoint(btRigidBody& a, btRigidBody& b, Rows rows) : Joint(a, b, rows) {}
   FrameJoint(btRigidBody& a, Rows rows) : Joint(a, rows) {}
 
+  /// A right-handed basis of two unit vectors at right angles.
+  static btMatrix3x3 basisOf(const btVector3& x, const btVector3& y) {
+    const btVector3 z = x.cross(y);
+    return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
+  }
   /// The frame of b that lies where that of a is now.
   btTransform coincident(const btTransform& frameInA) const {
     return m_rbB.getCenterOfMassTransform().inverse() * m_rbA.getCenterOfMassTransform() * frameInA;

@@ -59,6 +59,11 @@ class UnwrappedAngle {
     m_direction = change;
   }
 
+  /// Changes the turn to the one that brings the angle nearest to `middle`.
+  void turnTowards(Scalar middle) {
+    m_turns += std::round((middle - value()) / Scalar(2 * pi));
+  }
+
   Scalar turns() const { return m_turns; }
   /// Within the turn, in [-pi, pi].
   Scalar remainder() const { return arctangent(m_y, m_x); }
