@@ -13,6 +13,9 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
+// rad: less than this has no direction but that of rounding errors.
+constexpr Scalar straight = Scalar(1e-5);
+
 btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
@@ -202,7 +205,7 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
                                                                            {at.b.b(), at.b.c()})
                             : equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX());
   const Scalar length2 = row.J_b.dot(row.J_b);
-  if (!BodyPair::is_finite(d.sum() + row.C + length2)) return;
+  if (!BodyPair::is_finite(d.sum() + row.C + length2 + at.x_a.dot(at.x_b))) return;
   if (document) {
     rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
   } else {
@@ -212,16 +215,14 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
   }
   addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
 
-  const bool limited = m_bend.high < infinity;
-  if (limited || m_bend.driven()) {
-    const bool near_limit = limited && bendMayReachLimit(pair, at.x_a, at.x_b);
-    if (near_limit || m_bend.driven()) {
-      const auto bend = equations::cone_row(equations::swing(at.x_a, at.x_b), at.x_a, Scalar(0));
-      // A spring acts from beyond its limit only.
-      const bool limit =
-          near_limit && (bend.C > m_bend.high || !(m_bend.limit_spring.angular_frequency > 0));
-      if (limit || m_bend.driven()) rows.addAngularAxis(0, bend.J_b, bend.C, m_bend, limit);
-    }
+  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at.x_a, at.x_b);
+  if (near_limit || m_bend.driven()) {
+    const auto bend = equations::cone_row(equations::swing(at.x_a, at.x_b), at.x_a, Scalar(0));
+    // A spring acts from beyond its limit only.
+    const bool limit =
+        near_limit && (bend.C > m_bend.high || !(m_bend.limit_spring.angular_frequency > 0));
+    if (bend.C > straight && (limit || m_bend.driven()))
+      rows.addAngularAxis(0, bend.J_b, bend.C, m_bend, limit);
   }
   if (m_shaft.driven()) {
     const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);

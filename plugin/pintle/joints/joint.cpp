@@ -219,14 +219,20 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const BlockMass mass(BodyPair(m_rbA, m_rbB));
   BlockRow block[max_rows];
   for (int i = 0; i < equalities; ++i) {
-    addToBlock(block, i, m_rows[i], mass);
+    addToBlock(block[i], m_rows[i], block, i, mass);
     const BlockRow& to = block[i];
     out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm, -infinity,
               infinity);
   }
+  // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
+  // rounding errors that does not end well. One alone takes no harm.
+  const bool several = n > equalities + 1;
   for (int i = equalities; i < n; ++i) {
     BlockRow& to = block[equalities];
-    eliminate(to, m_rows[i], block, equalities);
+    if (several)
+      addToBlock(to, m_rows[i], block, equalities, mass);
+    else
+      eliminate(to, m_rows[i], block, equalities);
     write_axis(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(),
                act(m_rows[i], &to, &mass, step));
   }

@@ -93,6 +93,7 @@ inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
                                                    dots[2]);
   // Not in a frame that its owner has spoiled, either.
   if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > least_across2)) return;
+  if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > least_across2)) return;
   // The way back goes half a turn about both axes: counted anew.
   if (angles.turned_over && to.beta_x > 0) {
     angles.turned_over = false;
@@ -346,8 +347,9 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
   const auto row = document      ? equations::universal_dot_row(at.z, at.y)
                    : turned_over ? equations::universal_gamma_row(at.z, at.b.a(), at.b.c())
                                  : equations::universal_row(at.z, at.y);
-  const Scalar length2 = row.J_b.dot(row.J_b);
-  if (!BodyPair::is_finite(d.sum() + row.C + length2)) return;
+  const Scalar cosine = at.z.dot(at.y), length2 = row.J_b.dot(row.J_b);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + cosine + row.C + length2)) return;
   if (document) {
     rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
   } else {
@@ -358,7 +360,6 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
   addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
 
   // With their axes together there are no angles.
-  const Scalar cosine = at.z.dot(at.y);
   if (1 - cosine * cosine < least_across2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
