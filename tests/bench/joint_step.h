@@ -33,6 +33,15 @@ class JointStep {
                        btVector3(btScalar(-0.5), btScalar(-0.02), btScalar(0.08)));
   }
 
+  /// Turns b against a by 0.4 about z and then about y of a frame (world) that is common to both.
+  void bend(const btTransform& frame) {
+    const btQuaternion turn = btQuaternion(btVector3(0, 0, 1), btScalar(0.4)) *
+                              btQuaternion(btVector3(0, 1, 0), btScalar(0.4));
+    const btTransform bent = frame * btTransform(turn) * frame.inverse();
+    b->setCenterOfMassTransform(bent * b->getCenterOfMassTransform());
+    b->updateInertiaTensor();
+  }
+
   /// Returns the number of rows.
   int run(btTypedConstraint& joint) {
     joint.buildJacobian();

@@ -4,10 +4,13 @@
 #include "joint_step.h"
 
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/constant_velocity_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/universal_joint.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btUniversalConstraint.h>
 
 #include <functional>
 #include <vector>
@@ -41,6 +44,21 @@ Case ball(const char* name, const char* stock, Setting setting) {
           }};
 }
 
+// Stock's takes its axes in the world: those of the frame in body a.
+template <class Universal, class Setting>
+Case universal(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Universal), [setting](JointStep& s) {
+            const btTransform frame = s.a->getCenterOfMassTransform() * JointStep::frameA();
+            auto joint = std::make_unique<Universal>(*s.a, *s.b, frame.getOrigin(),
+                                                     frame.getBasis().getColumn(2),
+                                                     frame.getBasis().getColumn(1));
+            // A step turns nothing here: bent by hand.
+            s.bend(frame);
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
 inline std::vector<Case> cases() {
   using Stock = btHingeConstraint;
   using Hinge = pintle::QuaternionHinge;
@@ -54,6 +72,17 @@ inline std::vector<Case> cases() {
   const auto with_plain = [plain](auto setting) {
     return [plain, setting](auto& joint) { plain(joint), setting(joint); };
   };
+  // Both angles stand at -0.4 rad.
+  using StockUniversal = btUniversalConstraint;
+  using Universal = pintle::UniversalJoint;
+  using ConstantVelocity = pintle::ConstantVelocityJoint;
+  const auto free = [](auto& joint) { joint.setLimit(4, 1, -1), joint.setLimit(5, 1, -1); };
+  const auto universal_limit = [](auto& joint) { joint.setLimit(5, 0, 1); };
+  const auto stock_motor = [](StockUniversal& joint) {
+    joint.getRotationalLimitMotor(2)->m_enableMotor = true;
+    joint.getRotationalLimitMotor(2)->m_targetVelocity = 1;
+  };
+  const auto universal_motor = [](Universal& joint) { joint.enableMotor(5, true, 1, 6); };
   return {
       hinge<Stock>("stock hinge", nullptr, as_is),
       hinge<Hinge>("hinge, plain rows", "stock hinge", plain),
@@ -76,6 +105,24 @@ inline std::vector<Case> cases() {
       ball<btPoint2PointConstraint>("stock ball", nullptr, as_is),
       ball<pintle::BallJoint>("ball, plain rows", "stock ball", plain),
       ball<pintle::BallJoint>("ball", "stock ball", as_is),
+      universal<StockUniversal>("stock universal", nullptr, as_is),
+      universal<Universal>("universal, plain rows", "stock universal", plain),
+      universal<Universal>("universal", "stock universal", as_is),
+      universal<StockUniversal>("stock universal, free", nullptr, free),
+      universal<Universal>("universal, free, plain", "stock universal, free", with_plain(free)),
+      universal<Universal>("universal, free", "stock universal, free", free),
+      universal<StockUniversal>("stock universal, limit", nullptr, universal_limit),
+      universal<Universal>("universal, limit, plain", "stock universal, limit",
+                           with_plain(universal_limit)),
+      universal<Universal>("universal, limit", "stock universal, limit", universal_limit),
+      universal<StockUniversal>("stock universal, motor", nullptr, stock_motor),
+      universal<Universal>("universal, motor", "stock universal, motor", universal_motor),
+      hinge<ConstantVelocity>("constant velocity, plain", "stock universal", plain),
+      hinge<ConstantVelocity>("constant velocity", "stock universal", as_is),
+      hinge<ConstantVelocity>("const. velocity, inside", "stock universal",
+                              [](auto& joint) { joint.setBendLimit(1); }),
+      hinge<ConstantVelocity>("const. velocity, limit", "stock universal, limit",
+                              [](auto& joint) { joint.setBendLimit(btScalar(0.3)); }),
   };
 }
 

@@ -2,9 +2,11 @@
 
 #include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/constant_velocity_joint.h>
 #include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/universal_joint.h>
 #include <pintle/joints/wedge_joint.h>
 
 #include "support.h"
@@ -14,11 +16,14 @@ namespace {
 
 using pintle::AngularLimit;
 using pintle::BallJoint;
+using pintle::ConstantVelocityJoint;
 using pintle::ContactJoint;
 using pintle::DistanceJoint;
 using pintle::Formulation;
 using pintle::WedgeJoint;
 using pintle::QuaternionHinge;
+using pintle::UniversalJoint;
+using support::infinite;
 using support::scalar;
 
 // --- settings ------------------------------------------------------------------------------------
@@ -114,6 +119,53 @@ btTransform placed<DistanceJoint>(const btTransform& frame_b) {
   return btTransform(frame_b.getBasis(), frame_b.getOrigin() + support::vec(2, 1, 1));
 }
 
+void set(UniversalJoint& joint, int variant) {
+  if (variant == 1) {
+    joint.setLimit(4, 1, -1);
+    joint.setLimit(5, 1, -1);
+  }
+  if (variant == 2) {
+    joint.setLimit(4, scalar(-0.2), scalar(0.3));
+    joint.setLimit(5, 0, 0);
+  }
+  if (variant == 3) {
+    joint.setLimit(4, scalar(0.1), scalar(0.1));
+    joint.setLimitSpring(4, 3, scalar(0.5));
+    joint.setLimit(5, -10, 10);
+    joint.enableMotor(5, true, 2, 10);
+  }
+  if (variant == 4) {
+    joint.setMotorServo(4, 2, 30, 1, 100);
+    joint.setFriction(4, 2);
+    joint.setLimit(5, scalar(-0.2), scalar(0.3));
+    joint.enableMotor(5, true, -3, infinite);
+    joint.setLimitBounce(5, scalar(0.5));
+  }
+  if (variant == 5) {
+    joint.setAngularOnly(true);
+    joint.setFriction(5, 2);
+  }
+}
+
+void set(ConstantVelocityJoint& joint, int variant) {
+  if (variant == 1) joint.setBendLimit(scalar(0.3));
+  if (variant == 2) joint.enableMotor(true, 3, 2);
+  if (variant == 3) {
+    joint.setBendLimit(scalar(0.2));
+    joint.setBendLimitSpring(3, scalar(0.5));
+    joint.setBendFriction(1);
+  }
+  if (variant == 4) {
+    joint.setBendLimit(0);
+    joint.setBendLimitBounce(scalar(0.5));
+    joint.setMotorServo(2, 5, 1, 10);
+  }
+  if (variant == 5) {
+    joint.setAngularOnly(true);
+    joint.setBendFriction(2);
+  }
+}
+
 // --- the list ------------------------------------------------------------------------------------
 
 template <class J>
@@ -145,6 +197,8 @@ std::vector<Kind> all() {
   add<ContactJoint>(list, "ContactJoint", 4, false);
   add<WedgeJoint>(list, "WedgeJoint", 6);
   add<AngularLimit>(list, "AngularLimit", 5, false);
+  add<UniversalJoint>(list, "UniversalJoint", 6);
+  add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 6);
   return list;
 }
 

@@ -146,10 +146,13 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = step.fps;
-  motion.limit_erp = m_limit_erp.orElse(step.erp);
-  motion.motor_cfm = m_motor_cfm.value;
+  const auto own_or = [](Scalar own, Scalar joints) { return own >= 0 ? own : joints; };
+  motion.limit_erp = own_or(axis.own_limit_erp, m_limit_erp.orElse(step.erp));
+  motion.motor_cfm = own_or(axis.own_motor_cfm, m_motor_cfm.value);
   // As Bullet has it: the motor's unless the limit has its own.
-  motion.limit_cfm = m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm);
+  motion.limit_cfm =
+      own_or(axis.own_limit_cfm,
+             m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm));
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
@@ -221,14 +224,20 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const BlockMass mass(BodyPair(m_rbA, m_rbB));
   BlockRow block[max_rows];
   for (int i = 0; i < equalities; ++i) {
-    addToBlock(block, i, m_rows[i], mass);
+    addToBlock(block[i], m_rows[i], block, i, mass);
     const BlockRow& to = block[i];
     out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm, -infinity,
               infinity);
   }
+  // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
+  // rounding errors that does not end well. One alone takes no harm.
+  const bool several = n > equalities + 1;
   for (int i = equalities; i < n; ++i) {
     BlockRow& to = block[equalities];
-    eliminate(to, m_rows[i], block, equalities);
+    if (several)
+      addToBlock(to, m_rows[i], block, equalities, mass);
+    else
+      eliminate(to, m_rows[i], block, equalities);
     write_axis(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(),
                act(m_rows[i], &to, &mass, step));
   }

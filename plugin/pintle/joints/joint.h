@@ -115,6 +115,9 @@ class Joint : public btTypedConstraint {
   void setAxisLimit(Axis& axis, Scalar low, Scalar high) const;
   void setAxisSpring(Axis& axis, Scalar frequency_hz, Scalar damping_ratio) const;
   void setAxisMotor(Axis& axis, bool on, Scalar velocity, Scalar max_impulse) const;
+  /// The same, bounded by a force (N, or N m of an angle).
+  void setAxisForceMotor(Axis& axis, bool on, Scalar velocity, Scalar max_force,
+                         const char* force_field = "motor max torque") const;
   void setAxisServo(Axis& axis, Scalar target, Scalar frequency_hz, Scalar damping_ratio,
                     Scalar max_force, const char* force_field = "servo max torque") const;
   void setAxisFriction(Axis& axis, Scalar max_force,

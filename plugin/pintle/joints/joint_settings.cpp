@@ -87,6 +87,13 @@ void Joint::setAxisMotor(Axis& axis, bool on, Scalar velocity, Scalar max_impuls
   axis.drive = on ? Axis::Drive::velocity : Axis::Drive::off;
 }
 
+void Joint::setAxisForceMotor(Axis& axis, bool on, Scalar velocity, Scalar max_force,
+                              const char* force_field) const {
+  const Scalar most = bound(force_field, max_force);
+  setAxisMotor(axis, on, velocity, infinity);
+  axis.max_motor_force = most;
+}
+
 void Joint::setAxisServo(Axis& axis, Scalar target, Scalar frequency_hz, Scalar damping_ratio,
                          Scalar max_force, const char* force_field) const {
   finite("servo target", target);

@@ -7,6 +7,7 @@
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
+#include <pintle/rows/turn_of_step.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 
@@ -40,15 +41,6 @@ btVector3 zeroDirection(const btRigidBody& a, const btVector3& axis) {
   if (projection >= 1 - SIMD_EPSILON) return -R.getColumn(2);
   if (projection <= -1 + SIMD_EPSILON) return R.getColumn(2);
   return axis.cross(R.getColumn(0)).cross(axis);
-}
-
-// The rotation vector by which Bullet turns a body of this velocity in a step. Above pi/4 it bounds
-// the angle of its quaternion but not the axis (btTransformUtil::integrateTransform).
-Vec3 turnOfStep(const btVector3& w, Scalar dt) {
-  const Scalar angle = w.length() * dt, bound = Scalar(pi / 4);
-  if (angle <= bound) return dt * view(w);
-  const Scalar turn = 2 * std::atan(angle * std::tan(bound / 2) / bound);
-  return turn / angle * dt * view(w);
 }
 
 }  // namespace
@@ -143,10 +135,8 @@ inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const
       m_rbB.isStaticOrKinematicObject()) {
     angle.update(twist.x, twist.y);
   } else {
-    const btVector3 &w_a = m_rbA.getInterpolationAngularVelocity(),
-                    &w_b = m_rbB.getInterpolationAngularVelocity();
     const Vec3 h = (at.c_a + at.c_b).normalized();
-    angle.update(twist.x, twist.y, h.dot(turnOfStep(w_b, dt) - turnOfStep(w_a, dt)));
+    angle.update(twist.x, twist.y, h.dot(turnOfStep(m_rbA, m_rbB, dt)));
   }
 }
 

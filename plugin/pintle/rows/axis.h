@@ -31,11 +31,15 @@ struct Axis {
 
   Drive drive = Drive::off;
   Scalar motor_velocity = 0;
-  Scalar max_motor_impulse = 0;  ///< N m s, a step
+  Scalar max_motor_impulse = 0;       ///< N m s, a step
+  Scalar max_motor_force = infinity;  ///< N m, the same as a force: the lesser counts
   Scalar servo_target = 0;
   Spring servo_spring;
   Scalar max_servo_force = 0;  ///< N m
   Scalar max_friction = 0;     ///< N m
+
+  /// Bullet's parameters where they are of one axis alone; below 0: the joint's.
+  Scalar own_limit_erp = -1, own_limit_cfm = -1, own_motor_cfm = -1;
 
   bool limited() const { return low <= high; }
   bool locked() const { return low == high; }

@@ -88,16 +88,16 @@ inline Scalar eliminate(BlockRow& row, const Row& from, const BlockRow* others, 
   return lost;
 }
 
-/// Row `i` of the block: `from`, made orthogonal to the first `i` rows, which are so among
-/// themselves. A row that depends on them stays as it was: it says the same again, and a remainder
-/// of rounding errors must not be solved for.
-inline void addToBlock(BlockRow* rows, int i, const Row& from, const BlockMass& mass) {
-  BlockRow& row = rows[i];
-  const Scalar lost = eliminate(row, from, rows, i);
+/// Makes `row` of `from`, orthogonal to the first `count` of `others`. A row that depends on them
+/// stays as it was: it says the same again, and a remainder of rounding errors must not be solved
+/// for.
+inline void addToBlock(BlockRow& row, const Row& from, const BlockRow* others, int count,
+                       const BlockMass& mass) {
+  const Scalar lost = eliminate(row, from, others, count);
   mass.weigh(row);
   row.K_inv = 1 / row.K;
   if (!(row.K > rounding_of_K * lost)) {
-    eliminate(row, from, rows, 0);
+    eliminate(row, from, others, 0);
     row.angular = false;  // it may stand behind one that is not
     mass.weigh(row);
     row.K_inv = 0;

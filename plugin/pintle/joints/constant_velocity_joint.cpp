@@ -1,0 +1,235 @@
+#include <pintle/joints/constant_velocity_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/cone_twist.h>
+#include <pintle/equations/constant_velocity.h>
+#include <pintle/equations/position.h>
+#include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/rows/limit_reach.h>
+#include <pintle/rows/turn_of_step.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// rad: less than this has no direction but that of rounding errors.
+constexpr Scalar straight = Scalar(1e-5);
+
+btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+// The joint frames in the world.
+struct ConstantVelocityJoint::Frames {
+  Frame a, b;
+  Vec3 x_a = a.a(), x_b = b.a();
+
+  Mat3 F() const {
+    Mat3 F;
+    F << x_a, a.b(), a.c();
+    return F;
+  }
+  // Of b against a.
+  Quaternion<Scalar> turn(const Mat3& F) const {
+    Mat3 R;
+    R << F.transpose() * x_b, F.transpose() * b.b(), F.transpose() * b.c();
+    return equations::quaternion(R);
+  }
+};
+
+inline ConstantVelocityJoint::Frames ConstantVelocityJoint::frames(const BodyPair& pair) const {
+  return {{pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
+}
+
+ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
+                                             const btVector3& pivotInA, const btVector3& pivotInB,
+                                             const btVector3& shaftInA, const btVector3& shaftInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  const btVector3 x_in_a = direction("shaftInA", shaftInA), x_in_b = direction("shaftInB", shaftInB);
+  point("pivotInA", pivotInA);
+  point("pivotInB", pivotInB);
+  const btMatrix3x3 &R_a = rbA.getCenterOfMassTransform().getBasis(),
+                    &R_b = rbB.getCenterOfMassTransform().getBasis();
+  const Vec3 x_a = view(R_a * x_in_a), x_b = view(R_b * x_in_b), y_a = any_tangent(x_a);
+  const Vec3 y_b = equations::rotate(equations::shortest_rotation(x_a, x_b), y_a);
+  const auto local = [](const btMatrix3x3& R, const btVector3& x, const Vec3& y) {
+    const btVector3 across = toBullet(y) * R;  // R^T y
+    return basisOf(x, (across - across.dot(x) * x).normalized());
+  };
+  setFrames(btTransform(local(R_a, x_in_a, y_a), pivotInA),
+            btTransform(local(R_b, x_in_b, y_b), pivotInB));
+}
+
+ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
+                                             const btTransform& frameInA,
+                                             const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(frameInA, frameInB);
+}
+
+ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setFrames(frameInA, coincident(frameInA));
+}
+
+Axis ConstantVelocityJoint::freeBend() {
+  Axis axis;
+  axis.low = -infinity;
+  axis.high = infinity;
+  // As the universal joint's limits: no part of a correction is held back, and none rebounds.
+  axis.bias = 1;
+  axis.relaxation = 0;
+  return axis;
+}
+
+// --- angles --------------------------------------------------------------------------------------
+
+inline void ConstantVelocityJoint::look(const Frames& at, UnwrappedAngle& shaft) const {
+  const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);
+  if (!(to.x * to.x + to.y * to.y > Scalar(1e-6))) return;
+  const Scalar dt = timeStep();
+  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
+      m_rbB.isStaticOrKinematicObject())
+    shaft.update(to.x, to.y);
+  else
+    shaft.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
+}
+
+void ConstantVelocityJoint::updateState(const BodyPair& pair) {
+  look(frames(pair), m_shaft_angle);
+}
+
+void ConstantVelocityJoint::framesChanged() {
+  m_shaft_angle = {};
+  updateState({m_rbA, m_rbB});
+}
+
+btScalar ConstantVelocityJoint::getBend() const {
+  const Frames at = frames({m_rbA, m_rbB});
+  return equations::swing(at.x_a, at.x_b).angle;
+}
+
+btScalar ConstantVelocityJoint::getTwist() const {
+  const Frames at = frames({m_rbA, m_rbB});
+  const Mat3 F = at.F();
+  return equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX()).C;
+}
+
+btScalar ConstantVelocityJoint::getShaftAngle() const {
+  UnwrappedAngle now = m_shaft_angle;
+  look(frames({m_rbA, m_rbB}), now);
+  return now.value();
+}
+
+// --- settings ------------------------------------------------------------------------------------
+
+void ConstantVelocityJoint::setBendLimit(btScalar max_bend) {
+  const Scalar most = bound("bend limit", max_bend);
+  m_bend.high = most < SIMD_PI ? most : infinity;
+  m_limit_chord = most < SIMD_PI ? 2 * btSin(most / 2) : infinity;
+}
+
+void ConstantVelocityJoint::setBendLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_bend, frequency_hz, damping_ratio);
+}
+
+void ConstantVelocityJoint::setBendLimitBounce(btScalar bounce) {
+  m_bend.relaxation = notNegative("bend limit bounce", bounce);
+}
+
+void ConstantVelocityJoint::setBendFriction(btScalar max_torque) {
+  setAxisFriction(m_bend, max_torque);
+}
+
+void ConstantVelocityJoint::enableMotor(bool on, btScalar velocity, btScalar max_torque) {
+  setAxisForceMotor(m_shaft, on, velocity, max_torque);
+  m_drive = Axis::Drive::velocity;
+}
+
+void ConstantVelocityJoint::enableMotor(bool on) {
+  m_shaft.drive = on ? m_drive : Axis::Drive::off;
+}
+
+void ConstantVelocityJoint::setMotorServo(btScalar target_angle, btScalar frequency_hz,
+                                          btScalar damping_ratio, btScalar max_torque) {
+  setAxisServo(m_shaft, target_angle, frequency_hz, damping_ratio, max_torque);
+  m_drive = Axis::Drive::servo;
+}
+
+void ConstantVelocityJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer) || m_bend.high >= SIMD_PI) return;
+  const btTransform a = m_rbA.getCenterOfMassTransform() * m_frame_a;
+  const btScalar along = m_dbgDrawSize * btCos(m_bend.high);
+  const btScalar across = m_dbgDrawSize * btSin(m_bend.high);
+  constexpr int segments = 32;
+  drawCone(drawer, a.getOrigin(), segments, [&](int i) {
+    const btScalar way = SIMD_2_PI * btScalar(i) / btScalar(segments);
+    return a(btVector3(along, across * btCos(way), across * btSin(way)));
+  });
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+PINTLE_FLATTEN void ConstantVelocityJoint::prepare(const BodyPair& pair, Rows& rows) {
+  const Frames at = frames(pair);
+  look(at, m_shaft_angle);
+  addRows(pair, at, m_shaft_angle, rows);
+}
+
+void ConstantVelocityJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frames at = frames(pair);
+  UnwrappedAngle shaft = m_shaft_angle;
+  look(at, shaft);
+  addRows(pair, at, shaft, rows);
+}
+
+// By the chord between the shafts' ends, 2 sin(bend/2), which moves no faster than the bend.
+inline bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair, const Vec3& x_a,
+                                                     const Vec3& x_b) const {
+  const Vec3 now = x_b - x_a;
+  const Vec3 moved = timeStep() * (cross(pair.w_b(), x_b) - cross(pair.w_a(), x_a));
+  // At twice the speed of now, as the step may be longer than the last.
+  const Vec3 next = now + 2 * moved;
+  const Scalar chord = btSqrt(btMax(now.dot(now), next.dot(next)));
+  return chord + angularReach(pair, x_a, timeStep()).gained >= m_limit_chord;
+}
+
+inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& at,
+                                           const UnwrappedAngle& shaft, Rows& rows) const {
+  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
+  const bool document = getFormulation() == Formulation::document;
+  const Mat3 F = at.F();
+  const auto row = document ? equations::constant_velocity_dot_row<Scalar>({at.a.b(), at.a.c()},
+                                                                           {at.b.b(), at.b.c()})
+                            : equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX());
+  const Scalar length2 = row.J_b.dot(row.J_b);
+  if (!BodyPair::is_finite(d.sum() + row.C + length2 + at.x_a.dot(at.x_b))) return;
+  if (document) {
+    rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
+  } else {
+    const Scalar curvature =
+        equations::constant_velocity_curvature<Scalar>(row.J_b, pair.w_a(), pair.w_b());
+    rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
+  }
+  addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
+
+  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at.x_a, at.x_b);
+  if (near_limit || m_bend.driven()) {
+    const auto bend = equations::cone_row(equations::swing(at.x_a, at.x_b), at.x_a, Scalar(0));
+    // A spring acts from beyond its limit only.
+    const bool limit =
+        near_limit && (bend.C > m_bend.high || !(m_bend.limit_spring.angular_frequency > 0));
+    if (bend.C > straight && (limit || m_bend.driven()))
+      rows.addAngularAxis(0, bend.J_b, bend.C, m_bend, limit);
+  }
+  if (m_shaft.driven()) {
+    const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);
+    if (to.length > minMotorSine())
+      rows.addAngularAxis(1, to.J_b(), shaft.value(), m_shaft, false);
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,389 @@
+#include <pintle/joints/universal_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/position.h>
+#include <pintle/equations/universal.h>
+#include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/rows/limit_reach.h>
+#include <pintle/rows/turn_of_step.h>
+
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Bullet's angles are those of a against b, the equations' of b against a.
+constexpr Scalar sign = -1;
+
+// Less than this of an axis's square is left across the other one: they have come together, and
+// there are no angles.
+constexpr Scalar least_across2 = Scalar(0.01);
+
+// Bullet's, short of where its angles are singular.
+constexpr Scalar limit_margin = Scalar(0.01);
+
+}  // namespace
+
+// The joint frames in the world.
+struct UniversalJoint::Frames {
+  Frame a, b;
+  Vec3 z = a.c(), y = b.b();
+};
+
+inline UniversalJoint::Frames UniversalJoint::frames(const BodyPair& pair) const {
+  return {{pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
+}
+
+UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
+                               const btVector3& axis1, const btVector3& axis2)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setDefaultLimits();
+  const btTransform world = frameOf(point("anchor", anchor), axis1, axis2);
+  m_anchor = anchor;
+  m_axis1 = world.getBasis().getColumn(2);
+  m_axis2 = world.getBasis().getColumn(1);
+  setFrames(rbA.getCenterOfMassTransform().inverse() * world,
+            rbB.getCenterOfMassTransform().inverse() * world);
+}
+
+UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                               const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setDefaultLimits();
+  setFrames(frameInA, frameInB);
+  m_anchor = getAnchor();
+  m_axis1 = getCalculatedTransformA().getBasis().getColumn(2);
+  m_axis2 = getCalculatedTransformB().getBasis().getColumn(1);
+}
+
+UniversalJoint::UniversalJoint(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setDefaultLimits();
+  setFrames(frameInA, coincident(frameInA));
+  m_anchor = getAnchor();
+  m_axis1 = getCalculatedTransformA().getBasis().getColumn(2);
+  m_axis2 = getCalculatedTransformB().getBasis().getColumn(1);
+}
+
+btTransform UniversalJoint::frameOf(const btVector3& anchor, const btVector3& axis1,
+                                    const btVector3& axis2) const {
+  const btVector3 z = direction("axis1", axis1), y = direction("axis2", axis2);
+  const btScalar across = y.dot(z);
+  if (btFabs(across) > btScalar(1e-3)) reject("axis2", across, "must be at right angles to axis1");
+  const btVector3 y_across = (y - across * z).normalized();
+  return btTransform(basisOf(y_across.cross(z), y_across), anchor);
+}
+
+void UniversalJoint::setAxis(const btVector3& axis1, const btVector3& axis2) {
+  const btTransform world = frameOf(m_anchor, axis1, axis2);
+  setFrames(m_rbA.getCenterOfMassTransform().inverse() * world,
+            m_rbB.getCenterOfMassTransform().inverse() * world);
+  m_axis1 = axis1;
+  m_axis2 = axis2;
+}
+
+// --- angles --------------------------------------------------------------------------------------
+
+inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
+  const Lanes dots = at.a.dots(at.b);
+  const Vec3 x_b = at.b.a();
+  const auto to = equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b),
+                                                   dots[2]);
+  // Not in a frame that its owner has spoiled, either.
+  if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > least_across2)) return;
+  if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > least_across2)) return;
+  // The way back goes half a turn about both axes: counted anew.
+  if (angles.turned_over && to.beta_x > 0) {
+    angles.turned_over = false;
+    if (rightWayUp()) angles.alpha = angles.beta = {};
+  }
+  const Scalar dt = timeStep();
+  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
+      m_rbB.isStaticOrKinematicObject()) {
+    angles.alpha.update(to.alpha_x, to.alpha_y);
+    angles.beta.update(to.beta_x, to.beta_y);
+  } else {
+    const Vec3 turn = turnOfStep(m_rbA, m_rbB, dt);
+    angles.alpha.update(to.alpha_x, to.alpha_y, at.z.dot(turn));
+    angles.beta.update(to.beta_x, to.beta_y, at.y.dot(turn));
+  }
+}
+
+void UniversalJoint::updateState(const BodyPair& pair) { look(frames(pair), m_angles); }
+
+void UniversalJoint::framesChanged() {
+  m_angles = {};
+  for (Hinge& hinge : m_hinges) hinge.turn_given = false;
+  const Frames at = frames({m_rbA, m_rbB});
+  look(at, m_angles);
+  m_angles.turned_over = at.a.dots(at.b)[2] < 0;
+}
+
+int UniversalJoint::indexOf(int axis) const {
+  if (axis != 4 && axis != 5) reject("axis", axis, "must be 4 (angle 2) or 5 (angle 1)");
+  return axis - 4;
+}
+
+btScalar UniversalJoint::getAngle(int axis_index) const {
+  if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
+  const Frames at = frames({m_rbA, m_rbB});
+  if (axis_index == 0) return sign * equations::universal_row(at.z, at.y).C;
+  Angles now = m_angles;
+  look(at, now);
+  return sign * (axis_index == 2 ? now.alpha : now.beta).remainder();
+}
+
+btScalar UniversalJoint::getAccumulatedAngle(int axis) const {
+  const int index = indexOf(axis);
+  Angles now = m_angles;
+  look(frames({m_rbA, m_rbB}), now);
+  return sign * (index == 1 ? now.alpha : now.beta).value();
+}
+
+void UniversalJoint::setAccumulatedAngle(int axis, btScalar angle_) {
+  const int index = indexOf(axis);
+  finite("accumulated angle", angle_);
+  updateState({m_rbA, m_rbB});
+  angle(index).turnTowards(sign * angle_);
+  m_hinges[index].turn_given = true;
+}
+
+btVector3 UniversalJoint::getAxis(int axis_index) const {
+  if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
+  const btMatrix3x3 b = getCalculatedTransformB().getBasis();
+  if (axis_index != 0) return b.getColumn(axis_index);
+  const Frames at = frames({m_rbA, m_rbB});
+  const Vec3 normal = equations::universal_row(at.z, at.y).J_b;
+  return {normal.x(), normal.y(), normal.z()};
+}
+
+btScalar UniversalJoint::getRelativePivotPosition(int axis_index) const {
+  if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
+  return getCalculatedTransformA().getBasis().getColumn(axis_index).dot(getAnchor2() - getAnchor());
+}
+
+// --- settings ------------------------------------------------------------------------------------
+
+void UniversalJoint::setDefaultLimits() {
+  const Scalar most[2] = {SIMD_HALF_PI - limit_margin, SIMD_PI - limit_margin};
+  for (int i = 0; i < 2; ++i) {
+    Axis& axis = m_hinges[i].axis;
+    axis.low = -most[i];
+    axis.high = most[i];
+    // Bullet's limits: no part of a correction is held back, and none rebounds.
+    axis.bias = 1;
+    axis.relaxation = 0;
+    axis.max_motor_impulse = infinity;
+    axis.max_motor_force = 6;
+  }
+}
+
+void UniversalJoint::setHingeLimit(int index, Scalar low, Scalar high) {
+  Hinge& hinge = m_hinges[index];
+  const bool moved = low != hinge.axis.low || high != hinge.axis.high;
+  setAxisLimit(hinge.axis, low, high);
+  if (moved && !hinge.turn_given && low <= high && high - low < SIMD_2_PI)
+    angle(index).turnTowards(sign * (low + high) / 2);
+}
+
+void UniversalJoint::setLimit(int axis, btScalar lo, btScalar hi) {
+  setHingeLimit(indexOf(axis), lo, hi);
+}
+
+void UniversalJoint::setUpperLimit(btScalar ang1max, btScalar ang2max) {
+  setAngularUpperLimit({0, ang1max, ang2max});
+}
+
+void UniversalJoint::setLowerLimit(btScalar ang1min, btScalar ang2min) {
+  setAngularLowerLimit({0, ang1min, ang2min});
+}
+
+void UniversalJoint::setAngularLowerLimit(const btVector3& angularLower) {
+  if (angularLower.x() != 0) reject("lower limit of axis 3", angularLower.x(), "must be 0: held");
+  Axis tried = m_hinges[1].axis;
+  setAxisLimit(tried, angularLower.z(), tried.high);
+  setHingeLimit(0, angularLower.y(), m_hinges[0].axis.high);
+  setHingeLimit(1, angularLower.z(), m_hinges[1].axis.high);
+}
+
+void UniversalJoint::setAngularUpperLimit(const btVector3& angularUpper) {
+  if (angularUpper.x() != 0) reject("upper limit of axis 3", angularUpper.x(), "must be 0: held");
+  Axis tried = m_hinges[1].axis;
+  setAxisLimit(tried, tried.low, angularUpper.z());
+  setHingeLimit(0, m_hinges[0].axis.low, angularUpper.y());
+  setHingeLimit(1, m_hinges[1].axis.low, angularUpper.z());
+}
+
+void UniversalJoint::getAngularLowerLimit(btVector3& angularLower) const {
+  angularLower.setValue(0, m_hinges[0].axis.low, m_hinges[1].axis.low);
+}
+
+void UniversalJoint::getAngularUpperLimit(btVector3& angularUpper) const {
+  angularUpper.setValue(0, m_hinges[0].axis.high, m_hinges[1].axis.high);
+}
+
+bool UniversalJoint::isLimited(int limitIndex) const {
+  if (limitIndex >= 0 && limitIndex <= 3) return true;
+  return hinge(limitIndex).axis.limited();
+}
+
+void UniversalJoint::enableMotor(int axis, bool on, btScalar velocity, btScalar max_torque) {
+  Hinge& h = hinge(axis);
+  setAxisForceMotor(h.axis, on, velocity, max_torque);
+  h.drive = Axis::Drive::velocity;
+}
+
+void UniversalJoint::enableMotor(int axis, bool on) {
+  Hinge& h = hinge(axis);
+  h.axis.drive = on ? h.drive : Axis::Drive::off;
+}
+
+void UniversalJoint::setMotorServo(int axis, btScalar target_angle, btScalar frequency_hz,
+                                   btScalar damping_ratio, btScalar max_torque) {
+  Hinge& h = hinge(axis);
+  setAxisServo(h.axis, target_angle, frequency_hz, damping_ratio, max_torque);
+  h.drive = Axis::Drive::servo;
+}
+
+void UniversalJoint::setLimitSpring(int axis, btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(hinge(axis).axis, frequency_hz, damping_ratio);
+}
+
+void UniversalJoint::setLimitBounce(int axis, btScalar bounce) {
+  hinge(axis).axis.relaxation = notNegative("limit bounce", bounce);
+}
+
+void UniversalJoint::setFriction(int axis, btScalar max_torque) {
+  setAxisFriction(hinge(axis).axis, max_torque);
+}
+
+void UniversalJoint::setParam(int num, btScalar value, int axis) {
+  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  if (axis == -1) {
+    for (int i = 0; i < 6; ++i)
+      if (num != BT_CONSTRAINT_ERP || i < 4) setParam(num, value, i);
+    return;
+  }
+  const bool held = axis < 4;
+  if (num == BT_CONSTRAINT_ERP && !held) reject("parameter axis", axis, "ERP: must be 0 to 3");
+  int flag = 0;
+  switch (num) {
+    case BT_CONSTRAINT_ERP:
+    case BT_CONSTRAINT_STOP_ERP:
+      notNegative(num == BT_CONSTRAINT_ERP ? "ERP" : "STOP_ERP", value);
+      held ? void(m_erp = {value, true}) : void(hinge(axis).axis.own_limit_erp = value);
+      flag = BT_6DOF_FLAGS_ERP_STOP;
+      break;
+    case BT_CONSTRAINT_STOP_CFM:
+      notNegative("STOP_CFM", value);
+      held ? void(m_cfm = {value, true}) : void(hinge(axis).axis.own_limit_cfm = value);
+      flag = BT_6DOF_FLAGS_CFM_STOP;
+      break;
+    case BT_CONSTRAINT_CFM:
+      notNegative("CFM", value);
+      held ? void(m_held_cfm = value) : void(hinge(axis).axis.own_motor_cfm = value);
+      flag = BT_6DOF_FLAGS_CFM_NORM;
+      break;
+    default: reject("parameter", num, "no such parameter");
+  }
+  m_flags |= flag << (axis * BT_6DOF_FLAGS_AXIS_SHIFT);
+}
+
+btScalar UniversalJoint::getParam(int num, int axis) const {
+  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  const bool held = axis < 4;
+  const auto own = [](Scalar value) { return btMax(value, Scalar(0)); };
+  switch (num) {
+    case BT_CONSTRAINT_ERP:
+      if (!held) reject("parameter axis", axis, "ERP: must be -1 or 0 to 3");
+      return m_erp.value;
+    case BT_CONSTRAINT_STOP_ERP: return held ? m_erp.value : own(hinge(axis).axis.own_limit_erp);
+    case BT_CONSTRAINT_STOP_CFM: return held ? m_cfm.value : own(hinge(axis).axis.own_limit_cfm);
+    case BT_CONSTRAINT_CFM: return held ? m_held_cfm : own(hinge(axis).axis.own_motor_cfm);
+    default: reject("parameter", num, "no such parameter");
+  }
+}
+
+void UniversalJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer)) return;
+  const btTransform a = getCalculatedTransformA(), b = getCalculatedTransformB();
+  const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
+  if (!first.locked())
+    drawRange(drawer, a.getOrigin(), -a.getBasis().getColumn(2), a.getBasis().getColumn(0),
+              m_dbgDrawSize, first.low, first.high);
+  if (!second.locked())
+    drawRange(drawer, b.getOrigin(), b.getBasis().getColumn(1), b.getBasis().getColumn(2),
+              m_dbgDrawSize, second.low, second.high);
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+inline bool UniversalJoint::rightWayUp() const {
+  const Axis& axis = m_hinges[0].axis;
+  return axis.limited() && axis.low >= -SIMD_HALF_PI && axis.high <= SIMD_HALF_PI;
+}
+
+PINTLE_FLATTEN void UniversalJoint::prepare(const BodyPair& pair, Rows& rows) {
+  const Frames at = frames(pair);
+  look(at, m_angles);
+  addRows(pair, at, m_angles, rows);
+}
+
+void UniversalJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frames at = frames(pair);
+  Angles angles = m_angles;
+  look(at, angles);
+  addRows(pair, at, angles, rows);
+}
+
+inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, const Angles& angles,
+                                    Rows& rows) const {
+  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
+  const bool document = getFormulation() == Formulation::document;
+  const bool turned_over = angles.turned_over && rightWayUp();
+  const auto row = document      ? equations::universal_dot_row(at.z, at.y)
+                   : turned_over ? equations::universal_gamma_row(at.z, at.b.a(), at.b.c())
+                                 : equations::universal_row(at.z, at.y);
+  const Scalar cosine = at.z.dot(at.y), length2 = row.J_b.dot(row.J_b);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + cosine + row.C + length2)) return;
+  if (document) {
+    rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
+  } else {
+    const Scalar curvature =
+        equations::universal_curvature<Scalar>(at.z, at.y, pair.w_a(), pair.w_b());
+    rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
+  }
+  addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
+
+  // With their axes together there are no angles.
+  if (1 - cosine * cosine < least_across2) return;
+  const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
+  if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
+  const Reach reach = angularReach(pair, at.z, timeStep(), sign);
+  addHingeRow(0, angles.beta, at.y,
+              {sign * timeStep() * at.y.dot(pair.w_b() - pair.w_a()), reach.gained}, !turned_over,
+              rows);
+  addHingeRow(1, angles.alpha, at.z, reach, !turned_over, rows);
+}
+
+// J_b is the gradient of the angle where the joint holds, and a unit row anywhere.
+inline void UniversalJoint::addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b,
+                                        const Reach& reach, bool look_at_limit, Rows& rows) const {
+  const Axis& axis = m_hinges[index].axis;
+  bool limit = false;
+  if (look_at_limit && axis.limited()) {
+    const Scalar rough = sign * angle.roughValue(), slack = UnwrappedAngle::rough_error;
+    limit = axis.distance(rough) < -slack || reach.of(axis).reaches(axis, rough, slack);
+  }
+  if (!limit && !axis.driven()) return;
+  const Scalar value = sign * angle.value();
+  if (limit) limit = axis.distance(value) < 0 || reach.of(axis).reaches(axis, value);
+  if (limit || axis.driven()) rows.addAngularAxis(index, J_b, value, axis, limit, sign);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,187 @@
+// Purpose: the universal joint (document, 3.1.3 + 3.2.9), in the place of btUniversalConstraint.
+#pragma once
+
+#include <pintle/joints/frame_joint.h>
+#include <pintle/rows/unwrapped_angle.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct Reach;
+
+/// Two hinges at right angles: about axis 1, which is z of the joint frame in body a, and about axis
+/// 2, which is y of the joint frame in body b. A spider between the bodies carries both.
+///
+/// Angles (rad) are Bullet's: angle 1 is the rotation of a against the spider about axis 1, angle 2
+/// that of the spider against b about axis 2; both are zero when the joint frames coincide. Bullet
+/// numbers the axes of its six degrees of freedom: here 5 is that of angle 1 and 4 that of angle 2
+/// (1 and 2 less 3 for getAngle and getAxis), and as there setUpperLimit and setLowerLimit take
+/// angle 2 first. Limits may span any number of turns, of both angles; nothing happens at 90
+/// degrees but that a bent shaft has no lever to turn the other one there.
+///
+/// Everything that btUniversalConstraint has, under the same name, with the same signs and defaults,
+/// but getRotationalLimitMotor(i): its fields are
+///   m_enableMotor, m_targetVelocity, m_maxMotorForce   enableMotor(i + 3, on, velocity, torque)
+///   m_loLimit, m_hiLimit                               setLimit(i + 3, low, high), getLowerLimit..
+///   m_bounce                                           setLimitBounce(i + 3, bounce)
+///   m_stopERP, m_stopCFM, m_normalCFM                  setParam(.., i + 3)
+class UniversalJoint : public FrameJoint {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  // --- btUniversalConstraint ---------------------------------------------------------------------
+  /// Anchor (m) and axes in the world, where the bodies are now. Axes are made unit; they must be at
+  /// right angles, to within 1e-3.
+  UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
+                 const btVector3& axis1, const btVector3& axis2);
+  /// Joint frames in the bodies' frames.
+  UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                 const btTransform& frameInB);
+  /// To the world, where the body is now.
+  UniversalJoint(btRigidBody& rbA, const btTransform& frameInA);
+
+  /// The anchors in body a and in body b, where they are now (m, world).
+  btVector3 getAnchor() const { return getCalculatedTransformA().getOrigin(); }
+  btVector3 getAnchor2() const { return getCalculatedTransformB().getOrigin(); }
+  /// As in Bullet the axes as they were given, in the world of that moment.
+  const btVector3& getAxis1() const { return m_axis1; }
+  const btVector3& getAxis2() const { return m_axis2; }
+  /// rad, in [-pi, pi].
+  btScalar getAngle1() const { return getAngle(2); }
+  btScalar getAngle2() const { return getAngle(1); }
+  /// As in Bullet the first bound is that of angle 2 and the second that of angle 1, whatever their
+  /// names say.
+  void setUpperLimit(btScalar ang1max, btScalar ang2max);
+  void setLowerLimit(btScalar ang1min, btScalar ang2min);
+  /// Axes in the world (unit or not, at right angles), through the anchor that the constructor was
+  /// given: as in Bullet where that point of the world is, not where the bodies took it.
+  void setAxis(const btVector3& axis1, const btVector3& axis2);
+
+  // --- btGeneric6DofConstraint -------------------------------------------------------------------
+  /// The joint frames in the world, where they are now.
+  btTransform getCalculatedTransformA() const {
+    return m_rbA.getCenterOfMassTransform() * m_frame_a;
+  }
+  btTransform getCalculatedTransformB() const {
+    return m_rbB.getCenterOfMassTransform() * m_frame_b;
+  }
+  /// Nothing to do: readings are always those of now.
+  void calculateTransforms() {}
+  /// rad: 2 angle 1, 1 angle 2, in [-pi, pi]; 0 the error by which the axes are off their right
+  /// angle.
+  btScalar getAngle(int axis_index) const;
+  /// World: 1 axis 2, 0 the normal of both axes, 2 the z of body b, as Bullet has it.
+  btVector3 getAxis(int axis_index) const;
+  /// Of anchor b, along the axes of frame a (m).
+  btScalar getRelativePivotPosition(int axis_index) const;
+  /// low <= angle <= high (rad) of axis 5 (angle 1) or 4 (angle 2), over any number of turns. low =
+  /// high locks, low > high frees, an infinite side is free. A new limit of less than a turn holds
+  /// in the turn that the joint is in, unless setAccumulatedAngle said which that is. Defaults:
+  /// +-(pi - 0.01) and +-(pi/2 - 0.01).
+  void setLimit(int axis, btScalar lo, btScalar hi);
+  /// Of (nothing: 0, angle 2, angle 1).
+  void setAngularLowerLimit(const btVector3& angularLower);
+  void setAngularUpperLimit(const btVector3& angularUpper);
+  void getAngularLowerLimit(btVector3& angularLower) const;
+  void getAngularUpperLimit(btVector3& angularUpper) const;
+  /// Axes 0 to 3 are held: limited.
+  bool isLimited(int limitIndex) const;
+  /// Bullet's way to rows that converge; here it is setBlockRows.
+  bool getUseFrameOffset() const { return getBlockRows(); }
+  void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
+
+  /// STOP_ERP and STOP_CFM of axis 4 or 5: its limit; of 0 to 3: all that is held, one value for
+  /// them. CFM of axis 4 or 5: its motor; of 0 to 3: no effect, as in Bullet. ERP of axis 0 to 3: as
+  /// STOP_ERP. Axis -1: all of them. >= 0.
+  void setParam(int num, btScalar value, int axis = -1) override;
+  /// Of axis -1: of what is held.
+  btScalar getParam(int num, int axis = -1) const override;
+  /// BT_6DOF_FLAGS_* of the parameters that were set, three bits an axis.
+  int getFlags() const { return m_flags; }
+
+  // --- beyond Bullet -----------------------------------------------------------------------------
+  // `axis` is 5 (angle 1) or 4 (angle 2).
+  btScalar getLowerLimit(int axis) const { return hinge(axis).axis.low; }
+  btScalar getUpperLimit(int axis) const { return hinge(axis).axis.high; }
+  /// rad, with all turns since the joint was made.
+  btScalar getAccumulatedAngle(int axis) const;
+  /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest to
+  /// `angle`.
+  void setAccumulatedAngle(int axis, btScalar angle);
+  /// Velocity motor: target speed of the angle (rad/s) and the most that it may apply (N m, >= 0 or
+  /// infinite), Bullet's m_maxMotorForce. (Bullet drives the part of the speed along z of body b:
+  /// cos(angle 2) times that of angle 1.)
+  void enableMotor(int axis, bool on, btScalar velocity, btScalar max_torque);
+  /// Turns the motor, velocity motor or servo as it was set last, on or off.
+  void enableMotor(int axis, bool on);
+  /// Holds an accumulated angle (rad) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at
+  /// most max_torque (N m, >= 0 or infinite), until told otherwise. Takes the place of the velocity
+  /// motor.
+  void setMotorServo(int axis, btScalar target_angle, btScalar frequency_hz,
+                     btScalar damping_ratio, btScalar max_torque);
+  /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
+  /// is critical). Frequency 0: a hard limit again.
+  void setLimitSpring(int axis, btScalar frequency_hz, btScalar damping_ratio);
+  /// The part of its speed (>= 0) with which a limit sends the joint back. Default 0.
+  void setLimitBounce(int axis, btScalar bounce);
+  /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
+  void setFriction(int axis, btScalar max_torque);
+  /// Impulses of the last step (N m s), positive towards larger angles.
+  btScalar getMotorImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::motor); }
+  btScalar getLimitImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::limit); }
+  btScalar getFrictionImpulse(int axis) const {
+    return axisImpulse(indexOf(axis), Axis::friction);
+  }
+
+  /// The frames, and the range of angle 1 about axis 1 and of angle 2 about axis 2.
+  void drawJoint(btIDebugDraw& drawer) const override;
+  const char* name() const override { return "UniversalJoint"; }
+  void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ protected:
+  void updateState(const BodyPair& pair) override;
+  void framesChanged() override;
+  void prepare(const BodyPair& pair, Rows& rows) override;
+
+ private:
+  // One of the two hinges: what acts along its angle, and what is remembered of it.
+  struct Hinge {
+    Axis axis;
+    Axis::Drive drive = Axis::Drive::velocity;  ///< what enableMotor turns on
+    bool turn_given = false;
+  };
+  struct Frames;
+  // alpha and beta of the equations: minus Bullet's angles.
+  struct Angles {
+    UnwrappedAngle alpha, beta;
+    // The frames began more than a quarter of a turn apart about the normal of both axes, and have
+    // not come back yet. A pose does not tell this from a beta of more than that.
+    bool turned_over = false;
+  };
+
+  Frames frames(const BodyPair& pair) const;
+  void look(const Frames& at, Angles& angles) const;
+  void addRows(const BodyPair& pair, const Frames& at, const Angles& angles, Rows& rows) const;
+  void addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b, const Reach& reach,
+                   bool look_at_limit, Rows& rows) const;
+  /// Whether beta stays within a quarter of a turn: only then is turned_over an error.
+  bool rightWayUp() const;
+  int indexOf(int axis) const;
+  Hinge& hinge(int axis) { return m_hinges[indexOf(axis)]; }
+  const Hinge& hinge(int axis) const { return m_hinges[indexOf(axis)]; }
+  UnwrappedAngle& angle(int index) { return index == 1 ? m_angles.alpha : m_angles.beta; }
+  void setHingeLimit(int index, Scalar low, Scalar high);
+  void setDefaultLimits();
+  btTransform frameOf(const btVector3& anchor, const btVector3& axis1,
+                      const btVector3& axis2) const;
+
+  Hinge m_hinges[2];  ///< of angle 2 (Bullet's axis 4) and angle 1 (5)
+  Angles m_angles;
+  btVector3 m_anchor, m_axis1, m_axis2;  ///< world, as given
+  int m_flags = 0;
+  Scalar m_held_cfm = 0;  ///< CFM of the axes 0 to 3, which has no effect
+  RowMemory<6, 2> m_row_memory;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
