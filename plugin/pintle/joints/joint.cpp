@@ -46,6 +46,15 @@ Vec3 freeAngular(const btRigidBody& body, Scalar dt) {
                   .cwiseProduct(view(body.getAngularFactor()));
 }
 
+// Of body a about an angular row, or of b if a cannot turn; Bullet's bounds have only a's, and none
+// for a body of no inertia.
+Scalar motorInertia(const Row& row, const BodyPair& pair) {
+  const Scalar a = row.A_a.dot(pair.inv_inertia_a() * row.A_a),
+               b = row.A_b.dot(pair.inv_inertia_b() * row.A_b);
+  const Scalar inverse = a > 0 ? a : b;
+  return inverse > 0 ? 1 / inverse : Scalar(0);
+}
+
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
   const auto* linear = reinterpret_cast<const btVector3*>(info.m_J1linearAxis);
@@ -127,8 +136,7 @@ void Joint::getInfo1(btConstraintInfo1* info) {
 
 // What acts along an axis in this step. `block` is its row after the elimination, whose target is
 // what the equalities' targets came to in it; null: as it stands.
-inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const BlockMass* mass,
-                                   const Step& step) {
+inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const Step& step) {
   const Axis& axis = *row.axis;
   AxisState& state = m_rows.axis(row.axis_index);
   state.sign = row.sign;
@@ -152,8 +160,9 @@ inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const 
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
                                          step.fps * motion.limit_erp);
+  if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   if (!axis.isSimple(row.limit))
-    solveCompound(row, block, mass, motion, state.row);
+    solveCompound(row, block, motion, state.row);
   else if (row.limit)
     state.row.take(Axis::limit, limitPart(axis, motion, state.row.incoming));
   else if (axis.drive != Axis::Drive::off)
@@ -195,7 +204,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     }
     for (int i = equalities; i < n; ++i) {
       const Row& row = m_rows[i];
-      write_axis(&row.L[0], &row.A_a[0], &row.A_b[0], 0, act(row, nullptr, nullptr, step));
+      write_axis(&row.L[0], &row.A_a[0], &row.A_b[0], 0, act(row, nullptr, step));
     }
     return;
   }
@@ -222,22 +231,24 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
               infinity);
   }
   for (int i = equalities; i < n; ++i) {
-    BlockRow& to = block[equalities];
-    eliminate(to, m_rows[i], block, equalities);
+    // A row that the equalities leave nothing of but rounding errors must not be solved for, either.
+    addToBlock(block, equalities, m_rows[i], mass);
+    const BlockRow& to = block[equalities];
     write_axis(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(),
-               act(m_rows[i], &to, &mass, step));
+               act(m_rows[i], &to, step));
   }
 }
 
-void Joint::solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
-                          AxisMotion& motion, AxisRow& result) const {
+void Joint::solveCompound(const Row& row, const BlockRow* block, AxisMotion& motion,
+                          AxisRow& result) const {
   const BodyPair pair(m_rbA, m_rbB);
   BlockRow alone;
-  if (block == nullptr)
+  if (block == nullptr) {
     eliminate(alone, row, nullptr, 0);
-  else
+    BlockMass(pair).weigh(alone);
+  } else {
     alone = *block;
-  (mass == nullptr ? BlockMass(pair) : *mass).weigh(alone);
+  }
   // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors.
   const equations::InverseMass<Scalar> M{pair.inv_mass_a(), pair.inv_mass_b(), pair.inv_inertia_a(),
                                          pair.inv_inertia_b()};

@@ -13,7 +13,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class BodyPair;
-class BlockMass;
 struct BlockRow;
 
 /// Which form of its equations a joint solves.
@@ -120,10 +119,9 @@ class Joint : public btTypedConstraint {
  private:
   struct Step;
 
-  const AxisState& act(const Row& row, const BlockRow* block, const BlockMass* mass,
-                       const Step& step);
-  void solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
-                     AxisMotion& motion, AxisRow& result) const;
+  const AxisState& act(const Row& row, const BlockRow* block, const Step& step);
+  void solveCompound(const Row& row, const BlockRow* block, AxisMotion& motion,
+                     AxisRow& result) const;
 
   Rows m_rows;
   const btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
