@@ -2,6 +2,7 @@
 
 #include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/constant_velocity_joint.h>
 #include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
@@ -16,6 +17,7 @@ namespace {
 
 using pintle::AngularLimit;
 using pintle::BallJoint;
+using pintle::ConeTwistJoint;
 using pintle::ConstantVelocityJoint;
 using pintle::ContactJoint;
 using pintle::DistanceJoint;
@@ -32,6 +34,58 @@ void set(BallJoint& ball, int variant) {
   if (variant == 1) ball.m_setting.m_impulseClamp = scalar(0.5);
   if (variant == 2) ball.m_setting.m_damping = scalar(0.5);
   if (variant == 3) ball.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
+}
+
+// Where the frames that the test gave meet, these are apart: the cone has no direction in its middle.
+btQuaternion turnFrame(ConeTwistJoint& joint, double x, double y, double z) {
+  const btVector3 turn = support::vec(x, y, z);
+  const btQuaternion q(turn.normalized(), turn.length());
+  joint.setFrames(joint.getAFrame(), joint.getBFrame() * btTransform(q.inverse()));
+  return q;
+}
+
+void set(ConeTwistJoint& joint, int variant) {
+  if (variant == 1) {
+    turnFrame(joint, 0.4, 0.9, 0.7);
+    joint.setLimit(1, 1, scalar(0.3));
+  }
+  if (variant == 2) {
+    turnFrame(joint, 0.4, 0.9, 0.7);
+    joint.setLimit(1, scalar(1.5), scalar(0.3), scalar(0.8));
+  }
+  if (variant == 3) {
+    turnFrame(joint, 0, 0, 0.7);
+    joint.setLimit(scalar(0.6), scalar(0.02), 0);
+    joint.setTwistLimitSpring(3, scalar(0.5));
+  }
+  if (variant == 4) {
+    turnFrame(joint, 0.3, 0, 0);
+    joint.setLimit(0, 0, scalar(0.2));
+  }
+  if (variant == 5) {
+    turnFrame(joint, -0.4, 0.9, 0.7);
+    joint.setSwingLimits(scalar(-0.1), scalar(0.8), 0, scalar(0.9));
+    joint.setTwistLimit(scalar(0.1), scalar(0.3));
+    joint.setSwingLimitSpring(3, scalar(0.5));
+  }
+  if (variant == 6) {
+    joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
+    joint.setMaxMotorImpulseNormalized(3);
+    joint.enableMotor(true);
+  }
+  if (variant == 7) {
+    joint.setLimit(scalar(1.2), scalar(1.4), scalar(0.5));
+    joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
+    joint.setMaxMotorImpulse(3);
+    joint.enableMotor(true);
+    joint.setFriction(2);
+  }
+  if (variant == 8) {
+    joint.setAngularOnly(true);
+    joint.setLimit(0, scalar(0.1), scalar(0.1));
+    joint.setFriction(2);
+    joint.enableMotor(true);
+  }
 }
 
 void set(QuaternionHinge& hinge, int variant) {
@@ -199,6 +253,7 @@ std::vector<Kind> all() {
   add<AngularLimit>(list, "AngularLimit", 5, false);
   add<UniversalJoint>(list, "UniversalJoint", 6);
   add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 6);
+  add<ConeTwistJoint>(list, "ConeTwistJoint", 9);
   return list;
 }
 

@@ -48,4 +48,12 @@ Vector3<T> twist_row(const Swing<T>& s) {
   return s.h * sqrt(s.h_scale);
 }
 
+/// The same from the hinge axes alone.
+template <class T>
+Vector3<T> twist_row(const Vector3<T>& c_a, const Vector3<T>& c_b) {
+  const Vector3<T> sum = c_a + c_b;
+  const T sum2 = sum.dot(sum);
+  return sum * (T(2) / (sum2 > T(1e-10) ? sum2 : T(1e-10)));
+}
+
 }  // namespace pintle::equations

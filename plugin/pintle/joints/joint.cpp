@@ -34,6 +34,15 @@ Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
 }
 
+// Of body a about an angular row, or of b if a cannot turn; Bullet's bounds have only a's, and none
+// for a body of no inertia.
+Scalar motorInertia(const Row& row, const BodyPair& pair) {
+  const Scalar a = row.A_a.dot(pair.inv_inertia_a() * row.A_a),
+               b = row.A_b.dot(pair.inv_inertia_b() * row.A_b);
+  const Scalar inverse = a > 0 ? a : b;
+  return inverse > 0 ? 1 / inverse : Scalar(0);
+}
+
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
   const auto* linear = reinterpret_cast<const btVector3*>(info.m_J1linearAxis);
@@ -157,6 +166,7 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
                                          step.fps * motion.limit_erp);
+  if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   AxisRow result;
   if (!axis.isSimple(row.limit)) {
     result = solveCompound(row, block, mass, motion);

@@ -21,7 +21,7 @@ struct Spring {
 
 /// Settings along a coordinate. Units are those of the coordinate: rad, rad/s, N m s for an angle.
 struct Axis {
-  enum class Drive : unsigned char { off, velocity, servo };
+  enum class Drive : unsigned char { off, velocity, pose, servo };
   enum Part { motor, friction, limit, parts };
 
   Scalar low = 1, high = -1;  ///< low > high: free
@@ -30,9 +30,12 @@ struct Axis {
   Spring limit_spring;
 
   Drive drive = Drive::off;
+  /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
+  bool normalized_motor = false;
   Scalar motor_velocity = 0;
   Scalar max_motor_impulse = 0;       ///< N m s, a step
   Scalar max_motor_force = infinity;  ///< N m, the same as a force: the lesser counts
+  Scalar motor_gain = 0;  ///< of a drive to a pose: the part of the way to 0 that a step goes
   Scalar servo_target = 0;
   Spring servo_spring;
   Scalar max_servo_force = 0;  ///< N m
@@ -48,7 +51,7 @@ struct Axis {
   /// Whether a single rigid part acts, which is a row as it stands.
   bool isSimple(bool limit_acts) const {
     if (limit_acts) return !driven() && !(limit_spring.angular_frequency > 0);
-    return drive == Drive::off || (drive == Drive::velocity && !(max_friction > 0));
+    return drive == Drive::off || (drive != Drive::servo && !(max_friction > 0));
   }
   /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
   Scalar distance(Scalar position) const {
@@ -68,6 +71,7 @@ struct AxisMotion {
   Scalar limit_erp;
   Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
   Scalar motor_factor;          ///< of motor_velocity: Bullet's motors slow down before a limit
+  Scalar motor_inertia = 1;     ///< of a normalized motor, kg m^2
   // For more than one part, or a soft one (Axis::isSimple is false):
   /// At the end of the step, if nothing acted along the coordinate, and the gain.
   Scalar free_velocity;

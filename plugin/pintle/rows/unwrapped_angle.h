@@ -70,14 +70,17 @@ class UnwrappedAngle {
   /// rad, over any number of turns.
   Scalar value() const { return remainder() + Scalar(2 * pi) * m_turns; }
   /// The same to within rough_error, without an arc tangent.
-  Scalar roughValue() const {
-    const Scalar quarters = m_y / (std::abs(m_x) + std::abs(m_y));
-    const Scalar past = m_x < 0 ? (m_y < 0 ? Scalar(-2) : Scalar(2)) - quarters : quarters;
-    return Scalar(pi / 2) * (past + 4 * m_turns);
-  }
+  Scalar roughValue() const { return Scalar(pi / 2) * (quarters(m_x, m_y) + 4 * m_turns); }
+  /// atan2(y, x) to within rough_error.
+  static Scalar rough(Scalar x, Scalar y) { return Scalar(pi / 2) * quarters(x, y); }
   static constexpr Scalar rough_error = Scalar(0.072);
 
  private:
+  static Scalar quarters(Scalar x, Scalar y) {
+    const Scalar first = y / (std::abs(x) + std::abs(y));
+    return x < 0 ? (y < 0 ? Scalar(-2) : Scalar(2)) - first : first;
+  }
+
   Scalar m_x = 1, m_y = 0;
   Scalar m_turns = 0;
   Scalar m_direction = 0;  // its sign: which way the angle moved last; 0: it has not

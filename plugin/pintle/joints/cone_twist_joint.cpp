@@ -1,0 +1,516 @@
+#include <pintle/joints/cone_twist_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/angle_about.h>
+#include <pintle/equations/cone_twist.h>
+#include <pintle/equations/universal.h>
+#include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/rows/limit_reach.h>
+#include <pintle/rows/position_rows.h>
+#include <pintle/rows/unwrapped_angle.h>
+
+#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Semiaxes (rad) that the ellipse is computed with. A strip is an ellipse as long as that.
+constexpr Scalar least_span = Scalar(1e-4), most_span = Scalar(1e6);
+// 1 + cos(swing) below which the twist has too few digits, and moves too fast, to be held.
+constexpr Scalar least_twist = Scalar(0.005);
+// Nearer to its target (rad) than this, the motor's way there has no direction worth following.
+constexpr Scalar near_target = Scalar(0.1);
+
+bool isCone(const Axis& swing) { return swing.low <= -infinity; }
+
+// The angle (rad, in [-pi, pi]) in the turn in which it is in the range, or nearest to it. A range
+// lies within two turns either way.
+Scalar inTurnOf(const Axis& range, Scalar angle) {
+  const Scalar from_middle = angle - (range.low + range.high) / 2;
+  if (from_middle > Scalar(pi)) return angle - Scalar(2 * pi);
+  if (from_middle < Scalar(-pi)) return angle + Scalar(2 * pi);
+  return angle;
+}
+
+// Free is low > high: as it was set, or where nothing is left to be held.
+void setRange(Axis& axis, Scalar low, Scalar high) {
+  const bool held = low <= high && high - low < Scalar(2 * pi);
+  axis.low = held ? low : Scalar(1);
+  axis.high = held ? high : Scalar(-1);
+}
+
+Quaternion<Scalar> fromBullet(const btQuaternion& q) { return {q.w(), Vec3(q.x(), q.y(), q.z())}; }
+btQuaternion toBullet(const Quaternion<Scalar>& q) { return {q.v.x(), q.v.y(), q.v.z(), q.w}; }
+
+}  // namespace
+
+// Where the joint's frames are.
+struct ConeTwistJoint::At {
+  const BodyPair& pair;
+  Frame a, b;
+  Vec3 x_a = a.a(), x_b = b.a();
+  Lanes dots = a.dots(b);
+  Scalar cosine = dots[0];  ///< of the swing
+
+  /// Of b against a: minus that of a against b.
+  equations::Twist<Scalar> twist() const {
+    return equations::twist<Scalar>(dots[1], dots[2], a.c().dot(b.b()), a.b().dot(b.c()));
+  }
+  /// Of a against b, as b sees it.
+  equations::Swing<Scalar> swing() const { return equations::swing(x_b, x_a); }
+};
+
+// Unit vectors about which the bodies do not turn against each other.
+struct ConeTwistJoint::Locks {
+  int count = 0;
+  Vec3 about[2];
+};
+
+ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
+                               const btTransform& rbBFrame)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setUp(rbAFrame, rbBFrame);
+}
+
+ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, const btTransform& rbAFrame)
+    : FrameJoint(rbA, m_row_memory) {
+  setUp(rbAFrame, btTransform(rbAFrame.getBasis(), btVector3(0, 0, 0)));
+}
+
+void ConeTwistJoint::setUp(const btTransform& frame_a, const btTransform& frame_b) {
+  setFrames(frame_a, frame_b);
+  m_swing.relaxation = m_twist.relaxation = 0;  // no rebound
+  m_rotation.max_motor_impulse = infinity;
+  m_limit_erp = {Scalar(0.3f), true};
+  limitsChanged();
+}
+
+// --- settings ------------------------------------------------------------------------------------
+
+Scalar ConeTwistJoint::span(const char* field, Scalar value) const {
+  if (value != value) reject(field, value, "must be a number");
+  return btMax(Scalar(-BT_LARGE_FLOAT), btMin(value, Scalar(BT_LARGE_FLOAT)));
+}
+
+void ConeTwistJoint::setLimit(btScalar swingSpan1, btScalar swingSpan2, btScalar twistSpan,
+                              btScalar softness, btScalar biasFactor, btScalar relaxationFactor) {
+  const Scalar span_1 = span("swing span 1", swingSpan1);
+  const Scalar span_2 = span("swing span 2", swingSpan2);
+  const Scalar twist_span = span("twist span", twistSpan);
+  notNegative("softness", softness);
+  notNegative("bias factor", biasFactor);
+  m_relaxation = finite("relaxation factor", relaxationFactor);
+  m_softness = softness;
+  m_limit_erp = {biasFactor, true};
+  m_min_1 = -(m_max_1 = span_1);
+  m_min_2 = -(m_max_2 = span_2);
+  m_twist_low = -(m_twist_high = twist_span);
+  limitsChanged();
+}
+
+void ConeTwistJoint::setLimit(int limitIndex, btScalar limitValue) {
+  switch (limitIndex) {
+    case 3: m_twist_low = -(m_twist_high = span("twist span", limitValue)); break;
+    case 4: m_min_2 = -(m_max_2 = span("swing span 2", limitValue)); break;
+    case 5: m_min_1 = -(m_max_1 = span("swing span 1", limitValue)); break;
+    default: reject("limit index", limitIndex, "must be 3, 4 or 5");
+  }
+  limitsChanged();
+}
+
+btScalar ConeTwistJoint::getLimit(int limitIndex) const {
+  switch (limitIndex) {
+    case 3: return getTwistSpan();
+    case 4: return getSwingSpan2();
+    case 5: return getSwingSpan1();
+    default: reject("limit index", limitIndex, "must be 3, 4 or 5");
+  }
+}
+
+void ConeTwistJoint::setFixThresh(btScalar fixThresh) {
+  m_fix_threshold = finite("fix threshold", fixThresh);
+  limitsChanged();
+}
+
+void ConeTwistJoint::setSwingLimits(btScalar min_1, btScalar max_1, btScalar min_2,
+                                    btScalar max_2) {
+  const auto side = [this](const char* field, Scalar value, Scalar outwards) {
+    if (!(outwards * value >= 0)) reject(field, value, "must be min <= 0 <= max");
+    return span(field, value);
+  };
+  const Scalar low_1 = side("swing 1 min", min_1, -1), high_1 = side("swing 1 max", max_1, 1);
+  const Scalar low_2 = side("swing 2 min", min_2, -1), high_2 = side("swing 2 max", max_2, 1);
+  m_min_1 = low_1;
+  m_max_1 = high_1;
+  m_min_2 = low_2;
+  m_max_2 = high_2;
+  limitsChanged();
+}
+
+void ConeTwistJoint::setTwistLimit(btScalar low, btScalar high) {
+  const auto check = [this](const char* field, Scalar value) {
+    if (!(btFabs(value) <= Scalar(2 * pi) * (1 + SIMD_EPSILON)))
+      reject(field, value, "must be within 2 pi of 0");
+  };
+  check("twist low", low);
+  check("twist high", high);
+  m_twist_low = low;
+  m_twist_high = high;
+  limitsChanged();
+}
+
+void ConeTwistJoint::setSwingLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_swing, frequency_hz, damping_ratio);
+}
+
+void ConeTwistJoint::setTwistLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_twist, frequency_hz, damping_ratio);
+}
+
+equations::SwingSpans<Scalar> ConeTwistJoint::spans(Scalar softness) const {
+  const auto semiaxis = [softness](Scalar side) {
+    return btMax(least_span, btMin(softness * side, most_span));
+  };
+  return {semiaxis(m_max_1), semiaxis(-m_min_1), semiaxis(m_max_2), semiaxis(-m_min_2)};
+}
+
+// What the settings come to, so that a step need not ask.
+void ConeTwistJoint::limitsChanged() {
+  // Bullet's rows, scaled by the square of the relaxation, are none at 0.
+  const bool off = m_relaxation == 0;
+  const Scalar bias = m_limit_erp.value, divisor = m_relaxation * m_relaxation;
+  m_rotation.motor_gain = bias < divisor ? bias / divisor : Scalar(1);
+  m_swing.bias = m_twist.bias = bias > 0 ? m_rotation.motor_gain / bias : Scalar(0);
+
+  const bool locked_1 = getSwingSpan1() < m_fix_threshold;
+  const bool locked_2 = getSwingSpan2() < m_fix_threshold;
+  setRange(m_swing, 1, -1);
+  m_circular = false;
+  m_inner_span = infinity;
+  if (locked_1 && locked_2) {
+    m_swings = Swings::locked;
+  } else if (locked_1) {
+    m_swings = Swings::only_2;
+    if (!off) setRange(m_swing, m_min_2, m_max_2);
+  } else if (locked_2) {
+    m_swings = Swings::only_1;
+    if (!off) setRange(m_swing, m_min_1, m_max_1);
+  } else {
+    m_swings = Swings::cone;
+    const auto e = spans(m_softness);
+    m_inner_span = btMin(btMin(e.above_1, e.below_1), btMin(e.above_2, e.below_2));
+    m_circular = btMax(btMax(e.above_1, e.below_1), btMax(e.above_2, e.below_2)) == m_inner_span;
+    if (!off && m_inner_span < Scalar(pi)) {
+      m_swing.low = -infinity;
+      m_swing.high = 0;
+    }
+  }
+  const Scalar low = m_softness * m_twist_low, high = m_softness * m_twist_high;
+  setRange(m_twist, off ? Scalar(1) : low, off ? Scalar(-1) : high);
+  m_reachable_target = limited(m_motor_target, m_softness);
+}
+
+void ConeTwistJoint::setParam(int num, btScalar value, int axis) {
+  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  const bool linear = axis >= 0 && axis < 3;
+  switch (num) {
+    case BT_CONSTRAINT_ERP:
+    case BT_CONSTRAINT_STOP_ERP:
+      (linear ? m_erp : m_limit_erp) = {notNegative("ERP", value), true};
+      limitsChanged();
+      break;
+    case BT_CONSTRAINT_CFM:
+    case BT_CONSTRAINT_STOP_CFM:
+      (linear ? m_cfm : m_limit_cfm) = {notNegative("CFM", value), true};
+      if (!linear) m_motor_cfm = m_limit_cfm;
+      break;
+    default: reject("parameter", num, "no such parameter");
+  }
+}
+
+btScalar ConeTwistJoint::getParam(int num, int axis) const {
+  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  const bool linear = axis >= 0 && axis < 3;
+  switch (num) {
+    case BT_CONSTRAINT_ERP:
+    case BT_CONSTRAINT_STOP_ERP: return linear ? m_erp.orElse(Scalar(0.7f)) : m_limit_erp.value;
+    case BT_CONSTRAINT_CFM:
+    case BT_CONSTRAINT_STOP_CFM: return linear ? m_cfm.value : m_limit_cfm.value;
+    default: reject("parameter", num, "no such parameter");
+  }
+}
+
+int ConeTwistJoint::getFlags() const {
+  return (m_cfm.is_set ? BT_CONETWIST_FLAGS_LIN_CFM : 0) |
+         (m_erp.is_set ? BT_CONETWIST_FLAGS_LIN_ERP : 0) |
+         (m_limit_cfm.is_set ? BT_CONETWIST_FLAGS_ANG_CFM : 0);
+}
+
+// --- motor ---------------------------------------------------------------------------------------
+
+void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
+  m_max_motor_impulse = span("max motor impulse", most);
+  m_rotation.max_motor_impulse = most < 0 ? infinity : btMin(most, infinity);
+  m_rotation.normalized_motor = normalized;
+}
+
+void ConeTwistJoint::setMotorTarget(const btQuaternion& q) {
+  for (int i = 0; i < 4; ++i) finite("motor target", q[i]);
+  setMotorTargetInConstraintSpace(m_frame_b.getRotation().inverse() * q * m_frame_a.getRotation());
+}
+
+void ConeTwistJoint::setMotorTargetInConstraintSpace(const btQuaternion& q) {
+  for (int i = 0; i < 4; ++i) finite("motor target", q[i]);
+  const Scalar length = q.length();
+  if (!(length > SIMD_EPSILON && length < infinity))
+    reject("motor target", length, "must have a length");
+  m_motor_target = limited(q / length, 1);
+  m_reachable_target = limited(m_motor_target, m_softness);
+}
+
+// Along a swing in the direction (about_1, about_2), not 0, the angle at which the cone ends.
+Scalar ConeTwistJoint::swingRadius(Scalar about_1, Scalar about_2, Scalar softness) const {
+  const auto e = spans(softness);
+  const Scalar e_1 = about_1 < 0 ? e.below_1 : e.above_1, e_2 = about_2 < 0 ? e.below_2 : e.above_2;
+  return std::hypot(about_1, about_2) / std::hypot(about_1 / e_1, about_2 / e_2);
+}
+
+// The rotation without what is beyond the limits of its swing, straight towards none, and of its
+// twist.
+btQuaternion ConeTwistJoint::limited(const btQuaternion& q, Scalar softness) const {
+  const Vec3 x = Vec3::Unit(0);
+  const auto parts = equations::swing_twist(fromBullet(q), x);
+  Vec3 swing = equations::rotation_vector(parts.swing);
+  Scalar twist = equations::rotation_vector(parts.twist).x();
+  if (m_twist.limited()) {
+    twist = inTurnOf(m_twist, twist);
+    twist = btMax(softness * m_twist_low, btMin(twist, softness * m_twist_high));
+  }
+  if (m_swings == Swings::cone) {
+    const Scalar angle = swing.norm();
+    const Scalar most =
+        m_swing.limited() && angle > 0 ? swingRadius(swing.z(), swing.y(), softness) : angle;
+    if (angle > most) swing *= most / angle;
+  } else {
+    // As a sees it, which has turned by the twist.
+    const auto as_a = equations::rotation<Scalar>(x, -twist);
+    swing = equations::rotate(as_a, swing);
+    const auto only = [this](Scalar angle) {
+      return m_swing.limited() ? btMax(m_swing.low, btMin(angle, m_swing.high)) : angle;
+    };
+    swing.y() = m_swings == Swings::only_2 ? only(swing.y()) : Scalar(0);
+    swing.z() = m_swings == Swings::only_1 ? only(swing.z()) : Scalar(0);
+    swing = equations::rotate(equations::conjugate(as_a), swing);
+  }
+  const Scalar angle = swing.norm();
+  const Vec3 axis = angle > 0 ? Vec3(swing / angle) : Vec3::Unit(1);
+  return toBullet(equations::product(equations::rotation<Scalar>(axis, angle),
+                                     equations::rotation<Scalar>(x, twist)));
+}
+
+btVector3 ConeTwistJoint::rotationImpulse(Axis::Part part) const {
+  Vec3 sum = Vec3::Zero();
+  for (int i = rotation_axis; i < swing_axis; ++i) {
+    const Scalar impulse = axisImpulse(i, part);
+    if (impulse == 0) continue;
+    // Rows of older steps may lie behind those of this one.
+    const Row* row = m_row_memory.rows;
+    while (row->axis != i) ++row;
+    sum -= impulse * row->A_b;
+  }
+  return {sum.x(), sum.y(), sum.z()};
+}
+
+// --- readings ------------------------------------------------------------------------------------
+
+inline ConeTwistJoint::At ConeTwistJoint::at(const BodyPair& pair) const {
+  return {pair, {pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
+}
+
+btScalar ConeTwistJoint::getTwist() const {
+  const BodyPair pair(m_rbA, m_rbB);
+  return -equations::twist_angle(at(pair).twist());
+}
+
+btScalar ConeTwistJoint::getTwistAngle() const {
+  return getTwistSpan() < 0 ? Scalar(0) : btFabs(getTwist());
+}
+
+btScalar ConeTwistJoint::getSwing1() const {
+  const BodyPair pair(m_rbA, m_rbB);
+  const At now = at(pair);
+  return now.swing().sigma.dot(now.b.c());
+}
+
+btScalar ConeTwistJoint::getSwing2() const {
+  const BodyPair pair(m_rbA, m_rbB);
+  const At now = at(pair);
+  return now.swing().sigma.dot(now.b.b());
+}
+
+bool ConeTwistJoint::isPastTwistLimit() const {
+  return m_twist.limited() && m_twist.distance(inTurnOf(m_twist, getTwist())) < 0;
+}
+
+bool ConeTwistJoint::isPastSwingLimit() {
+  if (m_swings != Swings::cone) return true;
+  if (!m_swing.limited()) return false;
+  const BodyPair pair(m_rbA, m_rbB);
+  const At now = at(pair);
+  return coneRow(now, now.swing()).C > 0;
+}
+
+btVector3 ConeTwistJoint::GetPointForAngle(btScalar angleInRadians, btScalar length) const {
+  const Scalar about_1 = -btSin(angleInRadians), about_2 = btCos(angleInRadians);
+  const Scalar angle = btMin(swingRadius(about_1, about_2, 1), Scalar(pi));
+  const Scalar across = length * btSin(angle);
+  return {length * btCos(angle), about_1 * across, -about_2 * across};
+}
+
+void ConeTwistJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer)) return;
+  const btTransform tr = m_rbB.getCenterOfMassTransform() * m_frame_b;
+  if (m_swing.limited()) {
+    constexpr int segments = 32;
+    drawCone(drawer, tr.getOrigin(), segments, [&](int i) {
+      return tr * GetPointForAngle(SIMD_2_PI * Scalar(i) / segments, m_dbgDrawSize);
+    });
+  }
+  if (!m_twist.locked())
+    drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(0), tr.getBasis().getColumn(1),
+              m_dbgDrawSize, m_twist.low, m_twist.high);
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+PINTLE_FLATTEN void ConeTwistJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const At here = at(pair);
+  const Vec3 d = equations::position_error(pair.x_a(), here.a.r(), pair.x_b(), here.b.r());
+  // Also frames that their owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + here.dots[0] + here.dots[1] + here.dots[2])) return;
+  const Locks locks = m_swings == Swings::cone ? Locks() : addLocks(here, rows);
+  addPivotRows(pair, here.a.r(), here.b.r(), d, rows);
+  Scalar gained = m_rotation.driven() ? addRotation(here, locks, rows) : Scalar(0);
+  if (!m_swing.limited() && !m_twist.limited()) return;
+  gained += angularReach(pair, here.x_a, timeStep()).gained;
+  if (m_swing.limited())
+    isCone(m_swing) ? addConeLimit(here, gained, rows) : addOneSwingLimit(here, gained, rows);
+  if (m_twist.limited()) addTwistLimit(here, gained, rows);
+}
+
+ConeTwistJoint::Locks ConeTwistJoint::addLocks(const At& at, Rows& rows) const {
+  const Vec3 w_a = at.pair.w_a(), w_b = at.pair.w_b();
+  Locks locks;
+  if (m_swings != Swings::locked) {
+    const Vec3 hinge = m_swings == Swings::only_1 ? at.a.c() : at.a.b();
+    const auto row = equations::universal_row(hinge, at.x_b);
+    rows.addAngular(row.J_b, row.C, equations::universal_curvature(hinge, at.x_b, w_a, w_b))
+        .max_speed = getMaxCorrectionSpeed();
+    locks.about[locks.count++] = row.J_b;
+    return locks;
+  }
+  const auto swing = equations::swing(at.x_a, at.x_b);
+  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
+  const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
+  const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
+  for (const Vec3& u : {p, q}) {
+    Row& row = rows.addAngular(u, u.dot(swing.sigma), curvature[locks.count]);
+    row.max_speed = most * std::abs(row.position);
+    locks.about[locks.count++] = u;
+  }
+  return locks;
+}
+
+// Motor and friction: about the way to the target, and about two axes across it, so that the motor's
+// bound is that of one straight push. Returns how far (rad) the motor turns the bodies in this step.
+Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows) const {
+  Vec3 error = Vec3::Zero(), along = at.x_b, across = at.b.b();
+  Scalar angle = 0;
+  if (isMotorEnabled()) {
+    const btMatrix3x3 target(m_reachable_target);
+    const Mat3 F_a = at.pair.R_a() * view(m_frame_a.getBasis());
+    const Mat3 F_b = at.pair.R_b() * view(m_frame_b.getBasis());
+    error = equations::orientation_error<Scalar>(F_a, F_b * view(target));
+    angle = error.norm();
+    if (angle > near_target) {
+      along = error / angle;
+      across = any_tangent(along);
+    }
+  }
+  int index = rotation_axis;
+  const auto add = [&](const Vec3& u) {
+    rows.addAngularAxis(index++, u, error.dot(u), m_rotation, false);
+  };
+  if (locks.count == 2) {
+    add(cross(locks.about[0], locks.about[1]));
+    return m_rotation.motor_gain * angle;
+  }
+  if (locks.count == 1) {
+    across = locks.about[0];
+    along -= along.dot(across) * across;
+    const Scalar length = along.norm();
+    along = length > near_target ? Vec3(along / length) : any_tangent(across);
+  } else {
+    add(across);
+  }
+  add(cross(along, across));
+  add(along);
+  return m_rotation.motor_gain * angle;
+}
+
+// C > 0 outside, and J_a.
+inline equations::AngularRow<Scalar> ConeTwistJoint::coneRow(
+    const At& at, const equations::Swing<Scalar>& swing) const {
+  const auto e = spans(m_softness);
+  if (!m_circular)
+    return equations::elliptic_cone_row<Scalar>(swing, at.x_b, at.b.c(), at.b.b(), e);
+  if (getFormulation() == Formulation::conditioned)
+    return equations::cone_row<Scalar>(swing, at.x_b, e.above_1);
+  const auto row = equations::cone_dot_row<Scalar>(at.x_b, at.x_a, e.above_1);
+  return {-row.J_b, -row.C};
+}
+
+void ConeTwistJoint::addConeLimit(const At& at, Scalar gained, Rows& rows) const {
+  const Vec3 w = at.pair.w_a() - at.pair.w_b();
+  // The edge is no nearer than the smallest span is: no more is asked of a swing that is well inside.
+  const Scalar sine = btSqrt(btMax(Scalar(0), 1 - at.cosine * at.cosine));
+  const Scalar rough = UnwrappedAngle::rough(at.cosine, sine) - m_inner_span;
+  const Scalar turn = timeStep() * w.norm();
+  if (!Reach{turn, gained}.of(m_swing).reaches(m_swing, rough, UnwrappedAngle::rough_error)) return;
+  const auto row = coneRow(at, at.swing());
+  const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
+  if (reach.of(m_swing).reaches(m_swing, row.C))
+    rows.addAngularAxis(swing_axis, row.J_b, row.C, m_swing, true, -1);
+}
+
+// The one swing that is not locked, as body a sees it.
+void ConeTwistJoint::addOneSwingLimit(const At& at, Scalar gained, Rows& rows) const {
+  const Vec3 hinge = m_swings == Swings::only_1 ? at.a.c() : at.a.b();
+  const auto to = equations::angle_about(hinge, at.x_a, at.x_b);
+  if (!(to.length > near_target)) return;  // first the lock has to bring it back
+  const Vec3 J_b = to.J_b();
+  const Scalar angle = inTurnOf(m_swing, -to.angle());
+  const Reach reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained * J_b.norm()};
+  if (reach.of(m_swing).reaches(m_swing, angle))
+    rows.addAngularAxis(swing_axis, J_b, angle, m_swing, true, -1);
+}
+
+void ConeTwistJoint::addTwistLimit(const At& at, Scalar gained, Rows& rows) const {
+  const Scalar length = 1 + at.cosine;
+  if (!(length > least_twist)) return;
+  const auto to = at.twist();
+  const Vec3 J_b = equations::twist_row(at.x_a, at.x_b);
+  // J_b is no longer than 2 / length.
+  const Reach reach =
+      Reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained * 2 / length}.of(m_twist);
+  const Scalar rough = inTurnOf(m_twist, -UnwrappedAngle::rough(to.x, to.y));
+  if (!reach.reaches(m_twist, rough, UnwrappedAngle::rough_error)) return;
+  const Scalar angle = inTurnOf(m_twist, -arctangent(to.y, to.x));
+  if (reach.reaches(m_twist, angle)) rows.addAngularAxis(twist_axis, J_b, angle, m_twist, true, -1);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
