@@ -5,9 +5,11 @@
 
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 
 #include <functional>
 #include <vector>
@@ -24,8 +26,8 @@ struct Case {
 template <class Hinge, class Setting>
 Case hinge(const char* name, const char* stock, Setting setting) {
   return {name, stock, sizeof(Hinge), [setting](JointStep& s) {
-            auto joint = std::make_unique<Hinge>(*s.a, *s.b, JointStep::frameA(),
-                                                 JointStep::frameB());
+            auto joint =
+                std::make_unique<Hinge>(*s.a, *s.b, JointStep::frameA(), JointStep::frameB());
             setting(*joint);
             return std::unique_ptr<btTypedConstraint>(std::move(joint));
           }};
@@ -41,6 +43,21 @@ Case ball(const char* name, const char* stock, Setting setting) {
           }};
 }
 
+/// Stands at 0.3 m, 0 rad.
+template <class Slider, class Setting>
+Case slider(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Slider), [setting](JointStep& s) {
+            const btTransform slide(btQuaternion::getIdentity(), btVector3(btScalar(0.3), 0, 0));
+            s.b->setCenterOfMassTransform(s.a->getCenterOfMassTransform() * JointStep::frameA() *
+                                          slide * JointStep::frameB().inverse());
+            s.b->updateInertiaTensor();
+            auto joint = std::make_unique<Slider>(*s.a, *s.b, JointStep::frameA(),
+                                                  JointStep::frameB(), true);
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
 inline std::vector<Case> cases() {
   using Stock = btHingeConstraint;
   using Hinge = pintle::QuaternionHinge;
@@ -51,6 +68,23 @@ inline std::vector<Case> cases() {
   const auto inside = [](auto& joint) { joint.setLimit(-2, 2); };
   const auto motor = [](auto& joint) { joint.enableAngularMotor(true, 1, 1); };
   const auto both = [limit, motor](auto& joint) { limit(joint), motor(joint); };
+  const auto lin_limit = [](auto& joint) { joint.setLowerLinLimit(1), joint.setUpperLinLimit(2); };
+  const auto lin_inside = [](auto& joint) {
+    joint.setLowerLinLimit(-2), joint.setUpperLinLimit(2);
+  };
+  const auto lin_motor = [](auto& joint) {
+    joint.setPoweredLinMotor(true);
+    joint.setTargetLinMotorVelocity(1);
+    joint.setMaxLinMotorForce(10);
+  };
+  const auto turns = [](auto& joint) { joint.setLowerAngLimit(1), joint.setUpperAngLimit(-1); };
+  const auto ang_inside = [](auto& joint) {
+    joint.setLowerAngLimit(-1), joint.setUpperAngLimit(1);
+  };
+  const auto two_axes = [lin_limit](auto& joint) {
+    lin_limit(joint);
+    joint.setLowerAngLimit(btScalar(0.2)), joint.setUpperAngLimit(1);
+  };
   const auto with_plain = [plain](auto setting) {
     return [plain, setting](auto& joint) { plain(joint), setting(joint); };
   };
@@ -76,6 +110,27 @@ inline std::vector<Case> cases() {
       ball<btPoint2PointConstraint>("stock ball", nullptr, as_is),
       ball<pintle::BallJoint>("ball, plain rows", "stock ball", plain),
       ball<pintle::BallJoint>("ball", "stock ball", as_is),
+      slider<btSliderConstraint>("stock slider", nullptr, as_is),
+      slider<pintle::SliderJoint>("slider, plain rows", "stock slider", plain),
+      slider<pintle::SliderJoint>("slider", "stock slider", as_is),
+      slider<btSliderConstraint>("stock slider, inside limit", nullptr, lin_inside),
+      slider<pintle::SliderJoint>("slider, inside limit", "stock slider, inside limit", lin_inside),
+      slider<btSliderConstraint>("stock slider, limit", nullptr, lin_limit),
+      slider<pintle::SliderJoint>("slider, limit, plain rows", "stock slider, limit",
+                                  with_plain(lin_limit)),
+      slider<pintle::SliderJoint>("slider, limit", "stock slider, limit", lin_limit),
+      slider<btSliderConstraint>("stock slider, motor", nullptr, lin_motor),
+      slider<pintle::SliderJoint>("slider, motor, plain rows", "stock slider, motor",
+                                  with_plain(lin_motor)),
+      slider<pintle::SliderJoint>("slider, motor", "stock slider, motor", lin_motor),
+      slider<btSliderConstraint>("stock slider, turns", nullptr, turns),
+      slider<pintle::SliderJoint>("slider, turns, plain rows", "stock slider, turns",
+                                  with_plain(turns)),
+      slider<pintle::SliderJoint>("slider, turns", "stock slider, turns", turns),
+      slider<btSliderConstraint>("stock slider, angle inside", nullptr, ang_inside),
+      slider<pintle::SliderJoint>("slider, angle inside", "stock slider, angle inside", ang_inside),
+      slider<btSliderConstraint>("stock slider, two limits", nullptr, two_axes),
+      slider<pintle::SliderJoint>("slider, two limits", "stock slider, two limits", two_axes),
   };
 }
 

@@ -18,6 +18,7 @@ namespace {
 constexpr auto pintle_type = btTypedConstraintType(15);
 
 constexpr int max_rows = 8;
+constexpr int max_firmness = 3;
 
 // A body that turns this far (rad) in a step has hardly the velocity that it had: the curvature is
 // left out from there on, and by degrees before, on the side of losing energy.
@@ -65,14 +66,25 @@ const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2&
 
 // What all rows of a joint share in a step.
 struct Joint::Step {
-  Scalar fps, erp, cfm;
-  Scalar half;  ///< of the time step, for the curvature
+  Scalar fps;
+  Scalar limit_erp;              ///< unless the limit has its own
+  Scalar erp[max_firmness], cfm[max_firmness];  ///< of equalities
+  bool rigid;                    ///< no equality is soft
+  Scalar half;                   ///< of the time step, for the curvature
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
-      : fps(info.fps),
-        erp(joint.m_erp.orElse(info.erp)),
-        cfm(joint.m_cfm.orElse(default_cfm)),
-        half(Scalar(0.5) * joint.m_time_step) {
+      : fps(info.fps), half(Scalar(0.5) * joint.m_time_step) {
+    limit_erp = erp[0] = joint.m_erp.orElse(info.erp);
+    cfm[0] = joint.m_cfm.orElse(default_cfm);
+    rigid = cfm[0] == 0;
+    if (joint.m_firmness != nullptr) {
+      for (int i = 0; i < max_firmness; ++i) {
+        const Firmness& firmness = joint.m_firmness[i];
+        erp[i] = firmness.factor * firmness.erp.orElse(info.erp);
+        cfm[i] = firmness.cfm.orElse(default_cfm);
+        rigid = (i == 0 || rigid) && cfm[i] == 0;
+      }
+    }
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
@@ -88,7 +100,7 @@ struct Joint::Step {
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
   // with it a turning joint does not drift.
   Scalar target(const Row& row) const {
-    const Scalar speed = -erp * fps * row.position;
+    const Scalar speed = -erp[row.firmness] * fps * row.position;
     return btMax(-row.max_speed, btMin(speed, row.max_speed)) - half * row.curvature;
   }
 };
@@ -140,14 +152,15 @@ inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const 
   motion.velocity =
       row.sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
                               : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
-  motion.max_speed = m_max_correction_speed;
+  motion.max_speed = row.angular ? m_max_correction_speed : infinity;
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = step.fps;
-  motion.limit_erp = m_limit_erp.orElse(step.erp);
-  motion.motor_cfm = m_motor_cfm.value;
+  motion.limit_erp = axis.limit_erp.orElse(m_limit_erp.orElse(step.limit_erp));
+  motion.motor_cfm = axis.motor_cfm.orElse(m_motor_cfm.value);
   // As Bullet has it: the motor's unless the limit has its own.
-  motion.limit_cfm = m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm);
+  motion.limit_cfm = axis.limit_cfm.orElse(
+      m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm));
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
@@ -191,17 +204,20 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];
-      out.write(&row.L[0], &row.A_a[0], &row.A_b[0], step.target(row), step.cfm, -bound, bound);
+      out.write(&row.L[0], &row.A_a[0], &row.A_b[0], step.target(row), step.cfm[row.firmness], -bound,
+                bound);
     }
     for (int i = equalities; i < n; ++i) {
-      const Row& row = m_rows[i];
-      write_axis(&row.L[0], &row.A_a[0], &row.A_b[0], 0, act(row, nullptr, nullptr, step));
+      Row& row = m_rows[i];
+      row.target = -step.half * row.curvature;
+      write_axis(&row.L[0], &row.A_a[0], &row.A_b[0], row.target,
+                 act(row, nullptr, nullptr, step));
     }
     return;
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.cfm == 0 && damped == 1 && !breaks &&
+  const bool feed = step.rigid && damped == 1 && !breaks &&
                     getOverrideNumSolverIterations() <= info->m_numIterations;
   m_iterations_left = feed ? info->m_numIterations : 0;
   if (!feed) m_residuals_known = false;
@@ -218,11 +234,12 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   for (int i = 0; i < equalities; ++i) {
     addToBlock(block, i, m_rows[i], mass);
     const BlockRow& to = block[i];
-    out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm, -infinity,
-              infinity);
+    out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm[m_rows[i].firmness],
+              -infinity, infinity);
   }
   for (int i = equalities; i < n; ++i) {
     BlockRow& to = block[equalities];
+    m_rows[i].target = -step.half * m_rows[i].curvature;
     eliminate(to, m_rows[i], block, equalities);
     write_axis(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(),
                act(m_rows[i], &to, &mass, step));

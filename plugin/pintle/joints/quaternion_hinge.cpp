@@ -5,6 +5,7 @@
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
+#include <pintle/joints/turning.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
 
@@ -40,15 +41,6 @@ btVector3 zeroDirection(const btRigidBody& a, const btVector3& axis) {
   if (projection >= 1 - SIMD_EPSILON) return -R.getColumn(2);
   if (projection <= -1 + SIMD_EPSILON) return R.getColumn(2);
   return axis.cross(R.getColumn(0)).cross(axis);
-}
-
-// The rotation vector by which Bullet turns a body of this velocity in a step. Above pi/4 it bounds
-// the angle of its quaternion but not the axis (btTransformUtil::integrateTransform).
-Vec3 turnOfStep(const btVector3& w, Scalar dt) {
-  const Scalar angle = w.length() * dt, bound = Scalar(pi / 4);
-  if (angle <= bound) return dt * view(w);
-  const Scalar turn = 2 * std::atan(angle * std::tan(bound / 2) / bound);
-  return turn / angle * dt * view(w);
 }
 
 }  // namespace
@@ -133,21 +125,7 @@ inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const
   const Lanes dots = at.a.dots(at.b);
   const auto twist =
       equations::twist<Scalar>(dots[0], dots[1], at.a.b().dot(at.b.a()), at.a.a().dot(at.b.b()));
-  // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
-  // the last one stands; nor in a frame that its owner has spoiled.
-  if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
-  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one
-  // that their motion leads to. (A kinematic body goes where it is put.)
-  const Scalar dt = timeStep();
-  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
-      m_rbB.isStaticOrKinematicObject()) {
-    angle.update(twist.x, twist.y);
-  } else {
-    const btVector3 &w_a = m_rbA.getInterpolationAngularVelocity(),
-                    &w_b = m_rbB.getInterpolationAngularVelocity();
-    const Vec3 h = (at.c_a + at.c_b).normalized();
-    angle.update(twist.x, twist.y, h.dot(turnOfStep(w_b, dt) - turnOfStep(w_a, dt)));
-  }
+  followTwist(angle, twist, at.c_a + at.c_b, m_rbA, m_rbB, timeStep(), angularSpeed());
 }
 
 void QuaternionHinge::updateState(const BodyPair& pair) {
@@ -332,34 +310,19 @@ inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
   // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(d.sum() + swing.sigma.sum())) return;
 
-  Scalar angle = 0;
-  bool limit = false, axis = false;
+  Acting axis;
   // With c_a and c_b all but opposite the axis has no angle.
-  if ((m_axis.driven() || m_axis.limited()) && swing.h_scale < Scalar(20)) {
-    Reach reach;
-    bool broken = false;
-    if (m_axis.limited()) {
-      const Scalar rough = m_sign * twist.roughValue(), slack = UnwrappedAngle::rough_error;
-      broken = m_axis.distance(rough) < -slack;
-      if (!broken) {
-        reach = angularReach(pair, swing.h, timeStep(), m_sign).of(m_axis);
-        limit = reach.reaches(m_axis, rough, slack);
-      }
-    }
-    if (limit || broken || m_axis.driven()) {
-      angle = m_sign * twist.value();
-      limit = broken || (limit && reach.reaches(m_axis, angle));
-      axis = limit || m_axis.driven();
-    }
-  }
+  if ((m_axis.driven() || m_axis.limited()) && swing.h_scale < Scalar(20))
+    axis = actingAngle(pair, m_axis, twist, swing.h, timeStep(), m_sign);
   if (getFormulation() == Formulation::document) {
-    const bool half_sine = limit && !m_axis.driven();
+    const bool half_sine = axis.limit && !m_axis.driven();
     addDocumentRows(pair, at, d, half_sine ? &twist : nullptr, rows);
     if (half_sine) return;
   } else {
     addConditionedRows(pair, at, d, swing, rows);
   }
-  if (axis) rows.addAngularAxis(0, equations::twist_row(swing), angle, m_axis, limit, m_sign);
+  if (axis.row)
+    rows.addAngularAxis(0, equations::twist_row(swing), axis.position, m_axis, axis.limit, m_sign);
 }
 
 inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Frames& at,

@@ -8,6 +8,12 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// ERP and CFM of a group of equalities: the part of C that a step takes away, and Bullet's softness.
+struct Firmness {
+  Parameter erp, cfm;
+  Scalar factor = 1;  ///< of the ERP
+};
+
 /// Each vector is followed by a number, so that the solver's side (block.h) can take it as four
 /// lanes.
 struct Row {
@@ -30,6 +36,8 @@ struct Row {
   Scalar sign;
   /// Which of the joint's axes it is.
   unsigned char axis_index;
+  /// Which Firmness of the joint holds for an equality.
+  unsigned char firmness;
   /// Whether the limit of the axis may act in this step.
   bool limit;
   /// L = 0 and A_a = A_b.
@@ -124,6 +132,7 @@ class Rows {
     row.position = position;
     row.max_speed = infinity;
     row.axis = nullptr;
+    row.firmness = 0;
     row.angular = false;
     return row;
   }
