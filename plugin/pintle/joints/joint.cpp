@@ -67,24 +67,18 @@ const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2&
 // What all rows of a joint share in a step.
 struct Joint::Step {
   Scalar fps;
-  Scalar limit_erp;              ///< unless the limit has its own
-  Scalar erp[max_firmness], cfm[max_firmness];  ///< of equalities
-  bool rigid;                    ///< no equality is soft
-  Scalar half;                   ///< of the time step, for the curvature
+  Scalar limit_erp;                              ///< unless the limit has its own
+  Scalar rate[max_firmness], cfm[max_firmness];  ///< of equalities: erp / dt, and softness
+  bool rigid;                                    ///< no equality is soft
+  Scalar half;                                   ///< of the time step, for the curvature
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
       : fps(info.fps), half(Scalar(0.5) * joint.m_time_step) {
-    limit_erp = erp[0] = joint.m_erp.orElse(info.erp);
+    limit_erp = joint.m_erp.orElse(info.erp);
+    rate[0] = limit_erp * fps;
     cfm[0] = joint.m_cfm.orElse(default_cfm);
     rigid = cfm[0] == 0;
-    if (joint.m_firmness != nullptr) {
-      for (int i = 0; i < max_firmness; ++i) {
-        const Firmness& firmness = joint.m_firmness[i];
-        erp[i] = firmness.factor * firmness.erp.orElse(info.erp);
-        cfm[i] = firmness.cfm.orElse(default_cfm);
-        rigid = (i == 0 || rigid) && cfm[i] == 0;
-      }
-    }
+    if (joint.m_firmness != nullptr) setFirmness(joint, info, default_cfm);
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
@@ -96,11 +90,21 @@ struct Joint::Step {
     half *= btMax(Scalar(0), 1 - turn * turn / (max_curved_turn * max_curved_turn));
   }
 
+  void setFirmness(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
+    rigid = true;
+    for (int i = 0; i < max_firmness; ++i) {
+      const Firmness& firmness = joint.m_firmness[i];
+      rate[i] = firmness.factor * firmness.erp.orElse(info.erp) * fps;
+      cfm[i] = firmness.cfm.orElse(default_cfm);
+      rigid = rigid && cfm[i] == 0;
+    }
+  }
+
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
   // with it a turning joint does not drift.
   Scalar target(const Row& row) const {
-    const Scalar speed = -erp[row.firmness] * fps * row.position;
+    const Scalar speed = -rate[row.firmness] * row.position;
     return btMax(-row.max_speed, btMin(speed, row.max_speed)) - half * row.curvature;
   }
 };

@@ -92,7 +92,8 @@ class Joint : public btTypedConstraint {
   Parameter m_erp, m_cfm;              ///< of equalities
   Parameter m_limit_erp, m_limit_cfm;  ///< of limits
   Parameter m_motor_cfm;
-  /// By Row::firmness, if the equalities differ; else null, and m_erp and m_cfm hold for all. Three.
+  /// Three, by Row::firmness, if the equalities differ. Null: m_erp and m_cfm hold for all, and
+  /// Row::firmness is 0.
   const Firmness* m_firmness = nullptr;
 
   // Throw std::invalid_argument naming the joint, `field` and the value.

@@ -21,10 +21,14 @@ struct SliderJoint::Frames {
         b(pair.pose_b(), frame_b),
         axis_a(a.a()),
         axis_b(b.a()),
-        d(equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r())) {}
+        d(equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r())) {
+    const Lanes dots = a.dots(b);
+    twist = equations::twist<Scalar>(dots[1], dots[2], a.c().dot(b.b()), a.b().dot(b.c()));
+  }
 
   Frame a, b;
   Vec3 axis_a, axis_b, d;
+  equations::Twist<Scalar> twist;  ///< of b against a
 };
 
 inline SliderJoint::Frames SliderJoint::frames(const BodyPair& pair) const {
@@ -37,7 +41,6 @@ SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& 
       m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_angular.low = m_angular.high = 0;
   m_dir_lin.damping = m_dir_ang.damping = 0;
-  m_firmness = m_firmnesses;
   feelChanged();
   setFrames(frameInA, frameInB);
 }
@@ -61,10 +64,7 @@ void SliderJoint::framesChanged() {
 // --- position and angle --------------------------------------------------------------------------
 
 inline void SliderJoint::look(const Frames& at, UnwrappedAngle& angle) const {
-  const Lanes dots = at.a.dots(at.b);
-  const auto twist =
-      equations::twist<Scalar>(dots[1], dots[2], at.a.c().dot(at.b.b()), at.a.b().dot(at.b.c()));
-  followTwist(angle, twist, at.axis_a + at.axis_b, m_rbA, m_rbB, timeStep(), angularSpeed());
+  followTwist(angle, at.twist, at.axis_a + at.axis_b, m_rbA, m_rbB, timeStep(), angularSpeed());
 }
 
 void SliderJoint::updateState(const BodyPair& pair) { look(frames(pair), m_twist); }
@@ -181,6 +181,10 @@ void SliderJoint::feelChanged() {
                                   set(m_ortho_lin.cfm, BT_SLIDER_FLAGS_CFM_ORTLIN));
   m_firmnesses[directions] = equality(set(m_ortho_ang.softness, BT_SLIDER_FLAGS_ERP_ORTANG),
                                       set(m_ortho_ang.cfm, BT_SLIDER_FLAGS_CFM_ORTANG));
+  const bool same = m_ortho_lin.softness == 1 && m_ortho_ang.softness == 1 &&
+                    m_lim_ang.softness == 1 &&
+                    (m_flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) == 0;
+  m_firmness = same ? nullptr : m_firmnesses;
   m_firmnesses[locked_angle] = {m_angular.limit_erp, m_angular.limit_cfm, m_lim_ang.softness};
 }
 
@@ -309,9 +313,8 @@ void SliderJoint::addRows(const BodyPair& pair, Rows& rows) const {
 inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
                                  const UnwrappedAngle& twist, Rows& rows) const {
   const auto swing = equations::swing(at.axis_a, at.axis_b);
-  // Also a frame that its owner has spoiled.
-  const Vec3 others = at.a.b() + at.a.c() + at.b.b() + at.b.c();
-  if (!BodyPair::is_finite(at.d.sum() + swing.sigma.sum() + others.sum())) return;
+  // Also a frame that its owner has spoiled: sigma is made of its x axis, the twist of the others.
+  if (!BodyPair::is_finite(at.d.sum() + swing.sigma.sum() + at.twist.x + at.twist.y)) return;
 
   const bool document = getFormulation() == Formulation::document;
   if (document)
@@ -337,10 +340,11 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   const auto add = [&](const Vec3& u) {
     if (middle) {
       const auto row = equations::slider_row_middle(u, at.axis_a, anchors);
-      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).firmness = across;
+      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).firmness = group(across);
     } else {
       const auto row = equations::contact_row(u, anchors);
-      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, u.dot(curvature)).firmness = across;
+      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, u.dot(curvature)).firmness =
+          group(across);
     }
   };
   add(at.a.b());
@@ -351,10 +355,16 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
 
 inline void SliderJoint::addAngularRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
                                         const UnwrappedAngle& twist, Rows& rows) const {
-  const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
   const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
-  const auto bend = equations::swing_curvature(swing, p, q, w_a, w_b);
   const bool locked = angleIsLocked();
+  // Bodies that turn alike keep the axes together.
+  Scalar bend_p = 0, bend_q = 0;
+  if (!locked) {
+    const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
+    const auto bend = equations::swing_curvature(swing, p, q, w_a, w_b);
+    bend_p = bend[0];
+    bend_q = bend[1];
+  }
   // |J_b| of the angle is 1 / cos(swing/2): times that cosine the row is a unit one, at any error.
   const Scalar turned =
       locked ? (twist.value() - m_angular.low) / btSqrt(swing.h_scale) : Scalar(0);
@@ -363,10 +373,10 @@ inline void SliderJoint::addAngularRows(const BodyPair& pair, const equations::S
   const auto add = [&](const Vec3& u, Scalar C, Scalar second_derivative, int firmness) {
     Row& row = rows.addAngular(u, C, second_derivative);
     row.max_speed = most * btFabs(C);
-    row.firmness = static_cast<unsigned char>(firmness);
+    row.firmness = group(firmness);
   };
-  add(p, p.dot(swing.sigma), bend[0], directions);
-  add(q, q.dot(swing.sigma), bend[1], directions);
+  add(p, p.dot(swing.sigma), bend_p, directions);
+  add(q, q.dot(swing.sigma), bend_q, directions);
   if (locked) add(swing.h, turned, 0, locked_angle);
 }
 
@@ -390,7 +400,7 @@ void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const
     const auto from = equations::quaternion_row<Scalar>(p, F, Vec3::Unit(i));
     Row& row = rows.addAngular(from.J_b, from.C);
     row.max_speed = most * btFabs(from.C);
-    row.firmness = static_cast<unsigned char>(firmness);
+    row.firmness = group(firmness);
   };
   add(1, directions);
   add(2, directions);

@@ -231,6 +231,9 @@ class SliderJoint : public FrameJoint {
            : position < axis.low ? position - axis.low
                                  : Scalar(0);
   }
+  unsigned char group(int i) const {
+    return m_firmness == nullptr ? 0 : static_cast<unsigned char>(i);
+  }
   void setAngularLimits(Scalar low, Scalar high);
   void setSoftness(Feel& feel, Scalar softness);
   void setRestitution(Feel& feel, Scalar restitution);
