@@ -6,10 +6,12 @@
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/constant_velocity_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
 #include <pintle/joints/universal_joint.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btUniversalConstraint.h>
 
 #include <functional>
@@ -59,7 +61,70 @@ Case universal(const char* name, const char* stock, Setting setting) {
           }};
 }
 
-inline std::vector<Case> cases() {
+/// Stands at 0.3 m, 0 rad.
+template <class Slider, class Setting>
+Case slider(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Slider), [setting](JointStep& s) {
+            const btTransform slide(btQuaternion::getIdentity(), btVector3(btScalar(0.3), 0, 0));
+            s.b->setCenterOfMassTransform(s.a->getCenterOfMassTransform() * JointStep::frameA() *
+                                          slide * JointStep::frameB().inverse());
+            s.b->updateInertiaTensor();
+            auto joint = std::make_unique<Slider>(*s.a, *s.b, JointStep::frameA(),
+                                                  JointStep::frameB(), true);
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
+inline std::vector<Case> sliders() {
+  const auto as_is = [](auto&) {};
+  const auto plain = [](auto& joint) { joint.setBlockRows(false); };
+  const auto with_plain = [plain](auto setting) {
+    return [plain, setting](auto& joint) { plain(joint), setting(joint); };
+  };
+  const auto lin_limit = [](auto& joint) { joint.setLowerLinLimit(1), joint.setUpperLinLimit(2); };
+  const auto lin_inside = [](auto& joint) {
+    joint.setLowerLinLimit(-2), joint.setUpperLinLimit(2);
+  };
+  const auto lin_motor = [](auto& joint) {
+    joint.setPoweredLinMotor(true);
+    joint.setTargetLinMotorVelocity(1);
+    joint.setMaxLinMotorForce(10);
+  };
+  const auto turns = [](auto& joint) { joint.setLowerAngLimit(1), joint.setUpperAngLimit(-1); };
+  const auto ang_inside = [](auto& joint) {
+    joint.setLowerAngLimit(-1), joint.setUpperAngLimit(1);
+  };
+  const auto two_axes = [lin_limit](auto& joint) {
+    lin_limit(joint);
+    joint.setLowerAngLimit(btScalar(0.2)), joint.setUpperAngLimit(1);
+  };
+  return {
+      slider<btSliderConstraint>("stock slider", nullptr, as_is),
+      slider<pintle::SliderJoint>("slider, plain rows", "stock slider", plain),
+      slider<pintle::SliderJoint>("slider", "stock slider", as_is),
+      slider<btSliderConstraint>("stock slider, inside limit", nullptr, lin_inside),
+      slider<pintle::SliderJoint>("slider, inside limit", "stock slider, inside limit", lin_inside),
+      slider<btSliderConstraint>("stock slider, limit", nullptr, lin_limit),
+      slider<pintle::SliderJoint>("slider, limit, plain rows", "stock slider, limit",
+                                  with_plain(lin_limit)),
+      slider<pintle::SliderJoint>("slider, limit", "stock slider, limit", lin_limit),
+      slider<btSliderConstraint>("stock slider, motor", nullptr, lin_motor),
+      slider<pintle::SliderJoint>("slider, motor, plain rows", "stock slider, motor",
+                                  with_plain(lin_motor)),
+      slider<pintle::SliderJoint>("slider, motor", "stock slider, motor", lin_motor),
+      slider<btSliderConstraint>("stock slider, turns", nullptr, turns),
+      slider<pintle::SliderJoint>("slider, turns, plain rows", "stock slider, turns",
+                                  with_plain(turns)),
+      slider<pintle::SliderJoint>("slider, turns", "stock slider, turns", turns),
+      slider<btSliderConstraint>("stock slider, angle inside", nullptr, ang_inside),
+      slider<pintle::SliderJoint>("slider, angle inside", "stock slider, angle inside", ang_inside),
+      slider<btSliderConstraint>("stock slider, two limits", nullptr, two_axes),
+      slider<pintle::SliderJoint>("slider, two limits", "stock slider, two limits", two_axes),
+  };
+}
+
+inline std::vector<Case> others() {
   using Stock = btHingeConstraint;
   using Hinge = pintle::QuaternionHinge;
   const auto as_is = [](auto&) {};
@@ -124,6 +189,12 @@ inline std::vector<Case> cases() {
       hinge<ConstantVelocity>("const. velocity, limit", "stock universal, limit",
                               [](auto& joint) { joint.setBendLimit(btScalar(0.3)); }),
   };
+}
+
+inline std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const auto& some : {others(), sliders()}) all.insert(all.end(), some.begin(), some.end());
+  return all;
 }
 
 }  // namespace bench

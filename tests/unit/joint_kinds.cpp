@@ -7,6 +7,7 @@
 #include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
 #include <pintle/joints/universal_joint.h>
 #include <pintle/joints/wedge_joint.h>
 
@@ -22,9 +23,10 @@ using pintle::ConstantVelocityJoint;
 using pintle::ContactJoint;
 using pintle::DistanceJoint;
 using pintle::Formulation;
-using pintle::WedgeJoint;
 using pintle::QuaternionHinge;
+using pintle::SliderJoint;
 using pintle::UniversalJoint;
+using pintle::WedgeJoint;
 using support::infinite;
 using support::scalar;
 
@@ -220,10 +222,54 @@ void set(ConstantVelocityJoint& joint, int variant) {
   }
 }
 
+void set(SliderJoint& slider, int variant) {
+  if (variant == 1) {  // free to turn, on a stretch
+    slider.setLowerAngLimit(1);
+    slider.setUpperAngLimit(-1);
+    slider.setLowerLinLimit(scalar(-0.2));
+    slider.setUpperLinLimit(scalar(0.3));
+  }
+  if (variant == 2) {
+    slider.setTargetLinMotorVelocity(2);
+    slider.setMaxLinMotorForce(100);
+    slider.setPoweredLinMotor(true);
+    slider.setLowerAngLimit(scalar(-0.2));
+    slider.setUpperAngLimit(scalar(0.3));
+    slider.setTargetAngMotorVelocity(2);
+    slider.setMaxAngMotorForce(10);
+    slider.setPoweredAngMotor(true);
+  }
+  if (variant == 3) {  // locked
+    slider.setLowerLinLimit(scalar(0.1));
+    slider.setUpperLinLimit(scalar(0.1));
+    slider.setLowerAngLimit(scalar(0.1));
+    slider.setUpperAngLimit(scalar(0.1));
+    slider.setAngLimitSpring(3, scalar(0.5));
+  }
+  if (variant == 4) {
+    slider.setLowerLinLimit(scalar(-0.2));
+    slider.setUpperLinLimit(scalar(0.3));
+    slider.setLinLimitSpring(3, scalar(0.5));
+    slider.setLinMotorServo(1, 10, 1, 100);
+    slider.setLinFriction(2);
+    slider.setUpperAngLimit(4);
+    slider.setAngMotorServo(1, 10, 1, 100);
+    slider.setAngFriction(2);
+  }
+  if (variant == 5) {
+    slider.setAngularOnly(true);
+    slider.setUpperAngLimit(scalar(0.3));
+    slider.setAngFriction(2);
+    slider.setParam(BT_CONSTRAINT_STOP_ERP, scalar(0.4), 4);
+    slider.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.01), 4);
+  }
+}
+
 // --- the list ------------------------------------------------------------------------------------
 
 template <class J>
-void add(std::vector<Kind>& list, const char* name, int variants, bool holds = true) {
+void add(std::vector<Kind>& list, const char* name, int variants, bool holds = true,
+         const char* free_body = "A") {
   for (const Formulation form : {Formulation::conditioned, Formulation::document}) {
     list.push_back(
         {std::string(name) + (form == Formulation::document ? "Document" : ""), sizeof(J), variants,
@@ -237,7 +283,8 @@ void add(std::vector<Kind>& list, const char* name, int variants, bool holds = t
          },
          [](btRigidBody& a, const btTransform& frame_a) {
            return std::make_unique<J>(a, frame_a);
-         }});
+         },
+         free_body});
   }
 }
 
@@ -254,6 +301,7 @@ std::vector<Kind> all() {
   add<UniversalJoint>(list, "UniversalJoint", 6);
   add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 6);
   add<ConeTwistJoint>(list, "ConeTwistJoint", 9);
+  add<SliderJoint>(list, "SliderJoint", 6, true, "B");
   return list;
 }
 

@@ -24,6 +24,7 @@ struct Kind {
       make;
   /// To Bullet's fixed body.
   std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, const btTransform& frame_a)> make_one;
+  const char* free_body;  ///< which of the joint's bodies is not that one then
 };
 inline std::ostream& operator<<(std::ostream& out, const Kind& kind) { return out << kind.name; }
 

@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/equations/contact.h>
+#include <pintle/equations/impulse_reaction.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
 
@@ -106,9 +107,9 @@ PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) cons
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
     return;
   }
-  const Vec3 lever_a = at.r_a + at.d;
+  const Scalar speed = equations::row_velocity(row.J, v);
   const Reach reach =
-      linearReach(pair, row.J, curvature, lever_a, at.r_b, timeStep()).of(m_axis);
+      linearReach(pair, row.J.A_a, row.J.A_b, speed, curvature, timeStep()).of(m_axis);
   if (!reach.reaches(m_axis, row.C)) return;
   rows.addAxis(0, row.J.L, row.J.A_a, row.J.A_b, row.C, m_axis, true).curvature = curvature;
 }

@@ -138,8 +138,9 @@ inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows&
   if (!m_axis.driven() && !m_axis.limited()) return;
   const auto J = equations::position_row(at.d.n, at.r_a, at.r_b);
   const Scalar bend = curvature(pair, at);
-  const Reach reach =
-      linearReach(pair, J, bend, at.r_a, at.r_b, timeStep()).of(m_axis);
+  const Scalar speed =
+      J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) + J.A_b.dot(pair.w_b());
+  const Reach reach = linearReach(pair, J.A_a, J.A_b, speed, bend, timeStep()).of(m_axis);
   const bool limit = m_axis.limited() && reach.reaches(m_axis, at.d.length);
   if (!limit && !m_axis.driven()) return;
   Row& row = rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit);

@@ -18,6 +18,7 @@ namespace {
 constexpr auto pintle_type = btTypedConstraintType(15);
 
 constexpr int max_rows = 8;
+constexpr int max_firmness = 3;
 
 // A body that turns this far (rad) in a step has hardly the velocity that it had: the curvature is
 // left out from there on, and by degrees before, on the side of losing energy.
@@ -62,16 +63,20 @@ const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2&
 
 // What all rows of a joint share in a step.
 struct Joint::Step {
-  Scalar fps, erp, cfm;
-  Scalar half;           ///< of the time step, for the curvature
+  Scalar fps;
+  Scalar limit_erp;                              ///< unless the limit has its own
+  Scalar rate[max_firmness], cfm[max_firmness];  ///< of equalities: erp / dt, and softness
+  bool rigid;                                    ///< no equality is soft
+  Scalar half;                                   ///< of the time step, for the curvature
   Scalar foreseen_half;  ///< the same, for one that is of the end of the step
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
-      : fps(info.fps),
-        erp(joint.m_erp.orElse(info.erp)),
-        cfm(joint.m_cfm.orElse(default_cfm)),
-        half(Scalar(0.5) * joint.m_time_step),
-        foreseen_half(half) {
+      : fps(info.fps), half(Scalar(0.5) * joint.m_time_step), foreseen_half(half) {
+    limit_erp = joint.m_erp.orElse(info.erp);
+    rate[0] = limit_erp * fps;
+    cfm[0] = joint.m_cfm.orElse(default_cfm);
+    rigid = cfm[0] == 0;
+    if (joint.m_firmness != nullptr) setFirmness(joint, info, default_cfm);
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
@@ -83,14 +88,26 @@ struct Joint::Step {
     half *= joint.curvedPart();
   }
 
+  void setFirmness(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
+    rigid = true;
+    for (int i = 0; i < max_firmness; ++i) {
+      const Firmness& firmness = joint.m_firmness[i];
+      rate[i] = firmness.factor * firmness.erp.orElse(info.erp) * fps;
+      cfm[i] = firmness.cfm.orElse(default_cfm);
+      rigid = rigid && cfm[i] == 0;
+    }
+  }
+
   // What the curvature adds to the mean velocity of the row in this step.
-  Scalar gain(const Row& row) const { return (row.foreseen ? foreseen_half : half) * row.curvature; }
+  Scalar gain(const Row& row) const {
+    return (row.foreseen ? foreseen_half : half) * row.curvature;
+  }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
   // with it a turning joint does not drift.
   Scalar target(const Row& row) const {
-    const Scalar speed = -erp * fps * row.position;
+    const Scalar speed = -rate[row.firmness] * row.position;
     return btMax(-row.max_speed, btMin(speed, row.max_speed)) - gain(row);
   }
 };
@@ -156,7 +173,7 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   motion.limit = row.limit;
   motion.fps = step.fps;
   const auto own_or = [](Scalar own, Scalar joints) { return own >= 0 ? own : joints; };
-  motion.limit_erp = own_or(axis.own_limit_erp, m_limit_erp.orElse(step.erp));
+  motion.limit_erp = own_or(axis.own_limit_erp, m_limit_erp.orElse(step.limit_erp));
   motion.motor_cfm = own_or(axis.own_motor_cfm, m_motor_cfm.value);
   // As Bullet has it: the motor's unless the limit has its own.
   motion.limit_cfm =
@@ -212,7 +229,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];
-      out.write(&row.L[0], &row.A_a[0], &row.A_b[0], step.target(row), step.cfm, -bound, bound);
+      out.write(&row.L[0], &row.A_a[0], &row.A_b[0], step.target(row), step.cfm[row.firmness], -bound,
+                bound);
     }
     for (int i = equalities; i < n; ++i) {
       const Row& row = m_rows[i];
@@ -222,7 +240,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.cfm == 0 && damped == 1 && !breaks &&
+  const bool feed = step.rigid && damped == 1 && !breaks &&
                     getOverrideNumSolverIterations() <= info->m_numIterations;
   m_iterations_left = feed ? info->m_numIterations : 0;
   if (!feed) m_residuals_known = false;
@@ -236,8 +254,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   for (int i = 0; i < equalities; ++i) {
     addToBlock(block[i], m_rows[i], block, i, mass);
     const BlockRow& to = block[i];
-    out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm, -infinity,
-              infinity);
+    out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm[m_rows[i].firmness],
+              -infinity, infinity);
   }
   // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
   // rounding errors that does not end well. One alone takes no harm.

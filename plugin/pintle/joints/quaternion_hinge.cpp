@@ -5,9 +5,9 @@
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
+#include <pintle/joints/turning.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
-#include <pintle/rows/turn_of_step.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 
@@ -125,19 +125,7 @@ inline void QuaternionHinge::look(const Frames& at, UnwrappedAngle& angle) const
   const Lanes dots = at.a.dots(at.b);
   const auto twist =
       equations::twist<Scalar>(dots[0], dots[1], at.a.b().dot(at.b.a()), at.a.a().dot(at.b.b()));
-  // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
-  // the last one stands; nor in a frame that its owner has spoiled.
-  if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
-  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one
-  // that their motion leads to. (A kinematic body goes where it is put.)
-  const Scalar dt = timeStep();
-  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
-      m_rbB.isStaticOrKinematicObject()) {
-    angle.update(twist.x, twist.y);
-  } else {
-    const Vec3 h = (at.c_a + at.c_b).normalized();
-    angle.update(twist.x, twist.y, h.dot(turnOfStep(m_rbA, m_rbB, dt)));
-  }
+  followTwist(angle, twist, at.c_a + at.c_b, m_rbA, m_rbB, timeStep(), angularSpeed());
 }
 
 void QuaternionHinge::updateState(const BodyPair& pair) {
@@ -322,34 +310,20 @@ inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
   // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(d.sum() + swing.sigma.sum())) return;
 
-  Scalar angle = 0;
-  bool limit = false, axis = false;
+  Acting axis;
   // With c_a and c_b all but opposite the axis has no angle.
-  if ((m_axis.driven() || m_axis.limited()) && swing.h_scale < Scalar(20)) {
-    Reach reach;
-    bool broken = false;
-    if (m_axis.limited()) {
-      const Scalar rough = m_sign * twist.roughValue(), slack = UnwrappedAngle::rough_error;
-      broken = m_axis.distance(rough) < -slack;
-      if (!broken) {
-        reach = angularReach(pair, swing.h, timeStep(), m_sign).of(m_axis);
-        limit = reach.reaches(m_axis, rough, slack);
-      }
-    }
-    if (limit || broken || m_axis.driven()) {
-      angle = m_sign * twist.value();
-      limit = broken || (limit && reach.reaches(m_axis, angle));
-      axis = limit || m_axis.driven();
-    }
-  }
+  if ((m_axis.driven() || m_axis.limited()) && swing.h_scale < Scalar(20))
+    axis = actingAngle(pair, m_axis, twist, swing.h, timeStep(), m_sign);
   if (getFormulation() == Formulation::document) {
-    const bool half_sine = limit && !m_axis.driven();
+    const bool half_sine = axis.limit && !m_axis.driven();
     addDocumentRows(pair, at, d, half_sine ? &twist : nullptr, rows);
     if (half_sine) return;
   } else {
     addConditionedRows(pair, at, d, swing, rows);
   }
-  if (axis) rows.addAngularAxis(0, equations::twist_row(swing), angle, m_axis, limit, m_sign > 0 ? 1 : -1);
+  if (axis.row)
+    rows.addAngularAxis(0, equations::twist_row(swing), axis.position, m_axis, axis.limit,
+                        m_sign > 0 ? 1 : -1);
 }
 
 inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Frames& at,

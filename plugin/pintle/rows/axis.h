@@ -14,6 +14,13 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// A parameter as Bullet's constraints have it: one that is set overrides a general one.
+struct Parameter {
+  Scalar value = 0;
+  bool is_set = false;
+  Scalar orElse(Scalar other) const { return is_set ? value : other; }
+};
+
 struct Spring {
   Scalar angular_frequency = 0;  ///< rad/s; 0: not a spring
   Scalar damping_ratio = 0;

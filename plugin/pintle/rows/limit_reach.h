@@ -2,8 +2,8 @@
 #pragma once
 
 #include <pintle/body_pair.h>
-#include <pintle/equations/effective_mass.h>
 #include <pintle/rows/axis.h>
+#include <pintle/rows/unwrapped_angle.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -50,20 +50,52 @@ inline Reach angularReach(const BodyPair& pair, const Vec3& h, Scalar dt, Scalar
   return {sign * dt * h.dot(pair.w_b() - pair.w_a()), dt * dt * gain};
 }
 
-/// Of a distance (m) that changes by J v, J = [-L, -A_a, L, A_b] with the unit vector L, and by
-/// `curvature`; r_a and r_b are the levers of the points that it is between.
-inline Reach linearReach(const BodyPair& pair, const equations::Jacobian<Scalar>& J, Scalar curvature,
-                         const Vec3& r_a, const Vec3& r_b, Scalar dt) {
-  // (x + y + z + u)^2 <= 4 (x^2 + y^2 + z^2 + u^2)
-  const auto gain2 = [](const btRigidBody& body, const Vec3& r) -> Lanes {
-    const LanesView F = lanes(body.getTotalForce());
-    return F * F * (body.getInvMass() * body.getInvMass()) + r.dot(r) * accelerationBound2(body);
+/// Of a distance (m) along a row J = [-L, -A_a, L, A_b] of unit L that moves as J does: `speed` is J v,
+/// `curvature` what its motion adds (m/s^2). No joint makes J a of the forces' acceleration a more
+/// than sqrt(J M^-1 J^T a^T M a).
+inline Reach linearReach(const BodyPair& pair, const Vec3& A_a, const Vec3& A_b, Scalar speed,
+                         Scalar curvature, Scalar dt) {
+  const auto trace = [](const btMatrix3x3& I_inv) {
+    return I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
   };
-  const Lanes sum = gain2(pair.a(), r_a) + gain2(pair.b(), r_b);
-  const Scalar velocity =
-      J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) + J.A_b.dot(pair.w_b());
-  return {dt * (velocity + Scalar(0.5) * dt * curvature),
-          2 * dt * dt * btSqrt(sum[0] + sum[1] + sum[2])};
+  const btRigidBody &a = pair.a(), &b = pair.b();
+  const Scalar I_a = trace(a.getInvInertiaTensorWorld()), I_b = trace(b.getInvInertiaTensorWorld());
+  const LanesView F_a = lanes(a.getTotalForce()), F_b = lanes(b.getTotalForce());
+  const LanesView T_a = lanes(a.getTotalTorque()), T_b = lanes(b.getTotalTorque());
+  const Lanes own = F_a * F_a * pair.inv_mass_a() + F_b * F_b * pair.inv_mass_b() +
+                    T_a * T_a * I_a + T_b * T_b * I_b;
+  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * A_a.dot(A_a) + I_b * A_b.dot(A_b);
+  const Scalar most = btSqrt(K * (own[0] + own[1] + own[2])) + btFabs(curvature);
+  return {dt * speed, dt * dt * most};
+}
+
+/// Whether anything acts along a coordinate in this step.
+struct Acting {
+  Scalar position = 0;  ///< of the coordinate, if anything does
+  bool limit = false;   ///< the limit may
+  bool row = false;     ///< anything does: it needs a row
+};
+
+/// Of the coordinate sign * `angle`, which moves as angularReach says. Its arc tangent is taken only if
+/// it is near a limit.
+inline Acting actingAngle(const BodyPair& pair, const Axis& axis, const UnwrappedAngle& angle,
+                          const Vec3& h, Scalar dt, Scalar sign = 1) {
+  Acting acting;
+  Reach reach;
+  bool broken = false, near = false;
+  if (axis.limited()) {
+    const Scalar rough = sign * angle.roughValue(), slack = UnwrappedAngle::rough_error;
+    broken = axis.distance(rough) < -slack;
+    if (!broken) {
+      reach = angularReach(pair, h, dt, sign).of(axis);
+      near = reach.reaches(axis, rough, slack);
+    }
+  }
+  if (!near && !broken && !axis.driven()) return acting;
+  acting.position = sign * angle.value();
+  acting.limit = broken || (near && reach.reaches(axis, acting.position));
+  acting.row = acting.limit || axis.driven();
+  return acting;
 }
 
 }  // namespace PINTLE_PRECISION

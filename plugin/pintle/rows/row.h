@@ -8,6 +8,12 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// ERP and CFM of a group of equalities: the part of C that a step takes away, and Bullet's softness.
+struct Firmness {
+  Parameter erp, cfm;
+  Scalar factor = 1;  ///< of the ERP
+};
+
 /// Each vector is followed by a number, so that the solver's side (block.h) can take it as four lanes.
 /// Those numbers are the solver's side's, and stay from step to step: a row that other joints disturb
 /// after it was solved keeps a velocity error, its residual (joint.cpp, feed_forward, says what for).
@@ -29,6 +35,8 @@ struct Row {
   signed char axis;
   /// J v = sign * d/dt of the coordinate of an axis (+1 or -1): which way Bullet counts its impulse.
   signed char sign;
+  /// Which Firmness of the joint holds for an equality.
+  unsigned char firmness;
   /// Whether the limit of the axis may act in this step.
   bool limit;
   /// L = 0 and A_a = A_b.
@@ -115,6 +123,7 @@ class Rows {
     row.position = position;
     row.max_speed = infinity;
     row.axis = -1;
+    row.firmness = 0;
     row.angular = false;
     row.foreseen = false;
     return row;

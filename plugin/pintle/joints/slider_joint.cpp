@@ -1,0 +1,440 @@
+#include <pintle/joints/slider_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/quaternion_hinge.h>
+#include <pintle/equations/quaternion_hinge_limit.h>
+#include <pintle/equations/slider.h>
+#include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/joints/turning.h>
+#include <pintle/rows/limit_reach.h>
+
+#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+// The joint frames in the world. The slide axis is a of each; d = p_b - p_a.
+struct SliderJoint::Frames {
+  Frames(const BodyPair& pair, const btTransform& frame_a, const btTransform& frame_b)
+      : a(pair.pose_a(), frame_a),
+        b(pair.pose_b(), frame_b),
+        axis_a(a.a()),
+        axis_b(b.a()),
+        d(equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r())) {
+    const Lanes dots = a.dots(b);
+    twist = equations::twist<Scalar>(dots[1], dots[2], a.c().dot(b.b()), a.b().dot(b.c()));
+  }
+
+  Frame a, b;
+  Vec3 axis_a, axis_b, d;
+  equations::Twist<Scalar> twist;  ///< of b against a
+};
+
+inline SliderJoint::Frames SliderJoint::frames(const BodyPair& pair) const {
+  return {pair, m_frame_a, m_frame_b};
+}
+
+SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                         const btTransform& frameInB, bool useLinearReferenceFrameA)
+    : FrameJoint(rbA, rbB, m_row_memory),
+      m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
+  m_angular.low = m_angular.high = 0;
+  for (Axis* axis : {&m_linear, &m_angular}) {  // bounded by a force only
+    axis->max_motor_impulse = infinity;
+    axis->max_motor_force = 0;
+  }
+  m_dir_lin.damping = m_dir_ang.damping = 0;
+  feelChanged();
+  setFrames(frameInA, frameInB);
+}
+
+SliderJoint::SliderJoint(btRigidBody& rbB, const btTransform& frameInB,
+                         bool useLinearReferenceFrameA)
+    : SliderJoint(getFixedBody(), rbB, btTransform::getIdentity(), btTransform::getIdentity(),
+                  useLinearReferenceFrameA) {
+  frame("frameInB", frameInB);
+  setFrames(rbB.getCenterOfMassTransform() * frameInB, frameInB);
+}
+
+void SliderJoint::framesChanged() {
+  // Another zero: the turns counted from the old one mean nothing.
+  m_twist = {};
+  m_turn_given = false;
+  testAngLimits();
+  testLinLimits();
+}
+
+// --- position and angle --------------------------------------------------------------------------
+
+inline void SliderJoint::look(const Frames& at, UnwrappedAngle& angle) const {
+  followTwist(angle, at.twist, at.axis_a + at.axis_b, m_rbA, m_rbB, timeStep(), angularSpeed());
+}
+
+void SliderJoint::updateState(const BodyPair& pair) { look(frames(pair), m_twist); }
+
+void SliderJoint::testLinLimits() { m_seen_position = getLinearPos(); }
+
+void SliderJoint::testAngLimits() {
+  updateState({m_rbA, m_rbB});
+  m_seen = m_twist;
+}
+
+btTransform SliderJoint::getCalculatedTransformA() const {
+  return m_rbA.getCenterOfMassTransform() * m_frame_a;
+}
+
+btTransform SliderJoint::getCalculatedTransformB() const {
+  return m_rbB.getCenterOfMassTransform() * m_frame_b;
+}
+
+btVector3 SliderJoint::getAncorInA() const {
+  const Scalar middle = (m_linear.low + m_linear.high) / 2;
+  const Scalar along = BodyPair::is_finite(middle) ? middle : Scalar(0);
+  return m_frame_a.getOrigin() + along * m_frame_a.getBasis().getColumn(0);
+}
+
+btScalar SliderJoint::getLinearPos() const {
+  const Frames at = frames({m_rbA, m_rbB});
+  return m_sign * at.axis_a.dot(at.d);
+}
+
+btScalar SliderJoint::getAngularPos() const {
+  if (m_angular.limited() && (m_angular.low < -SIMD_PI || m_angular.high > SIMD_PI)) {
+    UnwrappedAngle now = m_twist;
+    look(frames({m_rbA, m_rbB}), now);
+    return now.value();
+  }
+  // By the y axis of b, as Bullet measures it also while the axes are apart.
+  const btMatrix3x3 F_a = getCalculatedTransformA().getBasis();
+  const btVector3 y_b = getCalculatedTransformB().getBasis().getColumn(1);
+  const btScalar angle = btAtan2(y_b.dot(F_a.getColumn(2)), y_b.dot(F_a.getColumn(1)));
+  return btAdjustAngleToLimits(angle, m_angular.low, m_angular.high);
+}
+
+btScalar SliderJoint::getAccumulatedAngularPos() {
+  updateState({m_rbA, m_rbB});
+  return m_twist.value();
+}
+
+void SliderJoint::setAccumulatedAngularPos(btScalar angle) {
+  m_twist.set(finite("accumulated angle", angle));
+  m_turn_given = true;
+  testAngLimits();
+}
+
+// --- settings ------------------------------------------------------------------------------------
+
+void SliderJoint::setLowerLinLimit(btScalar lowerLimit) {
+  setAxisLimit(m_linear, lowerLimit, m_linear.high);
+}
+void SliderJoint::setUpperLinLimit(btScalar upperLimit) {
+  setAxisLimit(m_linear, m_linear.low, upperLimit);
+}
+void SliderJoint::setLowerAngLimit(btScalar lowerLimit) {
+  setAngularLimits(lowerLimit, m_angular.high);
+}
+void SliderJoint::setUpperAngLimit(btScalar upperLimit) {
+  setAngularLimits(m_angular.low, upperLimit);
+}
+
+void SliderJoint::setAngularLimits(Scalar low, Scalar high) {
+  const bool moved = low != m_angular.low || high != m_angular.high;
+  setAxisLimit(m_angular, low, high);
+  if (moved && !m_turn_given && m_angular.limited() && high - low < SIMD_2_PI) {
+    const Scalar middle = (low + high) / 2, now = m_twist.value();
+    m_twist.set(now + SIMD_2_PI * std::round((middle - now) / SIMD_2_PI));
+  }
+}
+
+void SliderJoint::setSoftness(Feel& feel, Scalar softness) {
+  feel.softness = notNegative("softness", softness);
+  feelChanged();
+}
+void SliderJoint::setRestitution(Feel& feel, Scalar restitution) {
+  feel.restitution = finite("restitution", restitution);
+}
+void SliderJoint::setDamping(Feel& feel, Scalar damping) {
+  feel.damping = finite("damping", damping);
+  feelChanged();
+}
+
+// What Bullet makes of these numbers. One that is set as STOP_ERP counts twice at a limit, there too:
+// as the ERP, and as its softness.
+void SliderJoint::feelChanged() {
+  const auto set = [this](Scalar value, int flag) {
+    return Parameter{value, (m_flags & flag) != 0};
+  };
+  const auto own = [this](Scalar value, int flag) {
+    return (m_flags & flag) != 0 ? value : Scalar(-1);
+  };
+  const auto rebounds = [](Axis& axis, const Feel& feel) {
+    axis.bias = feel.softness;
+    axis.relaxation = btFabs(1 - feel.damping);
+  };
+  rebounds(m_linear, m_lim_lin);
+  m_linear.own_limit_erp = own(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
+  m_linear.own_limit_cfm = own(m_lim_lin.cfm, BT_SLIDER_FLAGS_CFM_LIMLIN);
+  m_linear.own_motor_cfm = own(m_dir_lin.cfm, BT_SLIDER_FLAGS_CFM_DIRLIN);
+  rebounds(m_angular, m_lim_ang);
+  m_angular.own_limit_erp = own(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG);
+  m_angular.own_limit_cfm = own(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
+  m_angular.own_motor_cfm = own(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
+
+  const auto equality = [](Parameter erp, Parameter cfm) {
+    return Firmness{erp, cfm, erp.is_set ? Scalar(1) : erp.value};
+  };
+  m_firmnesses[across] = equality(set(m_ortho_lin.softness, BT_SLIDER_FLAGS_ERP_ORTLIN),
+                                  set(m_ortho_lin.cfm, BT_SLIDER_FLAGS_CFM_ORTLIN));
+  m_firmnesses[directions] = equality(set(m_ortho_ang.softness, BT_SLIDER_FLAGS_ERP_ORTANG),
+                                      set(m_ortho_ang.cfm, BT_SLIDER_FLAGS_CFM_ORTANG));
+  const bool same = m_ortho_lin.softness == 1 && m_ortho_ang.softness == 1 &&
+                    m_lim_ang.softness == 1 &&
+                    (m_flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) == 0;
+  m_firmness = same ? nullptr : m_firmnesses;
+  m_firmnesses[locked_angle] = {set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG),
+                                set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG),
+                                m_lim_ang.softness};
+}
+
+void SliderJoint::setPoweredLinMotor(bool onOff) {
+  m_linear.drive = onOff ? m_linear_drive : Axis::Drive::off;
+}
+void SliderJoint::setTargetLinMotorVelocity(btScalar targetLinMotorVelocity) {
+  m_linear.motor_velocity = finite("target linear motor velocity", targetLinMotorVelocity);
+  m_linear_drive = Axis::Drive::velocity;
+  setPoweredLinMotor(getPoweredLinMotor());
+}
+void SliderJoint::setMaxLinMotorForce(btScalar maxLinMotorForce) {
+  m_linear.max_motor_force = bound("max linear motor force", maxLinMotorForce);
+}
+void SliderJoint::setPoweredAngMotor(bool onOff) {
+  m_angular.drive = onOff ? m_angular_drive : Axis::Drive::off;
+}
+void SliderJoint::setTargetAngMotorVelocity(btScalar targetAngMotorVelocity) {
+  m_angular.motor_velocity = -finite("target angular motor velocity", targetAngMotorVelocity);
+  m_angular_drive = Axis::Drive::velocity;
+  setPoweredAngMotor(getPoweredAngMotor());
+}
+void SliderJoint::setMaxAngMotorForce(btScalar maxAngMotorForce) {
+  m_angular.max_motor_force = bound("max angular motor force", maxAngMotorForce);
+}
+
+void SliderJoint::setLinLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_linear, frequency_hz, damping_ratio);
+}
+void SliderJoint::setAngLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_angular, frequency_hz, damping_ratio);
+}
+
+void SliderJoint::setLinMotorServo(btScalar target, btScalar frequency_hz, btScalar damping_ratio,
+                                   btScalar max_force) {
+  setAxisServo(m_linear, target, frequency_hz, damping_ratio, max_force, "servo max force");
+  m_linear_drive = Axis::Drive::servo;
+}
+void SliderJoint::setAngMotorServo(btScalar target_angle, btScalar frequency_hz,
+                                   btScalar damping_ratio, btScalar max_torque) {
+  setAxisServo(m_angular, target_angle, frequency_hz, damping_ratio, max_torque);
+  m_angular_drive = Axis::Drive::servo;
+}
+
+void SliderJoint::setLinFriction(btScalar max_force) {
+  setAxisFriction(m_linear, max_force, "friction max force");
+}
+void SliderJoint::setAngFriction(btScalar max_torque) { setAxisFriction(m_angular, max_torque); }
+
+// Which of the numbers a parameter is.
+struct SliderJoint::Slot {
+  Feel SliderJoint::*feel;
+  Scalar Feel::*number;
+  int flag;
+};
+
+SliderJoint::Slot SliderJoint::slot(int num, int axis) const {
+  using J = SliderJoint;
+  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  // 0: along, 1: across, 2: about, 3: the directions.
+  const int group = axis < 1 ? 0 : axis < 3 ? 1 : axis == 3 ? 2 : 3;
+  Feel J::*const stops[] = {&J::m_lim_lin, &J::m_ortho_lin, &J::m_lim_ang, &J::m_ortho_ang};
+  constexpr int erp_flags[] = {BT_SLIDER_FLAGS_ERP_LIMLIN, BT_SLIDER_FLAGS_ERP_ORTLIN,
+                               BT_SLIDER_FLAGS_ERP_LIMANG, BT_SLIDER_FLAGS_ERP_ORTANG};
+  constexpr int cfm_flags[] = {BT_SLIDER_FLAGS_CFM_LIMLIN, BT_SLIDER_FLAGS_CFM_ORTLIN,
+                               BT_SLIDER_FLAGS_CFM_LIMANG, BT_SLIDER_FLAGS_CFM_ORTANG};
+  switch (num) {
+    case BT_CONSTRAINT_STOP_ERP: return {stops[group], &Feel::softness, erp_flags[group]};
+    case BT_CONSTRAINT_STOP_CFM: return {stops[group], &Feel::cfm, cfm_flags[group]};
+    case BT_CONSTRAINT_CFM:
+      if (group == 0) return {&J::m_dir_lin, &Feel::cfm, BT_SLIDER_FLAGS_CFM_DIRLIN};
+      if (group == 2) return {&J::m_dir_ang, &Feel::cfm, BT_SLIDER_FLAGS_CFM_DIRANG};
+      reject("parameter axis", axis, "only motors have a CFM: -1, 0 or 3");
+    default: reject("parameter", num, "no such parameter");
+  }
+}
+
+void SliderJoint::setParam(int num, btScalar value, int axis) {
+  if (num == BT_CONSTRAINT_ERP) {
+    notNegative("ERP", value);
+    return;
+  }
+  const Slot to = slot(num, axis);
+  (this->*to.feel).*to.number =
+      notNegative(num == BT_CONSTRAINT_STOP_ERP ? "STOP_ERP" : "CFM", value);
+  m_flags |= to.flag;
+  feelChanged();
+}
+
+btScalar SliderJoint::getParam(int num, int axis) const {
+  if (num == BT_CONSTRAINT_ERP) return infinity;
+  const Slot of = slot(num, axis);
+  return (this->*of.feel).*of.number;
+}
+
+void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer)) return;
+  const btTransform A = getCalculatedTransformA(), B = getCalculatedTransformB();
+  const btTransform& rail = m_sign > 0 ? A : B;
+  const Scalar low = m_linear.low, high = m_linear.high;
+  if (low < high && low > -infinity && high < infinity)
+    drawer.drawLine(rail(btVector3(low, 0, 0)), rail(btVector3(high, 0, 0)), limitColor());
+  if (!m_angular.locked())
+    drawRange(drawer, B.getOrigin(), A.getBasis().getColumn(0), A.getBasis().getColumn(1),
+              m_dbgDrawSize, m_angular.low, m_angular.high);
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+PINTLE_FLATTEN void SliderJoint::prepare(const BodyPair& pair, Rows& rows) {
+  const Frames at = frames(pair);
+  look(at, m_twist);
+  m_seen = m_twist;
+  m_seen_position = m_sign * at.axis_a.dot(at.d);
+  addRows(pair, at, m_twist, rows);
+}
+
+void SliderJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frames at = frames(pair);
+  UnwrappedAngle twist = m_twist;
+  look(at, twist);
+  addRows(pair, at, twist, rows);
+}
+
+inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
+                                 const UnwrappedAngle& twist, Rows& rows) const {
+  const auto swing = equations::swing(at.axis_a, at.axis_b);
+  // Also a frame that its owner has spoiled: sigma is made of its x axis, the twist of the others.
+  if (!BodyPair::is_finite(at.d.sum() + swing.sigma.sum() + at.twist.x + at.twist.y)) return;
+
+  const bool document = getFormulation() == Formulation::document;
+  if (document)
+    addDocumentAngularRows(pair, rows);
+  else
+    addAngularRows(pair, swing, twist, rows);
+  // With the axes all but opposite there is no angle between them.
+  Acting turn;
+  if (!angleIsLocked() && (m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
+    turn = actingAngle(pair, m_angular, twist, swing.h, timeStep());
+  const auto add_turn = [&] {
+    if (turn.row)
+      rows.addAngularAxis(angular, equations::twist_row(swing), turn.position, m_angular,
+                          turn.limit);
+  };
+  if (m_angular_only) return add_turn();
+
+  const equations::Anchors<Scalar> anchors{at.a.r(), at.b.r(), at.d};
+  const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
+  const Vec3 curvature = equations::position_curvature_conserving(anchors, v);
+  // The document's rows take for granted that both bodies turn alike.
+  const bool middle = document && angleIsLocked();
+  const auto add = [&](const Vec3& u) {
+    if (middle) {
+      const auto row = equations::slider_row_middle(u, at.axis_a, anchors);
+      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).firmness = group(across);
+    } else {
+      const auto row = equations::contact_row(u, anchors);
+      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, u.dot(curvature)).firmness =
+          group(across);
+    }
+  };
+  add(at.a.b());
+  add(at.a.c());
+  add_turn();
+  if (m_linear.driven() || m_linear.limited()) addLinearAxis(pair, at, anchors, v, curvature, rows);
+}
+
+inline void SliderJoint::addAngularRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
+                                        const UnwrappedAngle& twist, Rows& rows) const {
+  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
+  const bool locked = angleIsLocked();
+  // Bodies that turn alike keep the axes together.
+  Scalar bend_p = 0, bend_q = 0;
+  if (!locked) {
+    const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
+    const auto bend = equations::swing_curvature(swing, p, q, w_a, w_b);
+    bend_p = bend[0];
+    bend_q = bend[1];
+  }
+  // |J_b| of the angle is 1 / cos(swing/2): times that cosine the row is a unit one, at any error.
+  const Scalar turned =
+      locked ? (twist.value() - m_angular.low) / btSqrt(swing.h_scale) : Scalar(0);
+  const Scalar error = btSqrt(swing.angle * swing.angle + turned * turned);
+  const Scalar most = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
+  const auto add = [&](const Vec3& u, Scalar C, Scalar second_derivative, int firmness) {
+    Row& row = rows.addAngular(u, C, second_derivative);
+    row.max_speed = most * btFabs(C);
+    row.firmness = group(firmness);
+  };
+  add(p, p.dot(swing.sigma), bend_p, directions);
+  add(q, q.dot(swing.sigma), bend_q, directions);
+  if (locked) add(swing.h, turned, 0, locked_angle);
+}
+
+// The lock's rows, of which a free angle leaves those about the frame's other two axes.
+void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const {
+  const bool locked = angleIsLocked();
+  Mat3 F = pair.R_a() * view(m_frame_a.getBasis());
+  if (locked && m_angular.low != 0) {
+    const Scalar cosine = btCos(m_angular.low), sine = btSin(m_angular.low);
+    const Vec3 y = F.col(1), z = F.col(2);
+    F.col(1) = cosine * y + sine * z;
+    F.col(2) = cosine * z - sine * y;
+  }
+  const Mat3 F_b = pair.R_b() * view(m_frame_b.getBasis());
+  const auto p = equations::relative(equations::quaternion(F), equations::quaternion(F_b));
+  if (!BodyPair::is_finite(p.w + p.v.sum())) return;
+  const Scalar error = locked ? p.v.norm() : std::hypot(p.v.y(), p.v.z());
+  // Along the error the row turns 2/|w| times as fast as it says.
+  const Scalar most = error > 0 ? getMaxCorrectionSpeed() * btFabs(p.w) / (2 * error) : Scalar(0);
+  const auto add = [&](int i, int firmness) {
+    const auto from = equations::quaternion_row<Scalar>(p, F, Vec3::Unit(i));
+    Row& row = rows.addAngular(from.J_b, from.C);
+    row.max_speed = most * btFabs(from.C);
+    row.firmness = group(firmness);
+  };
+  add(1, directions);
+  add(2, directions);
+  if (locked) add(0, locked_angle);
+}
+
+inline void SliderJoint::addLinearAxis(const BodyPair& pair, const Frames& at,
+                                       const equations::Anchors<Scalar>& anchors,
+                                       const equations::Velocity<Scalar>& v, const Vec3& curvature,
+                                       Rows& rows) const {
+  const auto row = equations::contact_row(at.axis_a, anchors);
+  const Scalar position = m_sign * row.C, along = at.axis_a.dot(curvature);
+  bool limit = false;
+  if (m_linear.limited()) {
+    const Vec3 lever_a = anchors.r_a + anchors.d;
+    const Scalar speed = at.axis_a.dot(equations::relative_velocity(v, lever_a, anchors.r_b));
+    limit = linearReach(pair, row.J.A_a, row.J.A_b, m_sign * speed, along, timeStep())
+                .of(m_linear)
+                .reaches(m_linear, position);
+  }
+  if (limit || m_linear.driven())
+    rows.addAxis(linear, row.J.L, row.J.A_a, row.J.A_b, position, m_linear, limit,
+                 m_sign > 0 ? 1 : -1)
+        .curvature = m_sign * along;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

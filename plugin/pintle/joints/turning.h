@@ -1,0 +1,30 @@
+// Purpose: how a joint keeps count of the turns of an angle, step by step.
+#pragma once
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/quaternion_hinge_limit.h>
+#include <pintle/rows/turn_of_step.h>
+#include <pintle/rows/unwrapped_angle.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// `angle` becomes the twist of b against a about the sum of the two bodies' axes. `speed`: of the
+/// faster body, rad/s.
+inline void followTwist(UnwrappedAngle& angle, const equations::Twist<Scalar>& twist,
+                        const Vec3& axes_sum, const btRigidBody& a, const btRigidBody& b, Scalar dt,
+                        Scalar speed) {
+  // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
+  // the last one stands; nor in a frame that its owner has spoiled.
+  if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
+  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one
+  // that their motion leads to. (A kinematic body goes where it is put.)
+  if (speed * dt < 1 || a.isStaticOrKinematicObject() || b.isStaticOrKinematicObject()) {
+    angle.update(twist.x, twist.y);
+    return;
+  }
+  angle.update(twist.x, twist.y, axes_sum.normalized().dot(turnOfStep(a, b, dt)));
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
