@@ -4,8 +4,12 @@
 #include "joint_step.h"
 
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/dot_hinge.h>
+#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/two_point_hinge.h>
 
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 
@@ -36,6 +40,18 @@ Case ball(const char* name, const char* stock, Setting setting) {
   return {name, stock, sizeof(Ball), [setting](JointStep& s) {
             auto joint = std::make_unique<Ball>(*s.a, *s.b, JointStep::frameA().getOrigin(),
                                                 JointStep::frameB().getOrigin());
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
+// With frames that coincide.
+template <class Fixed, class Setting>
+Case fixed(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Fixed), [setting](JointStep& s) {
+            const btTransform frame_b = s.b->getCenterOfMassTransform().inverse() *
+                                        s.a->getCenterOfMassTransform() * JointStep::frameA();
+            auto joint = std::make_unique<Fixed>(*s.a, *s.b, JointStep::frameA(), frame_b);
             setting(*joint);
             return std::unique_ptr<btTypedConstraint>(std::move(joint));
           }};
@@ -76,6 +92,20 @@ inline std::vector<Case> cases() {
       ball<btPoint2PointConstraint>("stock ball", nullptr, as_is),
       ball<pintle::BallJoint>("ball, plain rows", "stock ball", plain),
       ball<pintle::BallJoint>("ball", "stock ball", as_is),
+      fixed<btFixedConstraint>("stock fixed", nullptr, as_is),
+      fixed<pintle::FixedJoint>("fixed, plain rows", "stock fixed", plain),
+      fixed<pintle::FixedJoint>("fixed", "stock fixed", as_is),
+      fixed<pintle::FixedJoint>(
+          "fixed, document's form", "stock fixed",
+          [](auto& joint) { joint.setFormulation(pintle::Formulation::document); }),
+      hinge<pintle::DotHinge>("dot hinge, plain rows", "stock hinge", plain),
+      hinge<pintle::DotHinge>("dot hinge", "stock hinge", as_is),
+      hinge<pintle::DotHinge>("dot hinge, limit", "stock hinge, limit", limit),
+      hinge<pintle::DotHinge>("dot hinge, motor", "stock hinge, motor", motor),
+      hinge<pintle::TwoPointHinge>("two points, plain rows", "stock hinge", plain),
+      hinge<pintle::TwoPointHinge>("two points", "stock hinge", as_is),
+      hinge<pintle::TwoPointHinge>("two points, six rows", "stock hinge",
+                                   [](auto& joint) { joint.setSixRows(true); }),
   };
 }
 

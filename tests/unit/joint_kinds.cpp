@@ -1,7 +1,13 @@
 #include "joint_kinds.h"
 
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/dot_hinge.h>
+#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/two_point_hinge.h>
+#include <pintle/joints/unstable/cross_product_hinge.h>
+#include <pintle/joints/unstable/cross_product_matrix_hinge.h>
+#include <pintle/joints/unstable/single_row_lock.h>
 
 #include "support.h"
 
@@ -10,7 +16,9 @@ namespace {
 
 using pintle::BallJoint;
 using pintle::Formulation;
-using pintle::QuaternionHinge;
+using pintle::FrameJoint;
+using pintle::HingeBase;
+using pintle::TwoPointHinge;
 using support::scalar;
 
 // --- settings ------------------------------------------------------------------------------------
@@ -21,7 +29,12 @@ void set(BallJoint& ball, int variant) {
   if (variant == 3) ball.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
 }
 
-void set(QuaternionHinge& hinge, int variant) {
+void set(FrameJoint& joint, int variant) {
+  if (variant == 1) joint.setAngularOnly(true);
+  if (variant == 2) joint.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
+}
+
+void set(HingeBase& hinge, int variant) {
   if (variant == 1) hinge.setLimit(scalar(-0.2), scalar(0.3));
   if (variant == 2) hinge.enableAngularMotor(true, 2, 10);
   if (variant == 3) {
@@ -37,6 +50,16 @@ void set(QuaternionHinge& hinge, int variant) {
     hinge.setAngularOnly(true);
     hinge.setLimit(scalar(-0.2), scalar(0.3));
     hinge.setFriction(2);
+  }
+}
+
+void set(TwoPointHinge& hinge, int variant) {
+  if (variant < 6) set(static_cast<HingeBase&>(hinge), variant);
+  if (variant == 6) hinge.setPlacement(TwoPointHinge::Placement::about_anchor, 2);
+  if (variant == 7) hinge.setPlacement(TwoPointHinge::Placement::from_nearest_b, scalar(0.3));
+  if (variant == 8) {
+    hinge.setSixRows(true);
+    hinge.setLimit(scalar(-0.2), scalar(0.3));
   }
 }
 
@@ -64,8 +87,14 @@ void add(std::vector<Kind>& list, const char* name, int variants) {
 
 std::vector<Kind> all() {
   std::vector<Kind> list;
-  add<QuaternionHinge>(list, "QuaternionHinge", 6);
+  add<pintle::QuaternionHinge>(list, "QuaternionHinge", 6);
   add<BallJoint>(list, "BallJoint", 4);
+  add<pintle::FixedJoint>(list, "FixedJoint", 3);
+  add<pintle::DotHinge>(list, "DotHinge", 6);
+  add<TwoPointHinge>(list, "TwoPointHinge", 9);
+  add<pintle::CrossProductHinge>(list, "CrossProductHinge", 3);
+  add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3);
+  add<pintle::SingleRowLock>(list, "SingleRowLock", 3);
   return list;
 }
 
