@@ -66,10 +66,10 @@ void set(TwoPointHinge& hinge, int variant) {
 // --- the list ------------------------------------------------------------------------------------
 
 template <class J>
-void add(std::vector<Kind>& list, const char* name, int variants) {
+void add(std::vector<Kind>& list, const char* name, int variants, const char* blows_up = "") {
   for (const Formulation form : {Formulation::conditioned, Formulation::document}) {
     list.push_back(
-        {std::string(name) + (form == Formulation::document ? "Document" : ""), sizeof(J), variants,
+        {std::string(name) + (form == Formulation::document ? "Document" : ""), sizeof(J), variants, blows_up,
          [form](btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
                 const btTransform& frame_b, int variant) {
            auto joint = std::make_unique<J>(a, b, frame_a, frame_b);
@@ -93,7 +93,8 @@ std::vector<Kind> all() {
   add<pintle::DotHinge>(list, "DotHinge", 6);
   add<TwoPointHinge>(list, "TwoPointHinge", 9);
   add<pintle::CrossProductHinge>(list, "CrossProductHinge", 3);
-  add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3);
+  add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3,
+                                       "three rows for two freedoms ask for what the plane forbids");
   add<pintle::SingleRowLock>(list, "SingleRowLock", 3);
   return list;
 }

@@ -16,6 +16,8 @@ struct Kind {
   std::string name;
   size_t bytes;
   int variants;  ///< settings from few (0: as constructed) to all
+  /// Why the joint blows up in two dimensions, which no other may; empty: it does not.
+  std::string blows_up;
   std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, btRigidBody& b,
                                                const btTransform& frame_a,
                                                const btTransform& frame_b, int variant)>
