@@ -26,6 +26,12 @@ class Frame {
   Vec3 b() const { return {m_x[1], m_y[1], m_z[1]}; }
   Vec3 c() const { return {m_x[2], m_y[2], m_z[2]}; }
   const Vec3& r() const { return m_r; }
+  /// The axes as columns: F, the rotation from the frame to the world.
+  Mat3 axes() const {
+    Mat3 F;
+    F << a(), b(), c();
+    return F;
+  }
 
   /// a.a', b.b', c.c'
   Lanes dots(const Frame& f) const { return m_x * f.m_x + m_y * f.m_y + m_z * f.m_z; }

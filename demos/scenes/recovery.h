@@ -1,12 +1,13 @@
-// Two free boxes start with their hinge badly violated, and the hinge pulls itself together.
+// Two free boxes start with their joint badly violated, and the joint pulls itself together.
 //
 // Two boxes of 1 kg, half extents (0.5, 0.1, 0.1) m, without gravity. The hinge axis is z of each
 // box; the anchors are (0.5, 0, 0) in A and (-0.5, 0, 0) in B, and coincide at the start; B is
 // turned by `angle` about a direction of the x-y plane, so the axes start `angle` apart. Such
-// errors come from teleports, from content made by hand, and from impacts.
+// errors come from teleports, from content made by hand, and from impacts. A lock has no axis: its
+// error is the whole turn between the frames, about any direction.
 //
 // Measured:
-//   steps          after how many steps the axes are within 1 degree for good; -1: never
+//   steps          after how many steps the error is within 1 degree for good; -1: never
 //   angular speed  the largest of either body after any step, rad/s: a correction that is exact
 //                  but throws the bodies about is no recovery
 // There is no closed form. Near 180 degrees the direction to turn in is barely defined.
@@ -22,7 +23,8 @@ namespace scenes {
 
 struct RecoverySettings {
   double angle = pi / 4;              // rad
-  Eigen::Vector3d about = {1, 0, 0};  // unit vector in the x-y plane
+  Eigen::Vector3d about = {1, 0, 0};  // unit vector, of a hinge in the x-y plane
+  bool lock = false;                  // the error is that of the whole orientation
   double dt = 1.0 / 60;               // s
   int iterations = 10;
   double seconds = 10;
@@ -33,14 +35,20 @@ struct RecoverySettings {
 struct RecoveryResult {
   int steps = -1;                    // -1: never
   double max_angular_speed = 0;      // rad/s
-  double start_axis_angle = 0;       // rad: the settings' angle, but for rounding
+  double start_axis_angle = 0;       // rad, or that of a lock: the settings' angle, but for rounding
   double end_axis_angle = 0;         // rad
   double max_gap = 0;                // m
   bool finite = true;                // false: the run ended in NaN or infinity
   double microseconds_per_step = 0;  // wall-clock: does not repeat
 };
 
-// `configure` is called with the hinge before the first step.
+// The angle by which the second body is turned against the first, rad, in [0, pi].
+inline double angle_between(const btRigidBody& a, const btRigidBody& b) {
+  const Eigen::Quaterniond turn(Eigen::Matrix3d(rotation(a).transpose() * rotation(b)));
+  return 2 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
+}
+
+// `configure` is called with the joint before the first step.
 template <class Hinge, class Configure = AsConstructed>
 RecoveryResult recovery(const RecoverySettings& settings, Configure configure = {}) {
   const Eigen::Vector3d axis(0, 0, 1), anchor_a(0.5, 0, 0), anchor_b(-0.5, 0, 0);
@@ -57,6 +65,7 @@ RecoveryResult recovery(const RecoverySettings& settings, Configure configure = 
       world.add_joint<Hinge>(a, b, pose_at(to_bullet(anchor_a)), pose_at(to_bullet(anchor_b))));
 
   const auto axis_angle = [&] {
+    if (settings.lock) return angle_between(a, b);
     return angle_between(direction_in_world(a, axis), direction_in_world(b, axis));
   };
   RecoveryResult result;

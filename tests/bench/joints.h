@@ -5,10 +5,14 @@
 
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/constant_velocity_joint.h>
+#include <pintle/joints/dot_hinge.h>
+#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
+#include <pintle/joints/two_point_hinge.h>
 #include <pintle/joints/universal_joint.h>
 
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
@@ -191,9 +195,44 @@ inline std::vector<Case> others() {
   };
 }
 
+// With frames that coincide.
+template <class Fixed, class Setting>
+Case fixed(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Fixed), [setting](JointStep& s) {
+            const btTransform frame_b = s.b->getCenterOfMassTransform().inverse() *
+                                        s.a->getCenterOfMassTransform() * JointStep::frameA();
+            auto joint = std::make_unique<Fixed>(*s.a, *s.b, JointStep::frameA(), frame_b);
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
+inline std::vector<Case> locksAndHinges() {
+  const auto as_is = [](auto&) {};
+  const auto plain = [](auto& joint) { joint.setBlockRows(false); };
+  const auto limit = [](auto& joint) { joint.setLimit(0, 1); };
+  const auto motor = [](auto& joint) { joint.enableAngularMotor(true, 1, 1); };
+  return {
+      fixed<btFixedConstraint>("stock fixed", nullptr, as_is),
+      fixed<pintle::FixedJoint>("fixed, plain rows", "stock fixed", plain),
+      fixed<pintle::FixedJoint>("fixed", "stock fixed", as_is),
+      fixed<pintle::FixedJoint>(
+          "fixed, document's form", "stock fixed",
+          [](auto& joint) { joint.setFormulation(pintle::Formulation::document); }),
+      hinge<pintle::DotHinge>("dot hinge, plain rows", "stock hinge", plain),
+      hinge<pintle::DotHinge>("dot hinge", "stock hinge", as_is),
+      hinge<pintle::DotHinge>("dot hinge, limit", "stock hinge, limit", limit),
+      hinge<pintle::DotHinge>("dot hinge, motor", "stock hinge, motor", motor),
+      hinge<pintle::TwoPointHinge>("two points, plain rows", "stock hinge", plain),
+      hinge<pintle::TwoPointHinge>("two points", "stock hinge", as_is),
+      hinge<pintle::TwoPointHinge>("two points, six rows", "stock hinge",
+                                   [](auto& joint) { joint.setSixRows(true); }),
+  };
+}
+
 inline std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const auto& some : {others(), sliders()}) all.insert(all.end(), some.begin(), some.end());
+  for (const auto& some : {others(), sliders(), locksAndHinges()}) all.insert(all.end(), some.begin(), some.end());
   return all;
 }
 

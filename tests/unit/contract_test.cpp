@@ -246,6 +246,31 @@ TEST_P(Contract, DegenerateBodiesStayFiniteInAWorld) {
   }
 }
 
+// In single precision the inverse inertia of a needle in the world is all rounding but for one axis.
+TEST_P(Contract, NeedlesStayFinite) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    Random random(1000 + seed);
+    Pair pair = randomPair(random);
+    pair.a = support::body(1, vec(1, 1, 1e-8), random.pose(1));
+    pair.b = support::body(0, vec(0, 0, 0), random.pose(1));
+    move(*pair.a, random, 3, 5);
+    btSphereShape shape(1);
+    scenes::World world(0);
+    for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
+      body->setCollisionShape(&shape);
+      body->setActivationState(DISABLE_DEACTIVATION);
+      world.bullet().addRigidBody(body, 0, 0);
+    }
+    const auto joint = make(pair);
+    world.bullet().addConstraint(joint.get(), true);
+    for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+    EXPECT_TRUE(support::is_finite(*pair.a)) << seed;
+    world.bullet().removeConstraint(joint.get());
+    world.bullet().removeRigidBody(pair.a.get());
+    world.bullet().removeRigidBody(pair.b.get());
+  }
+}
+
 // Bullet hands over the world's softness in the first row only.
 TEST_P(Contract, TheWorldsCfmReachesEveryEquality) {
   Random random(14);
@@ -761,6 +786,7 @@ double topSpeedInTwoDimensions(const Kind& kind, int variant, const btQuaternion
 
 TEST_P(Contract, TwoDimensionalGamesAreFiniteAndStable) {
   // A hinge along z as in the game, along x, and askew: rows that nothing can follow.
+  double most = 0;
   for (const btQuaternion& turn :
        {btQuaternion(0, 0, 0, 1), btQuaternion(vec(0, 1, 0), scalar(pi / 2)),
         btQuaternion(vec(1, 1, 0).normalized(), 1)}) {
@@ -768,10 +794,17 @@ TEST_P(Contract, TwoDimensionalGamesAreFiniteAndStable) {
       SCOPED_TRACE(testing::Message()
                    << "axis turned by " << turn.getAngle() << ", variant " << variant);
       bool finite = true;
-      // It starts at 3 rad/s and 2.2 m/s; what acts adds at most some more.
-      EXPECT_LT(topSpeedInTwoDimensions(GetParam(), variant, turn, finite), 15);
+      const double top = topSpeedInTwoDimensions(GetParam(), variant, turn, finite);
+      most = std::max(most, top);
       EXPECT_TRUE(finite);
+      // It starts at 3 rad/s and 2.2 m/s; what acts adds at most some more.
+      if (GetParam().blows_up.empty()) {
+        EXPECT_LT(top, 15);
+      }
     }
+  }
+  if (!GetParam().blows_up.empty()) {
+    EXPECT_GT(most, 100) << "It holds after all: " << GetParam().blows_up;
   }
 }
 

@@ -6,9 +6,15 @@
 #include <pintle/joints/constant_velocity_joint.h>
 #include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
+#include <pintle/joints/dot_hinge.h>
+#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
+#include <pintle/joints/two_point_hinge.h>
 #include <pintle/joints/universal_joint.h>
+#include <pintle/joints/unstable/cross_product_hinge.h>
+#include <pintle/joints/unstable/cross_product_matrix_hinge.h>
+#include <pintle/joints/unstable/single_row_lock.h>
 #include <pintle/joints/wedge_joint.h>
 
 #include "support.h"
@@ -23,8 +29,11 @@ using pintle::ConstantVelocityJoint;
 using pintle::ContactJoint;
 using pintle::DistanceJoint;
 using pintle::Formulation;
+using pintle::FrameJoint;
+using pintle::HingeBase;
 using pintle::QuaternionHinge;
 using pintle::SliderJoint;
+using pintle::TwoPointHinge;
 using pintle::UniversalJoint;
 using pintle::WedgeJoint;
 using support::infinite;
@@ -38,59 +47,12 @@ void set(BallJoint& ball, int variant) {
   if (variant == 3) ball.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
 }
 
-// Where the frames that the test gave meet, these are apart: the cone has no direction in its middle.
-btQuaternion turnFrame(ConeTwistJoint& joint, double x, double y, double z) {
-  const btVector3 turn = support::vec(x, y, z);
-  const btQuaternion q(turn.normalized(), turn.length());
-  joint.setFrames(joint.getAFrame(), joint.getBFrame() * btTransform(q.inverse()));
-  return q;
+void set(FrameJoint& joint, int variant) {
+  if (variant == 1) joint.setAngularOnly(true);
+  if (variant == 2) joint.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
 }
 
-void set(ConeTwistJoint& joint, int variant) {
-  if (variant == 1) {
-    turnFrame(joint, 0.4, 0.9, 0.7);
-    joint.setLimit(1, 1, scalar(0.3));
-  }
-  if (variant == 2) {
-    turnFrame(joint, 0.4, 0.9, 0.7);
-    joint.setLimit(1, scalar(1.5), scalar(0.3), scalar(0.8));
-  }
-  if (variant == 3) {
-    turnFrame(joint, 0, 0, 0.7);
-    joint.setLimit(scalar(0.6), scalar(0.02), 0);
-    joint.setTwistLimitSpring(3, scalar(0.5));
-  }
-  if (variant == 4) {
-    turnFrame(joint, 0.3, 0, 0);
-    joint.setLimit(0, 0, scalar(0.2));
-  }
-  if (variant == 5) {
-    turnFrame(joint, -0.4, 0.9, 0.7);
-    joint.setSwingLimits(scalar(-0.1), scalar(0.8), 0, scalar(0.9));
-    joint.setTwistLimit(scalar(0.1), scalar(0.3));
-    joint.setSwingLimitSpring(3, scalar(0.5));
-  }
-  if (variant == 6) {
-    joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
-    joint.setMaxMotorImpulseNormalized(3);
-    joint.enableMotor(true);
-  }
-  if (variant == 7) {
-    joint.setLimit(scalar(1.2), scalar(1.4), scalar(0.5));
-    joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
-    joint.setMaxMotorImpulse(3);
-    joint.enableMotor(true);
-    joint.setFriction(2);
-  }
-  if (variant == 8) {
-    joint.setAngularOnly(true);
-    joint.setLimit(0, scalar(0.1), scalar(0.1));
-    joint.setFriction(2);
-    joint.enableMotor(true);
-  }
-}
-
-void set(QuaternionHinge& hinge, int variant) {
+void set(HingeBase& hinge, int variant) {
   if (variant == 1) hinge.setLimit(scalar(-0.2), scalar(0.3));
   if (variant == 2) hinge.enableAngularMotor(true, 2, 10);
   if (variant == 3) {
@@ -106,6 +68,16 @@ void set(QuaternionHinge& hinge, int variant) {
     hinge.setAngularOnly(true);
     hinge.setLimit(scalar(-0.2), scalar(0.3));
     hinge.setFriction(2);
+  }
+}
+
+void set(TwoPointHinge& hinge, int variant) {
+  if (variant < 6) set(static_cast<HingeBase&>(hinge), variant);
+  if (variant == 6) hinge.setPlacement(TwoPointHinge::Placement::about_anchor, 2);
+  if (variant == 7) hinge.setPlacement(TwoPointHinge::Placement::from_nearest_b, scalar(0.3));
+  if (variant == 8) {
+    hinge.setSixRows(true);
+    hinge.setLimit(scalar(-0.2), scalar(0.3));
   }
 }
 
@@ -267,41 +239,57 @@ void set(SliderJoint& slider, int variant) {
 
 // --- the list ------------------------------------------------------------------------------------
 
+struct Nature {
+  bool holds = true;
+  const char* free_body = "A";
+  const char* blows_up = "";
+};
+
 template <class J>
-void add(std::vector<Kind>& list, const char* name, int variants, bool holds = true,
-         const char* free_body = "A") {
+void add(std::vector<Kind>& list, const char* name, int variants, const Nature& nature = {}) {
   for (const Formulation form : {Formulation::conditioned, Formulation::document}) {
-    list.push_back(
-        {std::string(name) + (form == Formulation::document ? "Document" : ""), sizeof(J), variants,
-         holds,
-         [form](btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
-                const btTransform& frame_b, int variant) {
-           auto joint = std::make_unique<J>(a, b, frame_a, placed<J>(frame_b));
-           joint->setFormulation(form);
-           set(*joint, variant);
-           return joint;
-         },
-         [](btRigidBody& a, const btTransform& frame_a) {
-           return std::make_unique<J>(a, frame_a);
-         },
-         free_body});
+    Kind kind;
+    kind.name = std::string(name) + (form == Formulation::document ? "Document" : "");
+    kind.bytes = sizeof(J);
+    kind.variants = variants;
+    kind.holds = nature.holds;
+    kind.free_body = nature.free_body;
+    kind.blows_up = nature.blows_up;
+    kind.make = [form](btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
+                       const btTransform& frame_b, int variant) {
+      auto joint = std::make_unique<J>(a, b, frame_a, placed<J>(frame_b));
+      joint->setFormulation(form);
+      set(*joint, variant);
+      return joint;
+    };
+    kind.make_one = [](btRigidBody& a, const btTransform& frame_a) {
+      return std::make_unique<J>(a, frame_a);
+    };
+    list.push_back(kind);
   }
 }
 
 }  // namespace
 
 std::vector<Kind> all() {
+  const Nature at_times = {false, "A", ""}, plane = {true, "A", "three rows for two freedoms ask for what the plane forbids"};
   std::vector<Kind> list;
   add<QuaternionHinge>(list, "QuaternionHinge", 6);
   add<BallJoint>(list, "BallJoint", 4);
-  add<DistanceJoint>(list, "DistanceJoint", 5, false);
-  add<ContactJoint>(list, "ContactJoint", 4, false);
+  add<DistanceJoint>(list, "DistanceJoint", 5, at_times);
+  add<ContactJoint>(list, "ContactJoint", 4, at_times);
   add<WedgeJoint>(list, "WedgeJoint", 6);
-  add<AngularLimit>(list, "AngularLimit", 5, false);
+  add<AngularLimit>(list, "AngularLimit", 5, at_times);
   add<UniversalJoint>(list, "UniversalJoint", 6);
   add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 6);
   add<ConeTwistJoint>(list, "ConeTwistJoint", 9);
-  add<SliderJoint>(list, "SliderJoint", 6, true, "B");
+  add<SliderJoint>(list, "SliderJoint", 6, {true, "B", ""});
+  add<pintle::FixedJoint>(list, "FixedJoint", 3);
+  add<pintle::DotHinge>(list, "DotHinge", 6);
+  add<TwoPointHinge>(list, "TwoPointHinge", 9);
+  add<pintle::CrossProductHinge>(list, "CrossProductHinge", 3);
+  add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3, plane);
+  add<pintle::SingleRowLock>(list, "SingleRowLock", 3);
   return list;
 }
 

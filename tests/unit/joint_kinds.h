@@ -18,6 +18,8 @@ struct Kind {
   int variants;  ///< settings from few (0: as constructed) to all
   /// It has equalities: rows at any pose, whatever the settings.
   bool holds;
+  /// Why the joint blows up in two dimensions, which no other may; empty: it does not.
+  std::string blows_up;
   std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, btRigidBody& b,
                                                const btTransform& frame_a,
                                                const btTransform& frame_b, int variant)>

@@ -18,12 +18,19 @@ AngularRow<T> dot_row(const Vector3<T>& u, const Vector3<T>& v) {
   return row;
 }
 
+/// d^2/dt^2 of u as seen from body b, at constant w_a and w_b: its product with any v of body b is
+/// that of u.v.
+template <class T>
+Vector3<T> dot_acceleration(const Vector3<T>& u, const Vector3<T>& w_a, const Vector3<T>& w_b) {
+  const Vector3<T> du = cross(w_a, u);
+  return cross(w_a, du) + cross(w_b, Vector3<T>(cross(w_b, u) - T(2) * du));
+}
+
 /// d^2/dt^2 of u.v at constant w_a and w_b.
 template <class T>
 T dot_curvature(const Vector3<T>& u, const Vector3<T>& w_a, const Vector3<T>& v,
                 const Vector3<T>& w_b) {
-  const Vector3<T> du = cross(w_a, u), dv = cross(w_b, v);
-  return cross(w_a, du).dot(v) + T(2) * du.dot(dv) + u.dot(cross(w_b, dv));
+  return v.dot(dot_acceleration(u, w_a, w_b));
 }
 
 }  // namespace pintle::equations

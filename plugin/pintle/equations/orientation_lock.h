@@ -55,11 +55,20 @@ Vector3<T> rotation_vector(Quaternion<T> q) {
 /// same frames.
 template <class T>
 Vector3<T> orientation_error(const Matrix3<T>& F_a, const Matrix3<T>& F_b) {
-  const Matrix3<T> R = F_b * F_a.transpose();
-  const Vector3<T> x = T(0.5) * Vector3<T>(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  // Of R = F_b F_a^T: its antisymmetric part, the axis times the sine, and its trace.
+  const auto crossed = [&](int i) { return cross(F_a.col(i), F_b.col(i)); };
+  const auto dot = [&](int i) { return F_a.col(i).dot(F_b.col(i)); };
+  const Vector3<T> x = T(0.5) * (crossed(0) + crossed(1) + crossed(2));
   const T sin2 = x.dot(x);
-  if (sin2 < T(1e-5) && R.trace() > T(1)) return x * small_angle_over_sine(sin2);
-  return rotation_vector(quaternion(R));
+  if (sin2 < T(1e-5) && dot(0) + dot(1) + dot(2) > T(1)) return x * small_angle_over_sine(sin2);
+  return rotation_vector(quaternion(Matrix3<T>(F_b * F_a.transpose())));
+}
+
+/// d^2/dt^2 of phi at constant w, for a lock that is satisfied: the turns exp(w_b t) and exp(-w_a t)
+/// do not commute.
+template <class T>
+Vector3<T> orientation_curvature(const Vector3<T>& w_a, const Vector3<T>& w_b) {
+  return cross(w_a, w_b);
 }
 
 }  // namespace pintle::equations

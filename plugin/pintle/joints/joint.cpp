@@ -44,6 +44,13 @@ Scalar motorInertia(const Row& row, const BodyPair& pair) {
   return inverse > 0 ? 1 / inverse : Scalar(0);
 }
 
+// Turns so much more easily about one axis than about another that the other is lost in the rounding
+// of I^-1: rows that are made orthogonal by it are not, and need not converge.
+bool isNeedle(const btRigidBody& body) {
+  const btVector3& I = body.getInvInertiaDiagLocal();
+  return rounding_of_K * btMax(btMax(I[0], I[1]), I[2]) > btMin(btMin(I[0], I[1]), I[2]);
+}
+
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
   const auto* linear = reinterpret_cast<const btVector3*>(info.m_J1linearAxis);
@@ -225,7 +232,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
   const bool mix = !m_rows.bounded() && (!breaks || (m_rows[0].angular && equalities == n));
-  if (!m_block_rows || !mix) {
+  if (!m_block_rows || !mix || isNeedle(m_rbA) || isNeedle(m_rbB)) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];

@@ -2,29 +2,20 @@
 // btHingeAccumulatedAngleConstraint.
 #pragma once
 
-#include <pintle/joints/frame_joint.h>
-#include <pintle/rows/unwrapped_angle.h>
+#include <pintle/joints/hinge_base.h>
 
 namespace pintle {
-namespace equations {
-template <class T>
-struct Swing;
-}
-
 inline namespace PINTLE_PRECISION {
 
-/// One rotation about an axis common to two bodies. The axis is z of a joint frame in each body.
-///
-/// The hinge angle (rad) is Bullet's: with `useReferenceFrameA` false it is the rotation of a
-/// against b, with true that of b against a. It is zero when the joint frames coincide. Limits and
-/// accumulated angles may span any number of turns.
+/// One rotation about an axis common to two bodies (HingeBase), recovered from any error: the hinge
+/// to use. Its rows are the swing from one axis to the other; the document's formulation has its
+/// quaternion rows, and its limit in half-sine space.
 ///
 /// Everything that btHingeConstraint has, under the same name, with the same signs and defaults.
-class QuaternionHinge : public FrameJoint {
+class QuaternionHinge : public HingeBase {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  // --- btHingeConstraint -------------------------------------------------------------------------
   /// Pivots (m) and axes in the bodies' frames. Axes are made unit.
   QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                   const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
@@ -39,126 +30,22 @@ class QuaternionHinge : public FrameJoint {
   /// stand in `rbAFrame`, not turned with the body.
   QuaternionHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
 
-  const btTransform& getAFrame() const { return m_frame_a; }
-  const btTransform& getBFrame() const { return m_frame_b; }
-  btTransform& getAFrame() { return m_frame_a; }
-  btTransform& getBFrame() { return m_frame_b; }
-  /// A new axis in body a; the frame of b follows as Bullet sets it.
-  void setAxis(const btVector3& axisInA);
-
-  /// Velocity motor: target velocity (rad/s) along the hinge angle, and the most that it may apply
-  /// in a step (N m s, >= 0).
-  void enableAngularMotor(bool enableMotor, btScalar targetVelocity, btScalar maxMotorImpulse);
-  /// Turns the motor, velocity motor or servo as it was set last, on or off.
-  void enableMotor(bool enableMotor);
-  void setMaxMotorImpulse(btScalar maxMotorImpulse);
-  void setMotorTargetVelocity(btScalar motorTargetVelocity);
-  /// The velocity that reaches the target (rad) in dt (s, > 0); to be called in each step. With a
-  /// limit the angle is the accumulated one, clamped to the limit; without, that within the turn.
-  void setMotorTarget(btScalar targetAngle, btScalar dt);
-  /// The same; qAinB is the rotation of body a against body b.
-  void setMotorTarget(const btQuaternion& qAinB, btScalar dt);
-  bool getEnableAngularMotor() { return m_axis.drive != Axis::Drive::off; }
-  btScalar getMotorTargetVelocity() { return m_axis.motor_velocity; }
-  btScalar getMaxMotorImpulse() { return m_axis.max_motor_impulse; }
-
-  /// low <= accumulated angle <= high (rad), over any number of turns. low = high locks, low > high
-  /// frees, an infinite side is free. The bias factor scales the speed of the correction, bias
-  /// times relaxation is the rebound (0: none). As in Bullet the softness has no effect. A new
-  /// limit of less than a turn holds, as in Bullet, in the turn that the joint is in: the
-  /// accumulated angle changes by whole turns to lie inside it or as near as can be. Not if the
-  /// turn was given by setAccumulatedHingeAngle.
-  void setLimit(btScalar low, btScalar high, btScalar softness = 0.9f, btScalar biasFactor = 0.3f,
-                btScalar relaxationFactor = 1.0f);
-  btScalar getLimitSoftness() const { return m_limit_softness; }
-  btScalar getLimitBiasFactor() const { return m_axis.bias; }
-  btScalar getLimitRelaxationFactor() const { return m_axis.relaxation; }
-  /// As in Bullet false also for low = high.
-  bool hasLimit() const { return m_axis.low < m_axis.high; }
-  btScalar getLowerLimit() const { return m_axis.low; }
-  btScalar getUpperLimit() const { return m_axis.high; }
-  /// Whether the angle at these poses would break the limit; changes only the answers to the next
-  /// two.
-  void testLimit(const btTransform& transA, const btTransform& transB);
-  /// Whether the limit was broken when the joint last looked, and on which side: +1 low, -1 high.
-  int getSolveLimit() { return getLimitSign() != 0; }
-  btScalar getLimitSign();
-
-  /// rad, in [-pi, pi].
-  btScalar getHingeAngle();
-  btScalar getHingeAngle(const btTransform& transA, const btTransform& transB);
-
-  /// As in Bullet a flag that the constructor has used; changing it changes no sign.
-  bool getUseReferenceFrameA() const { return m_use_reference_frame_a; }
-  void setUseReferenceFrameA(bool useReferenceFrameA) {
-    m_use_reference_frame_a = useReferenceFrameA;
-  }
-  /// Bullet's way to rows that converge; here it is setBlockRows.
-  bool getUseFrameOffset() { return getBlockRows(); }
-  void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
-
-  /// ERP: position and axis rows, and the limit unless it has its own; CFM: the motor; STOP_ERP,
-  /// STOP_CFM: the limit. >= 0. Axis -1 or 5.
-  void setParam(int num, btScalar value, int axis = -1) override;
-  btScalar getParam(int num, int axis = -1) const override;
-  /// BT_HINGE_FLAGS_* of the parameters that were set.
-  int getFlags() const;
-
-  // --- btHingeAccumulatedAngleConstraint ---------------------------------------------------------
-  /// rad, with all turns since the joint was made: exact while no more than half a turn passes
-  /// between two steps or calls.
-  btScalar getAccumulatedHingeAngle();
-  /// Says which turn the joint is in, for instance after a teleport: the angle becomes the one that
-  /// fits the pose and is nearest to `accAngle`.
-  void setAccumulatedHingeAngle(btScalar accAngle);
-
-  // --- beyond Bullet -----------------------------------------------------------------------------
-  /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
-  /// is critical) of the hinge as its bodies alone make it swing. Frequency 0: a hard limit again.
-  void setLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
-  /// Holds an accumulated angle (rad) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at
-  /// most max_torque (N m, >= 0 or infinite), until told otherwise. Takes the place of the velocity
-  /// motor.
-  void setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
-                     btScalar max_torque);
-  /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
-  void setFriction(btScalar max_torque);
-  /// Impulses of the last step (N m s), positive towards larger hinge angles.
-  btScalar getMotorImpulse() const { return axisImpulse(0, Axis::motor); }
-  btScalar getLimitImpulse() const { return axisImpulse(0, Axis::limit); }
-  btScalar getFrictionImpulse() const { return axisImpulse(0, Axis::friction); }
-
-  /// The frames, and the range of the angle about the axis of b.
-  void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "QuaternionHinge"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair& pair) override;
-  void framesChanged() override;
   void prepare(const BodyPair& pair, Rows& rows) override;
+  void limitChanged() override;
 
  private:
-  struct Frames;
-  Frames frames(const btTransform& pose_a, const btTransform& pose_b) const;
-  void look(const Frames& at, UnwrappedAngle& twist) const;
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
   void addConditionedRows(const BodyPair& pair, const Frames& at, const Vec3& d,
                           const equations::Swing<Scalar>& swing, Rows& rows) const;
   void addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
                        const UnwrappedAngle* limit, Rows& rows) const;
-  Scalar angle() const { return m_sign * m_twist.value(); }
 
-  Axis m_axis;              ///< along the hinge angle
-  Axis m_half_sine_axis;    ///< its limit alone, in the document's half-sine space
-  UnwrappedAngle m_twist;   ///< of b against a, about z
-  UnwrappedAngle m_tested;  ///< the last one held against the limit
-  Scalar m_sign;            ///< hinge angle = sign * twist
-  Scalar m_limit_softness = Scalar(0.9);
-  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
-  bool m_turn_given = false;
-  bool m_use_reference_frame_a;
+  Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
   RowMemory<6, 1> m_row_memory;
 };
 

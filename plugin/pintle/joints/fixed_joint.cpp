@@ -1,0 +1,107 @@
+#include <pintle/joints/fixed_joint.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/orientation_lock.h>
+#include <pintle/equations/position.h>
+#include <pintle/frame.h>
+
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+FixedJoint::FixedJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                       const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(frameInA, frameInB);
+}
+
+FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setFrames(frameInA, coincident(frameInA));
+}
+
+void FixedJoint::setParam(int num, btScalar value, int axis) {
+  if (num == BT_CONSTRAINT_STOP_ERP) num = BT_CONSTRAINT_ERP;
+  if (num == BT_CONSTRAINT_STOP_CFM) num = BT_CONSTRAINT_CFM;
+  FrameJoint::setParam(num, value, axis);
+}
+
+btScalar FixedJoint::getParam(int num, int axis) const {
+  if (num == BT_CONSTRAINT_STOP_ERP) num = BT_CONSTRAINT_ERP;
+  if (num == BT_CONSTRAINT_STOP_CFM) num = BT_CONSTRAINT_CFM;
+  const btScalar value = FrameJoint::getParam(num, axis);
+  return num == BT_CONSTRAINT_ERP && !m_erp.is_set ? btScalar(0.2) : value;
+}
+
+// --- readings ------------------------------------------------------------------------------------
+
+btTransform FixedJoint::getCalculatedTransformA() const {
+  return m_rbA.getCenterOfMassTransform() * m_frame_a;
+}
+
+btTransform FixedJoint::getCalculatedTransformB() const {
+  return m_rbB.getCenterOfMassTransform() * m_frame_b;
+}
+
+btScalar FixedJoint::getRelativePivotPosition(int axis_index) const {
+  return getCalculatedTransformA().invXform(getCalculatedTransformB().getOrigin())[axis_index];
+}
+
+btScalar FixedJoint::getAngle(int axis_index) const {
+  const btMatrix3x3 A = getCalculatedTransformA().getBasis();
+  btVector3 angles;
+  btGeneric6DofSpring2Constraint::matrixToEulerXYZ(
+      A.transposeTimes(getCalculatedTransformB().getBasis()), angles);
+  return angles[axis_index];
+}
+
+btVector3 FixedJoint::getAxis(int axis_index) const {
+  // As Bullet has them: y normal to z of a and x of b, and the others across it.
+  const btVector3 x_b = getCalculatedTransformB().getBasis().getColumn(0);
+  const btVector3 z_a = getCalculatedTransformA().getBasis().getColumn(2), y = z_a.cross(x_b);
+  const btVector3 axis = axis_index == 0 ? y.cross(z_a) : axis_index == 1 ? y : x_b.cross(y);
+  const btScalar length = axis.length();
+  // Half-way round y, x of b is along z of a: any axis is as good.
+  return length > SIMD_EPSILON ? axis / length
+                               : getCalculatedTransformA().getBasis().getColumn(axis_index);
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+PINTLE_FLATTEN void FixedJoint::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
+  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
+  const Mat3 F_a = a.axes(), F_b = b.axes();
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + F_a.sum() + F_b.sum())) return;
+  if (getFormulation() == Formulation::document)
+    addDocumentRows(F_a, F_b, rows);
+  else
+    addConditionedRows(pair, F_a, F_b, rows);
+  addPivotRows(pair, a.r(), b.r(), d, rows);
+}
+
+inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Mat3& F_a, const Mat3& F_b,
+                                           Rows& rows) const {
+  const Vec3 phi = equations::orientation_error(F_a, F_b);
+  const Vec3 curvature = equations::orientation_curvature<Scalar>(pair.w_a(), pair.w_b());
+  const Scalar angle = std::sqrt(phi.dot(phi));
+  const Scalar most = angle > 0 ? getMaxCorrectionSpeed() / angle : Scalar(0);
+  for (int i = 0; i < 3; ++i)
+    rows.addAngular(Vec3::Unit(i), phi[i], curvature[i]).max_speed = most * std::abs(phi[i]);
+}
+
+void FixedJoint::addDocumentRows(const Mat3& F_a, const Mat3& F_b, Rows& rows) const {
+  const auto p = equations::relative(equations::quaternion(F_a), equations::quaternion(F_b));
+  const Scalar sine = std::sqrt(p.v.dot(p.v));
+  // Along the error the row turns 2/|w| times as fast as it says.
+  const Scalar most = sine > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * sine) : Scalar(0);
+  for (int i = 0; i < 3; ++i) {
+    const auto row = equations::quaternion_row<Scalar>(p, F_a, Vec3::Unit(i));
+    rows.addAngular(row.J_b, row.C).max_speed = most * std::abs(row.C);
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,143 @@
+#include <pintle/joints/two_point_hinge.h>
+
+#include <pintle/equations/two_point_hinge.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/joints/hinge_rows.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+TwoPointHinge::TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+                             const btVector3& pivotInB, const btVector3& axisInA,
+                             const btVector3& axisInB, bool useReferenceFrameA)
+    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+  begin(pivotInA, pivotInB, axisInA, axisInB);
+}
+
+TwoPointHinge::TwoPointHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
+                             bool useReferenceFrameA)
+    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+  begin(pivotInA, axisInA);
+}
+
+TwoPointHinge::TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
+                             const btTransform& rbBFrame, bool useReferenceFrameA)
+    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+  begin(rbAFrame, rbBFrame);
+}
+
+TwoPointHinge::TwoPointHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA)
+    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+  begin(rbAFrame);
+}
+
+void TwoPointHinge::setPlacement(Placement placement, btScalar separation) {
+  m_separation = positive("separation", separation);
+  m_placement = placement;
+}
+
+inline equations::TwoPoints<Scalar> TwoPointHinge::points(const Vec3& r_a, const Vec3& c_a,
+                                                          const Vec3& r_b, const Vec3& c_b) const {
+  switch (m_placement) {
+    case Placement::about_anchor: return equations::points_about_anchor(m_separation);
+    case Placement::from_nearest_a: return equations::points_from_nearest(r_a, c_a, m_separation);
+    case Placement::from_nearest_b: break;
+  }
+  return equations::points_from_nearest(r_b, c_b, m_separation);
+}
+
+void TwoPointHinge::drawJoint(btIDebugDraw& drawer) const {
+  HingeBase::drawJoint(drawer);
+  if (!drawsFrames(drawer)) return;
+  const btMatrix3x3 &A = m_frame_a.getBasis(), &B = m_frame_b.getBasis();
+  const auto column = [](const btMatrix3x3& m) -> Vec3 { return view(m.getColumn(2)); };
+  const auto to =
+      points(view(m_frame_a.getOrigin()), column(A), view(m_frame_b.getOrigin()), column(B));
+  const auto draw = [&](const btRigidBody& body, const btTransform& frame, Scalar s) {
+    const btTransform point(frame.getBasis(), frame(btVector3(0, 0, s)));
+    drawer.drawTransform(body.getCenterOfMassTransform() * point, m_dbgDrawSize / 2);
+  };
+  for (const Scalar s : {to.s_1, to.s_2}) {
+    draw(m_rbA, m_frame_a, s);
+    draw(m_rbB, m_frame_b, s);
+  }
+}
+
+PINTLE_FLATTEN void TwoPointHinge::prepare(const BodyPair& pair, Rows& rows) {
+  const Frames at = look(pair, m_twist);
+  m_tested = m_twist;
+  addRows(pair, at, m_twist, rows);
+}
+
+void TwoPointHinge::addRows(const BodyPair& pair, Rows& rows) const {
+  UnwrappedAngle twist = m_twist;
+  const Frames at = look(pair, twist);
+  addRows(pair, at, twist, rows);
+}
+
+inline void TwoPointHinge::addRows(const BodyPair& pair, const Frames& at,
+                                   const UnwrappedAngle& twist, Rows& rows) const {
+  const Vec3 &c_a = at.c_a, &c_b = at.c_b;
+  const equations::Anchors<Scalar> anchor = {
+      at.a.r(), at.b.r(), equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r())};
+  const auto swing = equations::swing(c_a, c_b);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(anchor.d.sum() + swing.sigma.sum())) return;
+
+  const int before = rows.size();
+  if (m_angular_only)
+    addDirectionRows(pair, c_a, c_b, swing.h, rows);
+  else
+    addPointRows(pair, anchor, c_a, c_b, swing.h, rows);
+  // c_b - c_a is 2 sin(swing/2) long: taken away at the rate k, the axes turn by 2 k tan(swing/2).
+  const Vec3 apart = c_b - c_a;
+  const Scalar tangent2 = apart.dot(apart) * swing.h_scale;
+  if (tangent2 > 0) {
+    const Scalar most = getMaxCorrectionSpeed() / std::sqrt(tangent2);
+    for (int i = before; i < rows.size(); ++i)
+      rows[i].max_speed = most * std::abs(rows[i].position);
+  }
+  addAxisRow(acting(pair, twist, swing), swing, rows);
+}
+
+inline void TwoPointHinge::addPointRows(const BodyPair& pair,
+                                        const equations::Anchors<Scalar>& anchor, const Vec3& c_a,
+                                        const Vec3& c_b, const Vec3& h, Rows& rows) const {
+  const auto to = points(anchor.r_a, c_a, anchor.r_b, c_b);
+  const auto point_1 = equations::point_on_axis(anchor, c_a, c_b, to.s_1);
+  const auto point_2 = equations::point_on_axis(anchor, c_a, c_b, to.s_2);
+  if (m_six_rows) {
+    addPivotRows(pair, point_1.r_a, point_1.r_b, point_1.d, rows);
+    addPivotRows(pair, point_2.r_a, point_2.r_b, point_2.d, rows);
+    return;
+  }
+  const bool document = getFormulation() == Formulation::document;
+  const auto add = [&](const equations::Anchors<Scalar>& at, std::initializer_list<Vec3> along) {
+    const Vec3 curvature = document ? Vec3(Vec3::Zero())
+                                    : equations::position_curvature<Scalar>(
+                                          pair.w_a(), at.r_a + at.d, pair.w_b(), at.r_b);
+    for (const Vec3& u : along) {
+      const auto row =
+          document ? equations::contact_row_world(u, at) : equations::contact_row(u, at);
+      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, u.dot(curvature));
+    }
+  };
+  const Vec3 p = any_tangent(h), q = cross(h, p);
+  add(point_1, {p, q});
+  add(anchor, {h});
+  add(point_2, {p, q});
+}
+
+// Of two points only their difference, which has no linear part: that of the points' levers alone.
+inline void TwoPointHinge::addDirectionRows(const BodyPair& pair, const Vec3& c_a, const Vec3& c_b,
+                                            const Vec3& h, Rows& rows) const {
+  const Vec3 curvature = equations::position_curvature<Scalar>(pair.w_a(), c_b, pair.w_b(), c_b);
+  const Vec3 p = any_tangent(h);
+  for (const Vec3& u : {p, cross(h, p)}) {
+    const auto row = equations::contact_row<Scalar>(u, {c_a, c_b, c_b - c_a});
+    rows.addAngular(row.J.A_b, row.C, u.dot(curvature));
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,82 @@
+// Purpose: the hinge of two points (document, 3.2.2).
+#pragma once
+
+#include <pintle/joints/hinge_base.h>
+
+namespace pintle {
+namespace equations {
+template <class T>
+struct Anchors;
+template <class T>
+struct TwoPoints;
+}  // namespace equations
+
+inline namespace PINTLE_PRECISION {
+
+/// A hinge that holds two points of its axis together. It comes back from any error below 180 degrees,
+/// where it is stuck, but its rows work against each other: QuaternionHinge is the hinge to use. As
+/// a block (setBlockRows) the two points are solved together, and the document's complaint of slow
+/// convergence is about plain rows.
+///
+/// Five rows: two across the axis at either point, one along it at the joint's own anchors. Angular
+/// only, there are the two rows of the points' difference. setFormulation: whether each body is held
+/// at its own points (document), or both at the same, and with the curvature of the motion.
+///
+/// The angle, its limit, motor, servo and friction: HingeBase.
+class TwoPointHinge : public HingeBase {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  /// As those of QuaternionHinge.
+  TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
+                const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
+                bool useReferenceFrameA = false);
+  TwoPointHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
+                bool useReferenceFrameA = false);
+  TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
+                const btTransform& rbBFrame, bool useReferenceFrameA = false);
+  TwoPointHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
+
+  /// Where the points are on the axis. The last one is held best.
+  enum class Placement : unsigned char {
+    about_anchor,    ///< on either side of the anchor
+    from_nearest_a,  ///< the last one where the axis is nearest to the centre of a; the default
+    from_nearest_b   ///< the same for b
+  };
+  /// `separation` of the points (m, > 0; default 1): far apart they hold the direction, close
+  /// together the place.
+  void setPlacement(Placement placement, btScalar separation = 1);
+  Placement getPlacement() const { return m_placement; }
+  btScalar getSeparation() const { return m_separation; }
+
+  /// All three rows of either point, as the document has them. Where the joint holds, one of them says
+  /// nothing new; off it, that one pushes along with the others. Default off.
+  void setSixRows(bool six) { m_six_rows = six; }
+  bool getSixRows() const { return m_six_rows; }
+
+  /// The frames, the range of the angle, and the two points.
+  void drawJoint(btIDebugDraw& drawer) const override;
+  const char* name() const override { return "TwoPointHinge"; }
+  void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ protected:
+  void prepare(const BodyPair& pair, Rows& rows) override;
+
+ private:
+  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
+               Rows& rows) const;
+  void addPointRows(const BodyPair& pair, const equations::Anchors<Scalar>& anchor, const Vec3& c_a,
+                    const Vec3& c_b, const Vec3& h, Rows& rows) const;
+  void addDirectionRows(const BodyPair& pair, const Vec3& c_a, const Vec3& c_b, const Vec3& h,
+                        Rows& rows) const;
+  equations::TwoPoints<Scalar> points(const Vec3& r_a, const Vec3& c_a, const Vec3& r_b,
+                                      const Vec3& c_b) const;
+
+  Scalar m_separation = 1;
+  Placement m_placement = Placement::from_nearest_a;
+  bool m_six_rows = false;
+  RowMemory<7, 1> m_row_memory;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,40 @@
+#include <pintle/joints/unstable/cross_product_matrix_hinge.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/unstable.h>
+#include <pintle/frame.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, btRigidBody& rbB,
+                                                 const btTransform& frameInA,
+                                                 const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(frameInA, frameInB);
+}
+
+CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setFrames(frameInA, coincident(frameInA));
+}
+
+void CrossProductMatrixHinge::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
+  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
+  const Vec3 c_a = a.c(), c_b = b.c(), x = cross(c_a, c_b);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + x.sum())) return;
+  // Along the error the rows turn 1/cos(swing) times as fast as they say.
+  const Scalar sine = std::sqrt(x.dot(x));
+  const Scalar most =
+      sine > 0 ? getMaxCorrectionSpeed() * std::abs(c_a.dot(c_b)) / sine : Scalar(0);
+  for (int i = 0; i < 3; ++i) {
+    const auto row = equations::cross_product_matrix_row<Scalar>(Vec3::Unit(i), c_a, c_b);
+    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).max_speed = most * std::abs(row.C);
+  }
+  addPivotRows(pair, a.r(), b.r(), d, rows);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

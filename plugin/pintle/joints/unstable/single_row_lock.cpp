@@ -1,0 +1,37 @@
+#include <pintle/joints/unstable/single_row_lock.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/equations/unstable.h>
+#include <pintle/frame.h>
+#include <pintle/joints/unstable/single_row.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+SingleRowLock::SingleRowLock(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
+                             const btTransform& frameInB)
+    : FrameJoint(rbA, rbB, m_row_memory) {
+  setFrames(frameInA, frameInB);
+}
+
+SingleRowLock::SingleRowLock(btRigidBody& rbA, const btTransform& frameInA)
+    : FrameJoint(rbA, m_row_memory) {
+  setFrames(frameInA, coincident(frameInA));
+}
+
+void SingleRowLock::addRows(const BodyPair& pair, Rows& rows) const {
+  const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
+  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
+  const auto q_a = equations::quaternion(a.axes());
+  auto q_b = equations::quaternion(b.axes());
+  // Of q and -q, which are one turn, the one that is nearer.
+  if (q_a.w * q_b.w + q_a.v.dot(q_b.v) < 0) q_b = {-q_b.w, -q_b.v};
+  const auto row = equations::quaternion_dot_row(q_a, q_b);
+  // Also a frame that its owner has spoiled.
+  if (!BodyPair::is_finite(d.sum() + row.J_b.sum() + row.C)) return;
+  addSingleRow(row, getMaxCorrectionSpeed(), rows);
+  addPivotRows(pair, a.r(), b.r(), d, rows);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
