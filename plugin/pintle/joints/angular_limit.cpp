@@ -25,14 +25,12 @@ AngularLimit::AngularLimit(btRigidBody& rbA, btRigidBody& rbB, const btTransform
                            const btTransform& frameInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
   setFrames(frameInA, frameInB);
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
 }
 
 AngularLimit::AngularLimit(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, m_row_memory) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
 }
 

@@ -42,15 +42,13 @@ ContactJoint::ContactJoint(btRigidBody& rbA, const btTransform& frameInA)
 void ContactJoint::setDefaults() {
   m_axis.low = 0;
   m_axis.high = infinity;
-  // The rebound is bias times relaxation.
-  m_axis.bias = 1;
-  m_axis.relaxation = 0;
+  setRestitution(0);
 }
 
 void ContactJoint::setRestitution(btScalar restitution) {
   if (notNegative("restitution", restitution) > 1)
     reject("restitution", restitution, "must not be above 1");
-  m_axis.relaxation = restitution;
+  m_axis.relaxation = restitution / m_axis.bias;  // the rebound is their product
 }
 
 void ContactJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {

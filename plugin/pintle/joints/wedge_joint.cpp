@@ -78,7 +78,6 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA)
 }
 
 void WedgeJoint::setDefaults() {
-  m_side.bias = m_corner.bias = 1;
   m_side.relaxation = m_corner.relaxation = 0;
   m_corner.low = 0;
   m_corner.high = infinity;
