@@ -167,7 +167,7 @@ inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
                             : extra.reached();
       if (acts) addPlaneRow(extra, at, m_corner, rows);
     }
-    const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : low.row.C >= high.row.C;
+    const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : isInLowHalf(at);
     const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
     if (m_convex && !m_side.locked() && other.reached())
       addPlaneRow(other, at, m_other_side, rows);
@@ -178,6 +178,11 @@ inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
   if (near_side || !m_side.driven()) return;
   const auto to = equations::angle_about(at.frame.c(), at.frame.a(), at.c_b);
   rows.addAngularAxis(side, to.unit, angle(to), m_side, false);
+}
+
+inline bool WedgeJoint::isInLowHalf(const Directions& at) const {
+  const Vec3 c_b(at.frame.a().dot(at.c_b), at.frame.b().dot(at.c_b), 0);
+  return &equations::nearer_plane<Scalar>(m_wedge, Vec3::Unit(2), c_b) == &m_wedge.n_min;
 }
 
 inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, const Axis& axis,

@@ -72,6 +72,7 @@ class WedgeJoint : public FrameJoint {
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
   void addWedgeRows(const Directions& at, Rows& rows) const;
+  bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 
   Axis m_side;        ///< along the angle: both limits, and friction
