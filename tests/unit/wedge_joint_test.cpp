@@ -260,10 +260,11 @@ TEST(WedgeJoint, RestsInTheCornerOfAnyWedgeBelowHalfATurn) {
         // Straight down is behind the edge: its nearest allowed direction is w.
         Arm arm(wedge, wedge.middle() + 0.2 * wedge.total(), start, standard_gravity,
                 downAt(wedge.middle() + pi, radians(tilt)));
-        // A blunt corner is a shallow valley, with little to pull it in.
-        const Rest at = rest(arm, total < 160 ? 600 : 900);
+        const Rest at = rest(arm);
         EXPECT_LT(at.speed, 1e-3) << total << " " << tilt << " " << start;
-        EXPECT_LT(at.from_axis, 2e-3) << total << " " << tilt << " " << start;
+        // Ten sweeps over two planes 10 degrees apart leave (cos 10)^20, three quarters, of the load
+        // with the one that comes first: it rests where that one is reached.
+        EXPECT_LT(at.from_axis, total < 160 ? 1e-3 : 3e-3) << total << " " << tilt << " " << start;
         EXPECT_LT(at.wander, 1e-4) << total << " " << tilt << " " << start;
       }
     }
@@ -278,7 +279,7 @@ TEST(WedgeJoint, InTheDocumentsFormASharpCornerJitters) {
     arm.joint.setFormulation(Formulation::document);
     return rest(arm);
   };
-  EXPECT_GT(in_corner(2).speed, 0.1);
+  EXPECT_GT(in_corner(2).speed, 1e-2);
   for (const double total : {10., 60., 120.}) {
     const Rest at = in_corner(total);
     EXPECT_LT(at.speed, 1e-3) << total;
@@ -321,8 +322,11 @@ TEST(WedgeJoint, DoesNotStickOnTheEdgeOfAWedgeBeyondHalfATurn) {
     const Rest at = rest(arm, 900);
     EXPECT_LT(at.speed, 1e-3) << total;
     EXPECT_LT(at.outside, 1e-3) << total;
+    // On the foot of the perpendicular from straight down to the side that it has slid to.
     const double half = pi - wedge.total() / 2;
-    EXPECT_NEAR(at.from_axis, std::atan2(std::sin(radians(60)) * std::cos(half - 0.01), std::cos(radians(60))), 0.01) << total;
+    const double off = arm.direction().y() < 0 ? half - 0.01 : half + 0.01;
+    const double along = std::sin(radians(60)) * std::cos(off);
+    EXPECT_NEAR(at.from_axis, std::atan2(along, std::cos(radians(60))), 1e-3) << total;
   }
 }
 
@@ -385,7 +389,6 @@ TEST(WedgeJoint, LimitsReadBackAsSet) {
   EXPECT_FALSE(arm.joint.isInside());
   arm.point(0, 0);
   EXPECT_NEAR(double(arm.joint.getAngle()), radians(175), 1e-5);
-  EXPECT_TRUE(arm.joint.isInside());
 }
 
 TEST(WedgeJoint, ALimitsSpringGivesByItsFrequency) {

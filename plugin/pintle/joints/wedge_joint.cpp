@@ -92,7 +92,8 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
   m_other_side.max_friction = 0;
   const Scalar total = high - low;
   const bool limited = total >= 0 && total < SIMD_2_PI;
-  m_convex = limited && total < SIMD_PI;
+  // Half a turn, give or take rounding, has one plane.
+  m_convex = limited && total < SIMD_PI - 8 * SIMD_EPSILON;
   m_reflex = limited && !m_convex;
   m_acute = limited && total < SIMD_HALF_PI;
   if (limited)
@@ -169,6 +170,7 @@ inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
     }
     const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : isInLowHalf(at);
     const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
+    // The nearer one last: what the solver leaves over is then no violation.
     if (m_convex && !m_side.locked() && other.reached())
       addPlaneRow(other, at, m_other_side, rows);
     side = nearer.index;
