@@ -3,8 +3,12 @@
 
 #include "joint_step.h"
 
+#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/contact_joint.h>
+#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/wedge_joint.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
@@ -39,6 +43,12 @@ Case ball(const char* name, const char* stock, Setting setting) {
             setting(*joint);
             return std::unique_ptr<btTypedConstraint>(std::move(joint));
           }};
+}
+
+/// Of a joint that Bullet has none of, beside the ball.
+template <class Joint, class Setting>
+Case free_joint(const char* name, Setting setting) {
+  return hinge<Joint>(name, "stock ball", setting);
 }
 
 inline std::vector<Case> cases() {
@@ -76,6 +86,21 @@ inline std::vector<Case> cases() {
       ball<btPoint2PointConstraint>("stock ball", nullptr, as_is),
       ball<pintle::BallJoint>("ball, plain rows", "stock ball", plain),
       ball<pintle::BallJoint>("ball", "stock ball", as_is),
+      // The joint stands at 0.4 rad of z, and its points coincide.
+      free_joint<pintle::DistanceJoint>("rod", as_is),
+      free_joint<pintle::DistanceJoint>("rod, plain rows", plain),
+      free_joint<pintle::DistanceJoint>("rope, slack", [](auto& rope) { rope.setLimit(0, 1); }),
+      free_joint<pintle::DistanceJoint>("strut, pressed", [](auto& strut) { strut.setLimit(1, 2); }),
+      free_joint<pintle::ContactJoint>("contact", as_is),
+      free_joint<pintle::ContactJoint>("contact, two-sided",
+                                       [](auto& contact) { contact.setTwoSided(true); }),
+      free_joint<pintle::WedgeJoint>("wedge, free", as_is),
+      free_joint<pintle::WedgeJoint>("wedge, free, plain rows", plain),
+      free_joint<pintle::WedgeJoint>("wedge, inside limit", inside),
+      free_joint<pintle::WedgeJoint>("wedge, limit", [](auto& wedge) { wedge.setLimit(-1, 0); }),
+      free_joint<pintle::AngularLimit>("angle, inside limit", inside),
+      free_joint<pintle::AngularLimit>("angle, limit", [](auto& angle) { angle.setLimit(-1, 0); }),
+      free_joint<pintle::AngularLimit>("angle, motor", motor),
   };
 }
 

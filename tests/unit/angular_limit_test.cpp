@@ -32,8 +32,8 @@ struct Turning {
         joint(world.add_joint<AngularLimit>(fixed, cube, btTransform::getIdentity(),
                                             btTransform::getIdentity())) {
     // x of the cube leans out of the plane by `tilt`.
-    const btQuaternion turn = btQuaternion(vec(0, 0, 1), scalar(angle)) *
-                              btQuaternion(vec(0, 1, 0), scalar(-tilt));
+    const btQuaternion turn =
+        btQuaternion(vec(0, 0, 1), scalar(angle)) * btQuaternion(vec(0, 1, 0), scalar(-tilt));
     cube.setCenterOfMassTransform(btTransform(turn, vec(0, 0, 0)));
     joint.setAccumulatedAngle(scalar(angle));
   }
@@ -171,8 +171,8 @@ TEST(AngularLimit, ALimitsSpringGivesByItsFrequencyAndImpulsesAddUp) {
   for (int i = 0; i < 300; ++i) {
     t.cube.applyTorque(vec(0, 0, 2 * t.inertia()));
     t.steps(1);
-    const double parts =
-        double(t.joint.getLimitImpulse() + t.joint.getFrictionImpulse() + t.joint.getMotorImpulse());
+    const double parts = double(t.joint.getLimitImpulse() + t.joint.getFrictionImpulse() +
+                                t.joint.getMotorImpulse());
     EXPECT_NEAR(t.inertia() * (t.spin() - before - 2 * dt), parts, 1e-6);
     before = t.spin();
   }
@@ -235,8 +235,7 @@ TEST(AngularLimit, ThePrintedRowIsWrongByTheTangentOfTheTilt) {
       double error = 0;
       for (const btVector3& w : {vec(1, 0, 0), vec(0, 1, 0), vec(0, 0, 1)})
         error = std::max(error, std::abs(rate(w) - measured(w)));
-      const double expected =
-          formulation == Formulation::document ? std::tan(radians(tilt)) : 0;
+      const double expected = formulation == Formulation::document ? std::tan(radians(tilt)) : 0;
       EXPECT_NEAR(error, expected, rounding(1e-4, 1e-12)) << tilt;
     }
   }
@@ -353,8 +352,10 @@ TEST(AngularLimit, RefusesBadSettingsAndStaysAsItWas) {
        {"accumulated", [](A& a, btScalar v) { a.setAccumulatedAngle(v); }, true, true, false}},
       make);
   const auto joint = make(), twin = make();
-  expectRefused(*joint, *twin, [](A& a, btScalar v) { a.setLimit(v, 1); }, "limit", nan_value);
-  expectRefused(*joint, *twin, [](A& a, btScalar v) { a.setLimit(0, v); }, "limit", nan_value);
+  expectRefused(
+      *joint, *twin, [](A& a, btScalar v) { a.setLimit(v, 1); }, "limit", nan_value);
+  expectRefused(
+      *joint, *twin, [](A& a, btScalar v) { a.setLimit(0, v); }, "limit", nan_value);
 }
 
 TEST(AngularLimit, IsDrawn) {

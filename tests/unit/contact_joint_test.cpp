@@ -31,8 +31,8 @@ struct Floor {
       : world(gravity),
         fixed(addCube(world, 0, vec(0, 0, 0))),
         cube(addCube(world, 2, vec(0, 0, height))),
-        joint(world.add_joint<ContactJoint>(fixed, cube, vec(0, 0, 0), vec(0, 0, 0),
-                                            vec(0, 0, 2))) {}
+        joint(
+            world.add_joint<ContactJoint>(fixed, cube, vec(0, 0, 0), vec(0, 0, 0), vec(0, 0, 2))) {}
 
   btRigidBody& free() { return cube; }
   void step() { world.step(dt); }
@@ -47,8 +47,8 @@ TEST(ContactJoint, TheReboundIsTheDocumentsImpulse) {
   for (int n = 0; n < 200; ++n) {
     const double e = n % 4 == 0 ? 0 : n % 4 == 1 ? 1 : random.uniform(0, 1);
     World world(0);
-    btRigidBody &a = addCube(world, random.uniform(0.5, 3), random.vector(1));
-    btRigidBody &b = addCube(world, random.uniform(0.5, 3), random.vector(1));
+    btRigidBody& a = addCube(world, random.uniform(0.5, 3), random.vector(1));
+    btRigidBody& b = addCube(world, random.uniform(0.5, 3), random.vector(1));
     a.setCenterOfMassTransform(random.pose(1));
     // They touch anywhere on the plane.
     const btVector3 normal = random.unit(), pivot_a = random.vector(0.3),
@@ -78,8 +78,8 @@ TEST(ContactJoint, TheReboundIsTheDocumentsImpulse) {
     at.r_b = pair.R_b() * pintle::view(pivot_b);
     at.d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
     const pintle::Vec3 n_world = pair.R_a() * pintle::view(normal);
-    const auto row = document ? equations::contact_row_world(n_world, at)
-                              : equations::contact_row(n_world, at);
+    const auto row =
+        document ? equations::contact_row_world(n_world, at) : equations::contact_row(n_world, at);
     const btScalar closing = equations::row_velocity(row.J, v);
     const btScalar K = equations::inverse_effective_mass(row.J, M, row.J);
     const double expected =
@@ -252,8 +252,7 @@ TEST(ContactJoint, ThePlaneOfABodyTurnsWithItAndTheDocumentsDoesNot) {
     for (int i = 0; i < 30; ++i) {
       world.step(dt);
       const Eigen::Vector3d d = scenes::position(b) - scenes::position(a);
-      off_body =
-          std::max(off_body, std::abs(d.dot(scenes::direction_in_world(a, {0, 0, 1}))));
+      off_body = std::max(off_body, std::abs(d.dot(scenes::direction_in_world(a, {0, 0, 1}))));
       off_world = std::max(off_world, std::abs(d.z()));
     }
     if (formulation == Formulation::conditioned) {
@@ -292,7 +291,8 @@ TEST(ContactJoint, ConstructorsAgree) {
   World world(0);
   btRigidBody &a = addCube(world, 1, vec(1, 2, 3)), &b = addCube(world, 1, vec(1, 2, 2));
   const btVector3 p = vec(0.1, 0.2, 0.3), q = vec(-0.2, 0, 0.1);
-  ContactJoint pivots(a, b, p, q, vec(0, 0, 3)), frames(a, b, scenes::pose_at(p), scenes::pose_at(q));
+  ContactJoint pivots(a, b, p, q, vec(0, 0, 3)),
+      frames(a, b, scenes::pose_at(p), scenes::pose_at(q));
   EXPECT_EQ(SolverRows::ofStep(pivots), SolverRows::ofStep(frames));
   EXPECT_EQ(SolverRows::ofStep(frames).announced(), 1);
   EXPECT_NEAR(double(pivots.getDistance()), -1.2, 1e-6);
@@ -313,8 +313,8 @@ TEST(ContactJoint, RefusesBadSettingsAndStaysAsItWas) {
        {"damping ratio", [](C& c, btScalar v) { c.setLimitSpring(1, v); }, false, true, false}},
       make);
   const auto joint = make(), twin = make();
-  expectRefused(*joint, *twin, [](C& c, btScalar v) { c.setRestitution(v); }, "restitution",
-                scalar(1.5));
+  expectRefused(
+      *joint, *twin, [](C& c, btScalar v) { c.setRestitution(v); }, "restitution", scalar(1.5));
   const btVector3 o = vec(0, 0, 0), z = vec(0, 0, 1);
   for (const btScalar value : {nan_value, infinite}) {
     const btVector3 bad(0, value, 0);

@@ -156,8 +156,8 @@ TEST(DistanceJoint, TwoFreeBodiesKeepTheirMomentum) {
       const Eigen::Vector3d v = scenes::to_eigen(body->getLinearVelocity());
       p += m * v;
       // A cube's inertia is one number.
-      L += m * scenes::position(*body).cross(v) + double(body->getLocalInertia().x()) *
-                                                      scenes::to_eigen(body->getAngularVelocity());
+      L += m * scenes::position(*body).cross(v) +
+           double(body->getLocalInertia().x()) * scenes::to_eigen(body->getAngularVelocity());
     }
     return std::pair(p, L);
   };
@@ -244,10 +244,10 @@ TEST(DistanceJoint, ARopeHasARowOnlyWhenTheStepMayTautenIt) {
   EXPECT_EQ(rows(0.5, 0, standard_gravity), 0);
   EXPECT_EQ(rows(0.901, 3, 0), 1);  // 0.05 m a step, and twice that in a step twice as long
   EXPECT_EQ(rows(0.899, 3, 0), 0);
-  EXPECT_EQ(rows(0.99, -3, 0), 0);  // on its way back
+  EXPECT_EQ(rows(0.99, -3, 0), 0);                 // on its way back
   EXPECT_EQ(rows(0.998, 0, standard_gravity), 1);  // g dt^2 is 2.7 mm
   EXPECT_EQ(rows(0.9, 0, standard_gravity), 0);
-  EXPECT_EQ(rows(1.1, 0, 0), 1);  // overstretched
+  EXPECT_EQ(rows(1.1, 0, 0), 1);    // overstretched
   EXPECT_EQ(rows(1.1, -10, 0), 0);  // the same, but slack again after the step
   // At the very point of suspension a rope is slack: nothing holds it on one side.
   EXPECT_EQ(rows(0, -1, 0), 0);
@@ -397,9 +397,9 @@ TEST(DistanceJoint, ConstructorsAgree) {
   World world(0);
   btRigidBody &a = addCube(world, 1, vec(1, 2, 3)), &b = addCube(world, 1, vec(2, 0, 1));
   const btVector3 p = vec(0.1, 0.2, 0.3), q = vec(-0.2, 0, 0.1);
-  const double apart = (scenes::point_in_world(a, {0.1, 0.2, 0.3}) -
-                        scenes::point_in_world(b, {-0.2, 0, 0.1}))
-                           .norm();
+  const double apart =
+      (scenes::point_in_world(a, {0.1, 0.2, 0.3}) - scenes::point_in_world(b, {-0.2, 0, 0.1}))
+          .norm();
   DistanceJoint frames(a, b, scenes::pose_at(p), scenes::pose_at(q));
   EXPECT_NEAR(double(frames.getUpperLimit()), apart, 1e-6);
   EXPECT_EQ(frames.getLowerLimit(), frames.getUpperLimit());
@@ -424,7 +424,8 @@ TEST(DistanceJoint, RefusesBadSettingsAndStaysAsItWas) {
   expectChecked<D>(
       {{"motor target velocity", [](D& d, btScalar v) { d.enableMotor(true, v, 1); }, true, true,
         false},
-       {"max motor impulse", [](D& d, btScalar v) { d.enableMotor(true, 1, v); }, false, true, true},
+       {"max motor impulse", [](D& d, btScalar v) { d.enableMotor(true, 1, v); }, false, true,
+        true},
        {"servo target", [](D& d, btScalar v) { d.setMotorServo(v, 1, 1, 1); }, true, true, false},
        {"servo frequency", [](D& d, btScalar v) { d.setMotorServo(1, v, 1, 1); }, false, false,
         false},
@@ -434,12 +435,16 @@ TEST(DistanceJoint, RefusesBadSettingsAndStaysAsItWas) {
        {"spring frequency", [](D& d, btScalar v) { d.setLimitSpring(v, 1); }, false, true, false},
        {"damping ratio", [](D& d, btScalar v) { d.setLimitSpring(1, v); }, false, true, false},
        {"ERP", [](D& d, btScalar v) { d.setParam(BT_CONSTRAINT_ERP, v); }, false, true, false},
-       {"CFM", [](D& d, btScalar v) { d.setParam(BT_CONSTRAINT_STOP_CFM, v); }, false, true, false}},
+       {"CFM", [](D& d, btScalar v) { d.setParam(BT_CONSTRAINT_STOP_CFM, v); }, false, true,
+        false}},
       make);
   const auto joint = make(), twin = make();
-  expectRefused(*joint, *twin, [](D& d, btScalar v) { d.setLimit(v, 1); }, "limit", nan_value);
-  expectRefused(*joint, *twin, [](D& d, btScalar v) { d.setLimit(0, v); }, "limit", nan_value);
-  expectRefused(*joint, *twin, [](D& d, btScalar v) { d.setLimit(-2, v); }, "limit", -1);
+  expectRefused(
+      *joint, *twin, [](D& d, btScalar v) { d.setLimit(v, 1); }, "limit", nan_value);
+  expectRefused(
+      *joint, *twin, [](D& d, btScalar v) { d.setLimit(0, v); }, "limit", nan_value);
+  expectRefused(
+      *joint, *twin, [](D& d, btScalar v) { d.setLimit(-2, v); }, "limit", -1);
   for (const btScalar value : {nan_value, infinite, scalar(-1)}) {
     expectRefusal(refusal([&] { D(h.fixed, h.cube, vec(0, 0, 0), vec(0, 0, 0), value); }),
                   "DistanceJoint", "length", value);

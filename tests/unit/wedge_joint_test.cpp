@@ -1,6 +1,7 @@
 // The wedge, measured from the bodies' poses by its definition: the direction's azimuth about the
 // axis, and how far it is from what is allowed.
 #include <pintle/joints/wedge_joint.h>
+#include <scenes/wedge.h>
 
 #include "free_joint_support.h"
 
@@ -12,32 +13,13 @@ using pintle::WedgeJoint;
 using scenes::degrees;
 using scenes::radians;
 using scenes::standard_gravity;
+using scenes::Wedge;
 using scenes::World;
 using support::infinite;
 using support::Random;
 using support::SolverRows;
 
 constexpr double dt = 1.0 / 60;
-
-// A limit by its definition.
-struct Wedge {
-  double low, high;
-
-  double total() const { return high - low; }
-  double middle() const { return (low + high) / 2; }
-  /// From the nearer side, along the circle about w; above 0 outside.
-  double off(double psi) const {
-    return std::abs(std::remainder(psi - middle(), 2 * pi)) - total() / 2;
-  }
-  /// The shortest turn (rad) that brings a direction of the joint frame inside.
-  double outside(const Eigen::Vector3d& c) const {
-    const double across = std::hypot(c.x(), c.y()), delta = off(std::atan2(c.y(), c.x()));
-    if (delta <= 0) return 0;
-    // Less than a quarter from a side its half circle is nearest, else the edge.
-    if (delta >= pi / 2) return std::atan2(across, std::abs(c.z()));
-    return std::asin(std::min(1., across * std::sin(delta)));
-  }
-};
 
 // A cube on a wedge joint to a fixed body: c_b points from the pivot to its centre.
 struct Arm {
@@ -63,10 +45,11 @@ struct Arm {
   }
 
   void point(double psi, double height) {
-    const btVector3 c = vec(std::sin(height) * std::cos(psi), std::sin(height) * std::sin(psi),
-                            std::cos(height));
+    const btVector3 c =
+        vec(std::sin(height) * std::cos(psi), std::sin(height) * std::sin(psi), std::cos(height));
     const btQuaternion turn = shortestArcQuat(vec(1, 0, 0), c);
-    const btTransform pose = btTransform(frame()) * btTransform(turn, quatRotate(turn, vec(length, 0, 0)));
+    const btTransform pose =
+        btTransform(frame()) * btTransform(turn, quatRotate(turn, vec(length, 0, 0)));
     cube.setCenterOfMassTransform(pose);
     cube.updateInertiaTensor();
   }
@@ -113,15 +96,16 @@ TEST(WedgeJoint, InsideAndOutsideAreToldApartWithoutAnError) {
     joint.setAngularOnly(true);
     if (i % 3 == 0) joint.setFormulation(Formulation::document);
     // In double, from Bullet's numbers.
-    const Eigen::Vector3d c = scenes::rotation(*a).transpose() *
-                              scenes::direction_in_world(*b, scenes::to_eigen(c_b));
+    const Eigen::Vector3d c =
+        scenes::rotation(*a).transpose() * scenes::direction_in_world(*b, scenes::to_eigen(c_b));
     const Eigen::Vector3d z = scenes::to_eigen(w).normalized(),
                           y = z.cross(scenes::to_eigen(c_a)).normalized(), x = y.cross(z);
     const double psi = std::atan2(c.dot(y), c.dot(x)), across = std::hypot(c.dot(x), c.dot(y));
     const double off = wedge.off(psi);
     // Some dozen roundings of unit vectors lie between, of limits up to 6 pi, and 1/0.1 of c_a.
     const double margin = rounding(1e-5, 1e-14);
-    if (std::abs(off) * across < margin || std::abs(pi - std::abs(off) - wedge.total()) * across < margin)
+    if (std::abs(off) * across < margin ||
+        std::abs(pi - std::abs(off) - wedge.total()) * across < margin)
       continue;
     ++counted;
     insides += off < 0;
@@ -130,8 +114,7 @@ TEST(WedgeJoint, InsideAndOutsideAreToldApartWithoutAnError) {
     wrong_rows += (SolverRows::ofStep(joint).announced() == 0) != (off < 0);
     if (wedge.total() / 2 + off < pi - margin && across > 1e-2) {
       wrong_angles += std::abs(double(joint.getAngle()) - wedge.middle() -
-                               std::remainder(psi - wedge.middle(), 2 * pi)) >
-                      10 * margin / across;
+                               std::remainder(psi - wedge.middle(), 2 * pi)) > 10 * margin / across;
     }
   }
   EXPECT_EQ(wrong, 0);
@@ -206,7 +189,8 @@ TEST(WedgeJoint, FromAnywhereOutsideItComesIn) {
       const Wedge wedge{low, low + total};
       const double off = random.uniform(0, pi - total / 2);
       // Just at the far side both ways are as long.
-      const double psi = wedge.middle() + (n % 2 ? 1 : -1) * (total / 2 + (n % 5 ? off : 0.999 * (pi - total / 2)));
+      const double psi = wedge.middle() +
+                         (n % 2 ? 1 : -1) * (total / 2 + (n % 5 ? off : 0.999 * (pi - total / 2)));
       Arm arm(wedge, psi, random.uniform(0.05, pi - 0.05));
       arm.joint.setFormulation(formulation);
       arm.cube.setDamping(scalar(0.5), scalar(0.5));
@@ -247,8 +231,8 @@ Rest rest(Arm& arm, int settle = 600) {
 
 /// The frame whose w points `tilt` off straight down, so that straight down lies at psi.
 btQuaternion downAt(double psi, double tilt) {
-  const btVector3 down = vec(std::sin(tilt) * std::cos(psi), std::sin(tilt) * std::sin(psi),
-                             std::cos(tilt));
+  const btVector3 down =
+      vec(std::sin(tilt) * std::cos(psi), std::sin(tilt) * std::sin(psi), std::cos(tilt));
   return shortestArcQuat(down, vec(0, 0, -1));
 }
 
@@ -363,7 +347,7 @@ TEST(WedgeJoint, HasRowsForWhatActs) {
   EXPECT_EQ(rows(blunt, 0, half, still, 1), 4);
   EXPECT_EQ(rows(blunt, 1.2, half, still), 4);
   EXPECT_EQ(rows(blunt, 1.2, half, still, 1), 4);
-  EXPECT_EQ(rows(blunt, 1, half, vec(0, 0, 6)), 4);   // 0.1 rad a step, and 0.05 to go
+  EXPECT_EQ(rows(blunt, 1, half, vec(0, 0, 6)), 4);  // 0.1 rad a step, and 0.05 to go
   EXPECT_EQ(rows(blunt, 1, half, vec(0, 0, -6)), 3);
   EXPECT_EQ(rows(acute, 0, half, vec(0, 0, 3)), 3);
   EXPECT_EQ(rows(acute, 0, 0.01, vec(0, 2, 0)), 3);   // away from the axis
@@ -466,9 +450,10 @@ TEST(WedgeJoint, FeedbackIsTheLoadAndABreakingThresholdBreaksIt) {
     arm.cube.applyTorque(vec(0, 0, 1));
     arm.steps(1);
   }
-  EXPECT_NEAR(double(feedback.m_appliedTorqueBodyB.z() +
-                     feedback.m_appliedForceBodyB.cross(-arm.cube.getCenterOfMassPosition()).z() * -1),
-              -1, 0.02);
+  EXPECT_NEAR(
+      double(feedback.m_appliedTorqueBodyB.z() +
+             feedback.m_appliedForceBodyB.cross(-arm.cube.getCenterOfMassPosition()).z() * -1),
+      -1, 0.02);
   struct Rig {
     Arm arm{degreeWedge(-60, 60), 0, 0.0};
     btRigidBody& free() { return arm.cube; }
@@ -515,8 +500,10 @@ TEST(WedgeJoint, RefusesBadSettingsAndStaysAsItWas) {
        {"damping ratio", [](W& w, btScalar v) { w.setLimitSpring(1, v); }, false, true, false}},
       make);
   const auto joint = make(), twin = make();
-  expectRefused(*joint, *twin, [](W& w, btScalar v) { w.setLimit(v, 1); }, "limit", nan_value);
-  expectRefused(*joint, *twin, [](W& w, btScalar v) { w.setLimit(0, v); }, "limit", nan_value);
+  expectRefused(
+      *joint, *twin, [](W& w, btScalar v) { w.setLimit(v, 1); }, "limit", nan_value);
+  expectRefused(
+      *joint, *twin, [](W& w, btScalar v) { w.setLimit(0, v); }, "limit", nan_value);
   const btVector3 o = vec(0, 0, 0), x = vec(1, 0, 0), z = vec(0, 0, 1);
   const auto refused = [&](const btVector3& p, const btVector3& q, const btVector3& c_a,
                            const btVector3& c_b, const btVector3& w) {

@@ -20,9 +20,8 @@ btMatrix3x3 basisWithZ(const btVector3& z) {
 ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                            const btVector3& pivotInB, const btVector3& normalInA)
     : FrameJoint(rbA, rbB, m_row_memory) {
-  setFrames(
-      btTransform(basisWithZ(direction("normalInA", normalInA)), point("pivotInA", pivotInA)),
-      btTransform(btMatrix3x3::getIdentity(), point("pivotInB", pivotInB)));
+  setFrames(btTransform(basisWithZ(direction("normalInA", normalInA)), point("pivotInA", pivotInA)),
+            btTransform(btMatrix3x3::getIdentity(), point("pivotInB", pivotInB)));
   setDefaults();
 }
 
@@ -86,8 +85,8 @@ void ContactJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
   const btTransform plane = m_rbA.getCenterOfMassTransform() * m_frame_a;
-  drawRange(drawer, plane.getOrigin(), plane.getBasis().getColumn(2),
-            plane.getBasis().getColumn(0), m_dbgDrawSize, 1, -1);
+  drawRange(drawer, plane.getOrigin(), plane.getBasis().getColumn(2), plane.getBasis().getColumn(0),
+            m_dbgDrawSize, 1, -1);
 }
 
 PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) const {
@@ -98,15 +97,13 @@ PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) cons
   // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(row.C + at.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
   const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
-  const Scalar curvature =
-      document ? 0 : n.dot(equations::position_curvature_conserving(at, v));
+  const Scalar curvature = document ? 0 : n.dot(equations::position_curvature_conserving(at, v));
   if (isEquality()) {
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
     return;
   }
   const Vec3 lever_a = at.r_a + at.d;
-  const Reach reach =
-      linearReach(pair, row.J, curvature, lever_a, at.r_b, timeStep()).of(m_axis);
+  const Reach reach = linearReach(pair, row.J, curvature, lever_a, at.r_b, timeStep()).of(m_axis);
   if (!reach.reaches(m_axis, row.C)) return;
   rows.addAxis(0, row.J.L, row.J.A_a, row.J.A_b, row.C, m_axis, true).curvature = curvature;
 }

@@ -69,7 +69,7 @@ class ContactJoint : public FrameJoint {
   Vec3 normal(const BodyPair& pair) const;
   equations::Anchors<Scalar> anchors(const BodyPair& pair) const;
 
-  Axis m_axis;           ///< along the normal
+  Axis m_axis;          ///< along the normal
   Vec3 m_world_normal;  ///< the document's
   RowMemory<1, 1> m_row_memory;
 };

@@ -55,9 +55,7 @@ void DistanceJoint::enableMotor(bool enable, btScalar target_velocity, btScalar 
   m_drive = Axis::Drive::velocity;
 }
 
-void DistanceJoint::enableMotor(bool enable) {
-  m_axis.drive = enable ? m_drive : Axis::Drive::off;
-}
+void DistanceJoint::enableMotor(bool enable) { m_axis.drive = enable ? m_drive : Axis::Drive::off; }
 
 void DistanceJoint::setMotorServo(btScalar target_distance, btScalar frequency_hz,
                                   btScalar damping_ratio, btScalar max_force) {
@@ -135,8 +133,7 @@ inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows&
   if (!m_axis.driven() && !m_axis.limited()) return;
   const auto J = equations::position_row(at.d.n, at.r_a, at.r_b);
   const Scalar bend = curvature(pair, at);
-  const Reach reach =
-      linearReach(pair, J, bend, at.r_a, at.r_b, timeStep()).of(m_axis);
+  const Reach reach = linearReach(pair, J, bend, at.r_a, at.r_b, timeStep()).of(m_axis);
   const bool limit = m_axis.limited() && reach.reaches(m_axis, at.d.length);
   if (!limit && !m_axis.driven()) return;
   Row& row = rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit);

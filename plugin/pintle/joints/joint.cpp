@@ -75,7 +75,9 @@ struct Joint::Step {
   }
 
   // What the curvature adds to the mean velocity of the row in this step.
-  Scalar gain(const Row& row) const { return (row.foreseen ? foreseen_half : half) * row.curvature; }
+  Scalar gain(const Row& row) const {
+    return (row.foreseen ? foreseen_half : half) * row.curvature;
+  }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
@@ -137,10 +139,9 @@ inline const AxisState& Joint::act(const Row& row, const BlockRow* block, const 
   motion.position = row.position;
   // All velocities of an axis are means over the step, and so is the target that comes of them.
   motion.gain = step.gain(row);
-  motion.velocity =
-      motion.gain +
-      row.sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
-                              : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
+  motion.velocity = motion.gain + row.sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
+                                                          : velocity(row, pair.v_b() - pair.v_a(),
+                                                                     pair.w_a(), pair.w_b()));
   motion.max_speed = btMin(m_max_correction_speed, row.max_speed);
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;

@@ -57,8 +57,7 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivo
                   c_b = direction("referenceInB", referenceInB),
                   w = direction("wedgeAxisInA", wedgeAxisInA);
   const Scalar across = w.cross(c_a).length();
-  if (across < Scalar(1e-3))
-    reject("referenceInA", across, "must not lie along wedgeAxisInA");
+  if (across < Scalar(1e-3)) reject("referenceInA", across, "must not lie along wedgeAxisInA");
   setFrames(btTransform(basisWith(w, c_a), point("pivotInA", pivotInA)),
             btTransform(basisWith(anyNormal(c_b), c_b), point("pivotInB", pivotInB)));
   setDefaults();
@@ -96,8 +95,7 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
   m_convex = limited && total < SIMD_PI - 8 * SIMD_EPSILON;
   m_reflex = limited && !m_convex;
   m_acute = limited && total < SIMD_HALF_PI;
-  if (limited)
-    m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+  if (limited) m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
 }
 
 void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -163,16 +161,14 @@ inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
     const Plane low(low_side, m_wedge.n_min, at, dt), high(high_side, m_wedge.n_max, at, dt);
     if (m_acute) {
       const Plane extra(corner, m_wedge.middle, at, dt);
-      const bool acts = getFormulation() == Formulation::document
-                            ? low.row.C < 0 && high.row.C < 0
-                            : extra.reached();
+      const bool acts = getFormulation() == Formulation::document ? low.row.C < 0 && high.row.C < 0
+                                                                  : extra.reached();
       if (acts) addPlaneRow(extra, at, m_corner, rows);
     }
     const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : isInLowHalf(at);
     const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
     // The nearer one last: what the solver leaves over is then no violation.
-    if (m_convex && !m_side.locked() && other.reached())
-      addPlaneRow(other, at, m_other_side, rows);
+    if (m_convex && !m_side.locked() && other.reached()) addPlaneRow(other, at, m_other_side, rows);
     side = nearer.index;
     near_side = nearer.reached() && (m_convex || other.reached());
     if (near_side) addPlaneRow(nearer, at, m_side, rows);
@@ -195,8 +191,7 @@ inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, co
   // Along the angle: inside is above the low side, and below the high one.
   const Scalar sign = plane.index == high_side ? Scalar(-1) : Scalar(1);
   const Scalar from = plane.index == high_side ? axis.high : axis.low;
-  Row& added =
-      rows.addAngularAxis(plane.index, sign * row.J_b, from + sign * row.C, axis, true);
+  Row& added = rows.addAngularAxis(plane.index, sign * row.J_b, from + sign * row.C, axis, true);
   // The document's row turns the bodies by as much more as it is shorter than a unit vector.
   if (getFormulation() == Formulation::document)
     added.max_speed = getMaxCorrectionSpeed() * row.J_b.norm();

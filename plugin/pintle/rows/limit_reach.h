@@ -52,8 +52,8 @@ inline Reach angularReach(const BodyPair& pair, const Vec3& h, Scalar dt, Scalar
 
 /// Of a distance (m) that changes by J v, J = [-L, -A_a, L, A_b] with the unit vector L, and by
 /// `curvature`; r_a and r_b are the levers of the points that it is between.
-inline Reach linearReach(const BodyPair& pair, const equations::Jacobian<Scalar>& J, Scalar curvature,
-                         const Vec3& r_a, const Vec3& r_b, Scalar dt) {
+inline Reach linearReach(const BodyPair& pair, const equations::Jacobian<Scalar>& J,
+                         Scalar curvature, const Vec3& r_a, const Vec3& r_b, Scalar dt) {
   // (x + y + z + u)^2 <= 4 (x^2 + y^2 + z^2 + u^2)
   const auto gain2 = [](const btRigidBody& body, const Vec3& r) -> Lanes {
     const LanesView F = lanes(body.getTotalForce());
