@@ -5,7 +5,9 @@
 // not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/wedge_joint.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,7 +24,9 @@
 #include "scenes/door.h"
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
+#include "scenes/rope.h"
 #include "scenes/valve.h"
+#include "scenes/wedge.h"
 
 namespace {
 
@@ -363,15 +367,65 @@ void run_door(Csv& csv) {
   }
 }
 
+template <class Joint>
+Measurement measure(const scenes::RopeSettings& settings) {
+  const scenes::RopeResult r = scenes::rope<Joint>(settings);
+  const double period = settings.slack ? NAN : or_infinite(r.period_error > -1, r.period_error);
+  return {{period, or_infinite(r.finite, r.max_stretch), or_infinite(r.finite, r.energy_error)},
+          or_infinite(r.finite, r.max_stretch),
+          r.microseconds_per_step};
+}
+
+void run_rope(Csv& csv) {
+  Table table(csv, "rope", "a weight swings on a rod, or falls until its rope is taut",
+              {{"period", "relative", "%+.2e"},
+               {"stretch", "m", "%.2e", "lost"},
+               {"energy", "relative", "%.2e", "lost"}});
+  for (const bool slack : {false, true}) {
+    for (const double hz : {60, 240}) {
+      scenes::RopeSettings settings;
+      settings.slack = slack;
+      settings.dt = 1 / hz;
+      table.compare(text("%s %gHz", slack ? "rope" : "rod from 60 deg", hz),
+                    {{"stock", [&] { return measure<btPoint2PointConstraint>(settings); }},
+                     {"pintle", [&] { return measure<pintle::DistanceJoint>(settings); }}});
+    }
+  }
+}
+
+template <class Joint>
+Measurement measure(const scenes::WedgeSettings& settings) {
+  const scenes::WedgeResult r = scenes::wedge<Joint>(settings);
+  const double beyond = or_infinite(r.finite, degrees(r.beyond));
+  return {{beyond, or_infinite(r.finite, r.fastest), or_infinite(r.finite, r.restless),
+           or_infinite(r.finite, degrees(r.off))},
+          beyond,
+          r.microseconds_per_step};
+}
+
+void run_wedge(Csv& csv) {
+  Table table(csv, "wedge", "an arm is thrown at its limits, and hangs in their corner",
+              {{"beyond", "deg", "%.2f", "lost"},
+               {"fastest", "of speed", "%.2f", "lost"},
+               {"restless", "rad/s", "%.1e", "lost"},
+               {"off", "deg", "%.1e", "lost"}});
+  for (const double total : {5, 30, 90, 150, 200, 270, 350}) {
+    scenes::WedgeSettings settings;
+    settings.total = radians(total);
+    table.compare(text("%g deg 60Hz", total),
+                  {{"stock", [&] { return measure<btGeneric6DofSpring2Constraint>(settings); }},
+                   {"pintle", [&] { return measure<pintle::WedgeJoint>(settings); }}});
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
 };
-constexpr Scene all_scenes[] = {{"chain", run_chain},
-                                {"recovery", run_recovery},
-                                {"pendulum", run_pendulum},
-                                {"valve", run_valve},
-                                {"door", run_door}};
+constexpr Scene all_scenes[] = {{"chain", run_chain},       {"recovery", run_recovery},
+                                {"pendulum", run_pendulum}, {"valve", run_valve},
+                                {"door", run_door},         {"rope", run_rope},
+                                {"wedge", run_wedge}};
 
 void print_help(std::FILE* out) {
   std::fprintf(out,
@@ -393,7 +447,9 @@ void print_legend() {
       "  stock   btHingeConstraint; stock c. btHingeAccumulatedAngleConstraint;\n"
       "          s. cfm btHingeConstraint with the spring as ERP and CFM of its stop\n"
       "  pintle  pintle::QuaternionHinge; plain without block rows;\n"
-      "          doc. with Formulation::document\n",
+      "          doc. with Formulation::document\n"
+      "In rope, stock: sticks on btPoint2PointConstraint, and pintle::DistanceJoint;\n"
+      "in wedge, stock: btGeneric6DofSpring2Constraint, and pintle::WedgeJoint.\n",
       sizeof(btScalar) == sizeof(double) ? "double" : "single");
 }
 

@@ -3,15 +3,21 @@
 
 #include "joint_step.h"
 
+#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/constant_velocity_joint.h>
+#include <pintle/joints/contact_joint.h>
+#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/two_point_hinge.h>
 #include <pintle/joints/universal_joint.h>
+#include <pintle/joints/wedge_joint.h>
 
+#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
@@ -230,9 +236,93 @@ inline std::vector<Case> locksAndHinges() {
   };
 }
 
+/// Of a joint that Bullet has none of, beside the ball.
+template <class Joint, class Setting>
+Case free_joint(const char* name, Setting setting) {
+  return hinge<Joint>(name, "stock ball", setting);
+}
+
+inline std::vector<Case> ownJoints() {
+  const auto as_is = [](auto&) {};
+  const auto plain = [](auto& joint) { joint.setBlockRows(false); };
+  const auto inside = [](auto& joint) { joint.setLimit(-2, 2); };
+  const auto motor = [](auto& joint) { joint.enableAngularMotor(true, 1, 1); };
+  return {
+      // The joint stands at 0.4 rad of z, and its points coincide.
+      free_joint<pintle::DistanceJoint>("rod", as_is),
+      free_joint<pintle::DistanceJoint>("rod, plain rows", plain),
+      free_joint<pintle::DistanceJoint>("rope, slack", [](auto& rope) { rope.setLimit(0, 1); }),
+      free_joint<pintle::DistanceJoint>("strut, pressed", [](auto& strut) { strut.setLimit(1, 2); }),
+      free_joint<pintle::ContactJoint>("contact", as_is),
+      free_joint<pintle::ContactJoint>("contact, two-sided",
+                                       [](auto& contact) { contact.setTwoSided(true); }),
+      free_joint<pintle::WedgeJoint>("wedge, free", as_is),
+      free_joint<pintle::WedgeJoint>("wedge, free, plain rows", plain),
+      free_joint<pintle::WedgeJoint>("wedge, inside limit", inside),
+      free_joint<pintle::WedgeJoint>("wedge, limit", [](auto& wedge) { wedge.setLimit(-1, 0); }),
+      free_joint<pintle::AngularLimit>("angle, inside limit", inside),
+      free_joint<pintle::AngularLimit>("angle, limit", [](auto& angle) { angle.setLimit(-1, 0); }),
+      free_joint<pintle::AngularLimit>("angle, motor", motor),
+  };
+}
+
+template <class Joint, class Setting>
+Case coneTwist(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Joint), [setting](JointStep& s) {
+            auto joint = std::make_unique<Joint>(*s.a, *s.b, JointStep::frameA(),
+                                                 JointStep::frameB());
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
+inline std::vector<Case> coneTwists() {
+  std::vector<Case> cases;
+  using Stock = btConeTwistConstraint;
+  using Joint = pintle::ConeTwistJoint;
+  // The joint stands at a swing of 0.4 rad about z, and no twist.
+  const auto free = [](auto&) {};
+  const auto inside = [](auto& joint) { joint.setLimit(1, btScalar(1.5), 1); };
+  const auto near = [](auto& joint) { joint.setLimit(btScalar(0.41), btScalar(0.6), 1); };
+  const auto active = [](auto& joint) { joint.setLimit(btScalar(0.3), btScalar(0.6), 1); };
+  const auto both = [](auto& joint) {
+    joint.setLimit(btScalar(0.3), btScalar(0.3), 1);
+    joint.setFrames(joint.getAFrame(), joint.getBFrame() *
+                                           btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(1.2))));
+  };
+  const auto locked = [](auto& joint) { joint.setLimit(0, 0, 1); };
+  const auto motor = [](auto& joint) {
+    joint.setMotorTarget(btQuaternion(btVector3(1, 0, 0), btScalar(0.5)));
+    joint.enableMotor(true);
+  };
+  struct Setting {
+    const char *stock, *name, *plain;
+    std::function<void(Stock&)> set_stock;
+    std::function<void(Joint&)> set;
+  };
+  const Setting settings[] = {
+      {"stock cone, free", "cone, free", "cone, free, plain", free, free},
+      {"stock cone, inside", "cone, inside", "cone, inside, plain", inside, inside},
+      {"stock cone, near edge", "cone, near edge", "cone, near edge, plain", near, near},
+      {"stock cone, swing", "cone, swing", "cone, swing, plain", active, active},
+      {"stock cone, swing+twist", "cone, swing+twist", "cone, swing+twist, plain", both, both},
+      {"stock cone, locked", "cone, locked", "cone, locked, plain", locked, locked},
+      {"stock cone, motor", "cone, motor", "cone, motor, plain", motor, motor},
+  };
+  for (const Setting& s : settings) {
+    cases.push_back(coneTwist<Stock>(s.stock, nullptr, s.set_stock));
+    cases.push_back(coneTwist<Joint>(s.plain, s.stock, [s](Joint& joint) {
+      joint.setBlockRows(false);
+      s.set(joint);
+    }));
+    cases.push_back(coneTwist<Joint>(s.name, s.stock, s.set));
+  }
+  return cases;
+}
+
 inline std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const auto& some : {others(), sliders(), locksAndHinges()}) all.insert(all.end(), some.begin(), some.end());
+  for (const auto& some : {others(), sliders(), locksAndHinges(), coneTwists(), ownJoints()}) all.insert(all.end(), some.begin(), some.end());
   return all;
 }
 

@@ -111,6 +111,22 @@ TYPED_TEST(LinearRows, DistanceOfOnePointTakesTheDirectionThatItIsGiven) {
             fallback.dot(equations::position_curvature(v.w_a, r_a, v.w_b, r_b)));
 }
 
+TYPED_TEST(LinearRows, PassingCurvatureIsThatOfPointsOnStraightLines) {
+  using T = TypeParam;
+  Random random(4);
+  for (int i = 0; i < 200; ++i) {
+    const Vector d = random.vector(4), v = random.vector(2);
+    if (d.norm() < 1) continue;
+    const auto C = [&](double t) { return Vector(d + t * v).norm(); };
+    const auto to = equations::distance<T>(d.cast<T>(), Vector3<T>::Unit(0));
+    const double curvature = double(equations::passing_curvature<T>(to, v.cast<T>()));
+    ASSERT_LE(std::abs(curvature - second_difference(C, kCurvatureStep)),
+              20 * this->kTolerance * 12 + 1e-5);
+  }
+  const equations::Distance<T> nothing{Vector3<T>::Unit(0), T(0)};
+  EXPECT_EQ(equations::passing_curvature<T>(nothing, Vector3<T>(T(1), T(2), T(3))), T(0));
+}
+
 TYPED_TEST(LinearRows, DistanceConservesAngularMomentumAtAnyError) {
   using T = TypeParam;
   for (const Hinge& hinge : hinges(kSwings, {0.5, 4})) {

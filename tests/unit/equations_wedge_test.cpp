@@ -135,6 +135,48 @@ TYPED_TEST(Wedge, PlaneRowIsTheGradientWithTheNormalFixedInBodyA) {
   }
 }
 
+TYPED_TEST(Wedge, PlaneDistanceIsTheShortestTurnAndItsRowTheGradient) {
+  using T = TypeParam;
+  for (const Case& at : cases()) {
+    const Vector local = equations::wedge<double>(Vector::Unit(2), at.reference, -0.4, 1.1).n_max;
+    const auto C = [&](const auto& bodies) {
+      using std::atan2;
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      // By the components in the plane and across: what is left of c_b without that along n.
+      const auto frame = equations::product(bodies.q_a, constant<S>(at.hinge.f_a));
+      const Vector3<S> n = equations::rotate(frame, constant<S>(local));
+      const Vector3<S> c_b = axis_b(at.hinge, bodies, 0);
+      const S up = n.dot(c_b);
+      const Vector3<S> flat = c_b - up * n;
+      using std::sqrt;
+      return S(atan2(up, S(sqrt(flat.dot(flat)))));
+    };
+    const auto planes = equations::wedge<T>(at.hinge.axis_a(2).cast<T>(),
+                                            world_reference(at).cast<T>(), T(-0.4), T(1.1));
+    const Vector3<T> c_b = at.hinge.axis_b(0).cast<T>(), w = at.hinge.axis_a(2).cast<T>();
+    const auto row = equations::plane_distance<T>(equations::wedge_row<T>(planes.n_max, c_b), w);
+    const double length = double(cross(c_b, planes.n_max).norm());
+    if (length < 0.01) continue;
+    // As the plane's row, and over the length of what it is made unit with.
+    const double tolerance =
+        this->kTolerance / std::hypot(at.reference.x(), at.reference.y()) / length;
+    const Velocities J = angular_row(row.J_b);
+    ASSERT_LE(std::abs(double(row.C) - C(at.hinge.bodies)), tolerance);
+    ASSERT_LE(std::abs(double(row.J_b.norm()) - 1), this->kTolerance);
+    ASSERT_LE(mismatch(J, gradient(C, at.hinge.bodies)), tolerance);
+    ASSERT_LE(mismatch(J, difference(C, at.hinge.bodies)),
+              tolerance + difference_tolerance / (length * length));
+  }
+  // Along the normal every way is as short.
+  const Vector3<T> x = Vector3<T>::Unit(0), z = Vector3<T>::Unit(2);
+  for (const T sign : {T(1), T(-1)}) {
+    const auto row =
+        equations::plane_distance<T>(equations::wedge_row<T>(x, Vector3<T>(sign * x)), z);
+    EXPECT_EQ(row.C, sign * T(pi / 2));
+    EXPECT_EQ(row.J_b, z);
+  }
+}
+
 TYPED_TEST(Wedge, NormalsAreUnitNormalToTheAxisAndAtTheLimits) {
   using T = TypeParam;
   Random random(3);

@@ -25,14 +25,12 @@ AngularLimit::AngularLimit(btRigidBody& rbA, btRigidBody& rbB, const btTransform
                            const btTransform& frameInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
   setFrames(frameInA, frameInB);
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
 }
 
 AngularLimit::AngularLimit(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, m_row_memory) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
 }
 
@@ -89,15 +87,12 @@ void AngularLimit::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio)
   setAxisSpring(m_axis, frequency_hz, damping_ratio);
 }
 
-void AngularLimit::enableAngularMotor(bool enable, btScalar target_velocity,
-                                      btScalar max_impulse) {
+void AngularLimit::enableAngularMotor(bool enable, btScalar target_velocity, btScalar max_impulse) {
   setAxisMotor(m_axis, enable, target_velocity, max_impulse);
   m_drive = Axis::Drive::velocity;
 }
 
-void AngularLimit::enableMotor(bool enable) {
-  m_axis.drive = enable ? m_drive : Axis::Drive::off;
-}
+void AngularLimit::enableMotor(bool enable) { m_axis.drive = enable ? m_drive : Axis::Drive::off; }
 
 void AngularLimit::setMotorServo(btScalar target_angle, btScalar frequency_hz,
                                  btScalar damping_ratio, btScalar max_torque) {

@@ -21,9 +21,8 @@ btMatrix3x3 basisWithZ(const btVector3& z) {
 ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                            const btVector3& pivotInB, const btVector3& normalInA)
     : FrameJoint(rbA, rbB, m_row_memory) {
-  setFrames(
-      btTransform(basisWithZ(direction("normalInA", normalInA)), point("pivotInA", pivotInA)),
-      btTransform(btMatrix3x3::getIdentity(), point("pivotInB", pivotInB)));
+  setFrames(btTransform(basisWithZ(direction("normalInA", normalInA)), point("pivotInA", pivotInA)),
+            btTransform(btMatrix3x3::getIdentity(), point("pivotInB", pivotInB)));
   setDefaults();
 }
 
@@ -43,15 +42,13 @@ ContactJoint::ContactJoint(btRigidBody& rbA, const btTransform& frameInA)
 void ContactJoint::setDefaults() {
   m_axis.low = 0;
   m_axis.high = infinity;
-  // The rebound is bias times relaxation.
-  m_axis.bias = 1;
-  m_axis.relaxation = 0;
+  setRestitution(0);
 }
 
 void ContactJoint::setRestitution(btScalar restitution) {
   if (notNegative("restitution", restitution) > 1)
     reject("restitution", restitution, "must not be above 1");
-  m_axis.relaxation = restitution;
+  m_axis.relaxation = restitution / m_axis.bias;  // the rebound is their product
 }
 
 void ContactJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -89,8 +86,8 @@ void ContactJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
   const btTransform plane = m_rbA.getCenterOfMassTransform() * m_frame_a;
-  drawRange(drawer, plane.getOrigin(), plane.getBasis().getColumn(2),
-            plane.getBasis().getColumn(0), m_dbgDrawSize, 1, -1);
+  drawRange(drawer, plane.getOrigin(), plane.getBasis().getColumn(2), plane.getBasis().getColumn(0),
+            m_dbgDrawSize, 1, -1);
 }
 
 PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) const {
@@ -101,8 +98,7 @@ PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) cons
   // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(row.C + at.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
   const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
-  const Scalar curvature =
-      document ? 0 : n.dot(equations::position_curvature_conserving(at, v));
+  const Scalar curvature = document ? 0 : n.dot(equations::position_curvature_conserving(at, v));
   if (isEquality()) {
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
     return;

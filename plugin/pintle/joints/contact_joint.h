@@ -42,7 +42,7 @@ class ContactJoint : public FrameJoint {
   /// reaches the plane between two steps rebounds in the second, with this part of the speed that
   /// it had before the first. Default 0.
   void setRestitution(btScalar restitution);
-  btScalar getRestitution() const { return m_axis.relaxation; }
+  btScalar getRestitution() const { return m_axis.bias * m_axis.relaxation; }
   /// Makes the plane a spring and damper (document, 2.4), which then rebounds as a spring:
   /// frequency (Hz) and damping ratio (>= 0; 1 is critical). Frequency 0: rigid again.
   void setLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
@@ -69,7 +69,7 @@ class ContactJoint : public FrameJoint {
   Vec3 normal(const BodyPair& pair) const;
   equations::Anchors<Scalar> anchors(const BodyPair& pair) const;
 
-  Axis m_axis;           ///< along the normal
+  Axis m_axis;          ///< along the normal
   Vec3 m_world_normal;  ///< the document's
   RowMemory<1, 1> m_row_memory;
 };

@@ -19,7 +19,6 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3
   const btMatrix3x3& upright = btMatrix3x3::getIdentity();
   setFrames(btTransform(upright, point("pivotInA", pivotInA)),
             btTransform(upright, point("pivotInB", pivotInB)));
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
   m_axis.low = m_axis.high = notNegative("length", length);
 }
@@ -28,7 +27,6 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransfo
                              const btTransform& frameInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
   setFrames(frameInA, frameInB);
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
   m_axis.low = m_axis.high = getDistance();
 }
@@ -36,7 +34,6 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransfo
 DistanceJoint::DistanceJoint(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, m_row_memory) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
-  m_axis.bias = 1;
   m_axis.relaxation = 0;
   m_axis.low = m_axis.high = 0;
 }
@@ -58,9 +55,7 @@ void DistanceJoint::enableMotor(bool enable, btScalar target_velocity, btScalar 
   m_drive = Axis::Drive::velocity;
 }
 
-void DistanceJoint::enableMotor(bool enable) {
-  m_axis.drive = enable ? m_drive : Axis::Drive::off;
-}
+void DistanceJoint::enableMotor(bool enable) { m_axis.drive = enable ? m_drive : Axis::Drive::off; }
 
 void DistanceJoint::setMotorServo(btScalar target_distance, btScalar frequency_hz,
                                   btScalar damping_ratio, btScalar max_force) {

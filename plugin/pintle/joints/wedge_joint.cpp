@@ -57,8 +57,7 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivo
                   c_b = direction("referenceInB", referenceInB),
                   w = direction("wedgeAxisInA", wedgeAxisInA);
   const Scalar across = w.cross(c_a).length();
-  if (across < Scalar(1e-3))
-    reject("referenceInA", across, "must not lie along wedgeAxisInA");
+  if (across < Scalar(1e-3)) reject("referenceInA", across, "must not lie along wedgeAxisInA");
   setFrames(btTransform(basisWith(w, c_a), point("pivotInA", pivotInA)),
             btTransform(basisWith(anyNormal(c_b), c_b), point("pivotInB", pivotInB)));
   setDefaults();
@@ -78,7 +77,6 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA)
 }
 
 void WedgeJoint::setDefaults() {
-  m_side.bias = m_corner.bias = 1;
   m_side.relaxation = m_corner.relaxation = 0;
   m_corner.low = 0;
   m_corner.high = infinity;
@@ -93,11 +91,11 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
   m_other_side.max_friction = 0;
   const Scalar total = high - low;
   const bool limited = total >= 0 && total < SIMD_2_PI;
-  m_convex = limited && total < SIMD_PI;
+  // Half a turn, give or take rounding, has one plane.
+  m_convex = limited && total < SIMD_PI - 8 * SIMD_EPSILON;
   m_reflex = limited && !m_convex;
   m_acute = limited && total < SIMD_HALF_PI;
-  if (limited)
-    m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+  if (limited) m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
 }
 
 void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -163,15 +161,14 @@ inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
     const Plane low(low_side, m_wedge.n_min, at, dt), high(high_side, m_wedge.n_max, at, dt);
     if (m_acute) {
       const Plane extra(corner, m_wedge.middle, at, dt);
-      const bool acts = getFormulation() == Formulation::document
-                            ? low.row.C < 0 && high.row.C < 0
-                            : extra.reached();
+      const bool acts = getFormulation() == Formulation::document ? low.row.C < 0 && high.row.C < 0
+                                                                  : extra.reached();
       if (acts) addPlaneRow(extra, at, m_corner, rows);
     }
-    const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : low.row.C >= high.row.C;
+    const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : isInLowHalf(at);
     const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
-    if (m_convex && !m_side.locked() && other.reached())
-      addPlaneRow(other, at, m_other_side, rows);
+    // The nearer one last: what the solver leaves over is then no violation.
+    if (m_convex && !m_side.locked() && other.reached()) addPlaneRow(other, at, m_other_side, rows);
     side = nearer.index;
     near_side = nearer.reached() && (m_convex || other.reached());
     if (near_side) addPlaneRow(nearer, at, m_side, rows);
@@ -179,6 +176,11 @@ inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
   if (near_side || !m_side.driven()) return;
   const auto to = equations::angle_about(at.frame.c(), at.frame.a(), at.c_b);
   rows.addAngularAxis(side, to.unit, angle(to), m_side, false);
+}
+
+inline bool WedgeJoint::isInLowHalf(const Directions& at) const {
+  const Vec3 c_b(at.frame.a().dot(at.c_b), at.frame.b().dot(at.c_b), 0);
+  return &equations::nearer_plane<Scalar>(m_wedge, Vec3::Unit(2), c_b) == &m_wedge.n_min;
 }
 
 inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, const Axis& axis,
@@ -189,8 +191,7 @@ inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, co
   // Along the angle: inside is above the low side, and below the high one.
   const Scalar sign = plane.index == high_side ? Scalar(-1) : Scalar(1);
   const Scalar from = plane.index == high_side ? axis.high : axis.low;
-  Row& added =
-      rows.addAngularAxis(plane.index, sign * row.J_b, from + sign * row.C, axis, true);
+  Row& added = rows.addAngularAxis(plane.index, sign * row.J_b, from + sign * row.C, axis, true);
   // The document's row turns the bodies by as much more as it is shorter than a unit vector.
   if (getFormulation() == Formulation::document)
     added.max_speed = getMaxCorrectionSpeed() * row.J_b.norm();

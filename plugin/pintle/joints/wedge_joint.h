@@ -72,11 +72,12 @@ class WedgeJoint : public FrameJoint {
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
   void addWedgeRows(const Directions& at, Rows& rows) const;
+  bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 
-  Axis m_side;        ///< along the angle: both limits, and friction
-  Axis m_other_side;  ///< the same without friction
-  Axis m_corner;      ///< along the turn to the extra plane
+  Axis m_side;                       ///< along the angle: both limits, and friction
+  Axis m_other_side;                 ///< the same without friction
+  Axis m_corner;                     ///< along the turn to the extra plane
   equations::Wedge<Scalar> m_wedge;  ///< in the joint frame of body a
   bool m_convex = false;             ///< below pi
   bool m_reflex = false;             ///< from pi on
