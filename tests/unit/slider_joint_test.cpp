@@ -1106,6 +1106,32 @@ TEST(Slider, HasARowForWhatActs) {
   }
 }
 
+// In a plane game an axis square to the plane leaves the rows of its direction nothing but rounding.
+// Bullet passes over them, and no other row may be mixed with them.
+TEST(Slider, RowsWithoutMassAreMixedIntoNoOther) {
+  Random random(8);
+  for (int n = 0; n < 50; ++n) {
+    const btTransform spin_a(btQuaternion(vec(0, 0, 1), scalar(random.uniform(-3, 3))));
+    const btTransform spin_b(btQuaternion(vec(0, 0, 1), scalar(random.uniform(-3, 3))));
+    const auto a = support::body(1, vec(1, 1, 1), spin_a),
+               b = support::body(1, vec(1, 1, 1), spin_b);
+    for (btRigidBody* body : {a.get(), b.get()}) {
+      body->setLinearFactor(vec(1, 1, 0));
+      body->setAngularFactor(vec(0, 0, 1));
+    }
+    const btTransform frame(btQuaternion(vec(0, 1, 0), scalar(pi / 2)), vec(0.5, 0.2, 0));
+    Ours slider(*a, *b, frame, frame);
+    freeAngle(slider);
+    for (const auto form : {pintle::Formulation::document, pintle::Formulation::conditioned}) {
+      slider.setFormulation(form);
+      const SolverRows rows = SolverRows::ofStep(slider);
+      ASSERT_EQ(rows.announced(), 4);
+      for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 12; ++k) EXPECT_LE(std::abs(rows[i].fields[k]), 3) << i << ", " << k;
+    }
+  }
+}
+
 // From any orientation, no faster than the bound, and nearly as soon as stock where that keeps it.
 TEST(Slider, RecoversFromAnyOrientation) {
   struct Recovered {

@@ -95,7 +95,8 @@ inline void addToBlock(BlockRow* rows, int i, const Row& from, const BlockMass& 
   BlockRow& row = rows[i];
   const Scalar lost = eliminate(row, from, rows, i);
   mass.weigh(row);
-  row.K_inv = 1 / row.K;
+  // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
+  row.K_inv = row.K > SIMD_EPSILON ? 1 / row.K : Scalar(0);
   if (!(row.K > rounding_of_K * lost)) {
     eliminate(row, from, rows, 0);
     row.angular = false;  // it may stand behind one that is not
