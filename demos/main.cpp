@@ -5,8 +5,12 @@
 // not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
+#include <pintle/joints/ball_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
 #include <pintle/joints/wedge_joint.h>
 
 #include <algorithm>
@@ -25,6 +29,7 @@
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
 #include "scenes/rope.h"
+#include "scenes/slider_crank.h"
 #include "scenes/valve.h"
 #include "scenes/wedge.h"
 
@@ -418,14 +423,55 @@ void run_wedge(Csv& csv) {
   }
 }
 
+Measurement measure(const scenes::SliderCrankResult& r) {
+  const double error = or_infinite(r.finite, r.max_piston_error);
+  return {{error, or_infinite(r.finite, r.max_reading_error), or_infinite(r.finite, r.max_gap),
+           or_infinite(r.finite, degrees(r.max_crank_error))},
+          error,
+          r.microseconds_per_step};
+}
+
+void run_slider_crank(Csv& csv) {
+  Table table(csv, "slider_crank", "a motor drives a piston at 1 turn/s for 5 s",
+              {{"piston", "m", "%.1e", "lost"},
+               {"reading", "m", "%.1e", "lost"},
+               {"max gap", "m", "%.1e", "lost"},
+               {"crank", "deg", "%.1e", "lost"}});
+  for (const int iterations : {10, 100}) {
+    for (const double hz : {60, 120, 240, 480}) {
+      scenes::SliderCrankSettings settings;
+      settings.dt = 1 / hz;
+      settings.iterations = iterations;
+      table.compare(text("%gHz %dit", hz, iterations),
+                    {{"stock",
+                      [&] {
+                        return measure(
+                            scenes::slider_crank<Stock, btPoint2PointConstraint, btSliderConstraint>(
+                                settings));
+                      }},
+                     {"pintle", [&] {
+                        return measure(
+                            scenes::slider_crank<Ours, pintle::BallJoint, pintle::SliderJoint>(
+                                settings));
+                      }}});
+    }
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
 };
-constexpr Scene all_scenes[] = {{"chain", run_chain},       {"recovery", run_recovery},
-                                {"pendulum", run_pendulum}, {"valve", run_valve},
-                                {"door", run_door},         {"rope", run_rope},
-                                {"wedge", run_wedge}};
+constexpr Scene all_scenes[] = {
+    {"chain", run_chain},
+    {"recovery", run_recovery},
+    {"pendulum", run_pendulum},
+    {"valve", run_valve},
+    {"door", run_door},
+    {"rope", run_rope},
+    {"wedge", run_wedge},
+    {"slider_crank", run_slider_crank},
+};
 
 void print_help(std::FILE* out) {
   std::fprintf(out,

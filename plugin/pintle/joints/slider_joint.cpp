@@ -344,6 +344,9 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   const equations::Anchors<Scalar> anchors{at.a.r(), at.b.r(), at.d};
   const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
   const Vec3 curvature = equations::position_curvature_conserving(anchors, v);
+  const Scalar along = at.axis_a.dot(curvature);
+  Acting slide;
+  if (m_linear.driven() || m_linear.limited()) slide = actingSlide(pair, at, anchors, v, along);
   // The document's rows take for granted that both bodies turn alike.
   const bool middle = document && angleIsLocked();
   const auto add = [&](const Vec3& u) {
@@ -359,7 +362,11 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   add(at.a.b());
   add(at.a.c());
   add_turn();
-  if (m_linear.driven() || m_linear.limited()) addLinearAxis(pair, at, anchors, v, curvature, rows);
+  if (!slide.row) return;
+  const auto J = equations::contact_row(at.axis_a, anchors).J;
+  rows.addAxis(linear, J.L, J.A_a, J.A_b, slide.position, m_linear, slide.limit,
+               m_sign > 0 ? 1 : -1)
+      .curvature = m_sign * along;
 }
 
 inline void SliderJoint::addAngularRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
@@ -416,24 +423,21 @@ void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const
   if (locked) add(0, locked_angle);
 }
 
-inline void SliderJoint::addLinearAxis(const BodyPair& pair, const Frames& at,
+inline Acting SliderJoint::actingSlide(const BodyPair& pair, const Frames& at,
                                        const equations::Anchors<Scalar>& anchors,
-                                       const equations::Velocity<Scalar>& v, const Vec3& curvature,
-                                       Rows& rows) const {
-  const auto row = equations::contact_row(at.axis_a, anchors);
-  const Scalar position = m_sign * row.C, along = at.axis_a.dot(curvature);
-  bool limit = false;
+                                       const equations::Velocity<Scalar>& v,
+                                       Scalar curvature) const {
+  Acting acting;
+  acting.position = m_sign * at.axis_a.dot(at.d);
   if (m_linear.limited()) {
     const Vec3 lever_a = anchors.r_a + anchors.d;
     const Scalar speed = at.axis_a.dot(equations::relative_velocity(v, lever_a, anchors.r_b));
-    limit = linearReach(pair, row.J.A_a, row.J.A_b, m_sign * speed, along, timeStep())
-                .of(m_linear)
-                .reaches(m_linear, position);
+    acting.limit = linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep())
+                       .of(m_linear)
+                       .reaches(m_linear, acting.position);
   }
-  if (limit || m_linear.driven())
-    rows.addAxis(linear, row.J.L, row.J.A_a, row.J.A_b, position, m_linear, limit,
-                 m_sign > 0 ? 1 : -1)
-        .curvature = m_sign * along;
+  acting.row = acting.limit || m_linear.driven();
+  return acting;
 }
 
 }  // namespace PINTLE_PRECISION

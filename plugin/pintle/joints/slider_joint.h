@@ -16,6 +16,8 @@ struct Velocity;
 
 inline namespace PINTLE_PRECISION {
 
+struct Acting;
+
 /// Body b slides along an axis of body a, and turns about it as far as its angular limits allow: by
 /// default not at all. The axis is x of a joint frame in each body.
 ///
@@ -217,9 +219,9 @@ class SliderJoint : public FrameJoint {
   void addAngularRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
                       const UnwrappedAngle& twist, Rows& rows) const;
   void addDocumentAngularRows(const BodyPair& pair, Rows& rows) const;
-  void addLinearAxis(const BodyPair& pair, const Frames& at,
+  Acting actingSlide(const BodyPair& pair, const Frames& at,
                      const equations::Anchors<Scalar>& anchors,
-                     const equations::Velocity<Scalar>& v, const Vec3& curvature, Rows& rows) const;
+                     const equations::Velocity<Scalar>& v, Scalar curvature) const;
 
   /// No axis of its own: it is one of the equalities.
   bool angleIsLocked() const {

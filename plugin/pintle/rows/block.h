@@ -95,7 +95,8 @@ inline void addToBlock(BlockRow& row, const Row& from, const BlockRow* others, i
                        const BlockMass& mass) {
   const Scalar lost = eliminate(row, from, others, count);
   mass.weigh(row);
-  row.K_inv = 1 / row.K;
+  // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
+  row.K_inv = row.K > SIMD_EPSILON ? 1 / row.K : Scalar(0);
   if (!(row.K > rounding_of_K * lost)) {
     eliminate(row, from, others, 0);
     row.angular = false;  // it may stand behind one that is not

@@ -50,11 +50,11 @@ inline Reach angularReach(const BodyPair& pair, const Vec3& h, Scalar dt, Scalar
   return {sign * dt * h.dot(pair.w_b() - pair.w_a()), dt * dt * gain};
 }
 
-/// Of a distance (m) along a row J = [-L, -A_a, L, A_b] of unit L that moves as J does: `speed` is J v,
-/// `curvature` what its motion adds (m/s^2). No joint makes J a of the forces' acceleration a more
-/// than sqrt(J M^-1 J^T a^T M a).
-inline Reach linearReach(const BodyPair& pair, const Vec3& A_a, const Vec3& A_b, Scalar speed,
-                         Scalar curvature, Scalar dt) {
+/// Of a distance (m) along a unit vector, between points at these levers of the bodies: `speed` is J v of
+/// its row, `curvature` what the motion adds (m/s^2). Whatever joints hold the bodies, the part along
+/// J of an acceleration a by forces is at most sqrt(J M^-1 J^T a^T M a).
+inline Reach linearReach(const BodyPair& pair, const Vec3& lever_a, const Vec3& lever_b,
+                         Scalar speed, Scalar curvature, Scalar dt) {
   const auto trace = [](const btMatrix3x3& I_inv) {
     return I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
   };
@@ -62,10 +62,11 @@ inline Reach linearReach(const BodyPair& pair, const Vec3& A_a, const Vec3& A_b,
   const Scalar I_a = trace(a.getInvInertiaTensorWorld()), I_b = trace(b.getInvInertiaTensorWorld());
   const LanesView F_a = lanes(a.getTotalForce()), F_b = lanes(b.getTotalForce());
   const LanesView T_a = lanes(a.getTotalTorque()), T_b = lanes(b.getTotalTorque());
-  const Lanes own = F_a * F_a * pair.inv_mass_a() + F_b * F_b * pair.inv_mass_b() +
+  const Lanes aMa = F_a * F_a * pair.inv_mass_a() + F_b * F_b * pair.inv_mass_b() +
                     T_a * T_a * I_a + T_b * T_b * I_b;
-  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * A_a.dot(A_a) + I_b * A_b.dot(A_b);
-  const Scalar most = btSqrt(K * (own[0] + own[1] + own[2])) + btFabs(curvature);
+  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * lever_a.dot(lever_a) +
+                   I_b * lever_b.dot(lever_b);
+  const Scalar most = btSqrt(K * (aMa[0] + aMa[1] + aMa[2])) + btFabs(curvature);
   return {dt * speed, dt * dt * most};
 }
 
