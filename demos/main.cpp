@@ -4,7 +4,9 @@
 // Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
 // not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
 
+#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 
 #include <algorithm>
@@ -22,6 +24,7 @@
 #include "scenes/door.h"
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
+#include "scenes/shoulder.h"
 #include "scenes/valve.h"
 
 namespace {
@@ -363,6 +366,40 @@ void run_door(Csv& csv) {
   }
 }
 
+template <class Joint>
+Measurement measure(const scenes::ShoulderSettings& settings) {
+  const scenes::ShoulderResult r = scenes::shoulder<Joint>(settings);
+  const double beyond = or_infinite(r.finite, r.swing_beyond);
+  return {{degrees(beyond), degrees(or_infinite(r.finite, r.twist_beyond)),
+           or_infinite(r.finite, r.top_speed), or_infinite(r.finite, r.rest_speed)},
+          std::max(beyond, 0.0),
+          r.microseconds_per_step};
+}
+
+void run_shoulder(Csv& csv) {
+  Table table(csv, "shoulder", "a limb thrown at its cone (spans of swing 1 x 2, twist; speed)",
+              {{"swing", "deg over", "%+.3f", "lost"},
+               {"twist", "deg over", "%+.3f", "lost"},
+               {"top", "rad/s", "%.2f", "lost"},
+               {"rest", "rad/s", "%.1e", "lost"}});
+  struct Spans {
+    double swing_1, swing_2, twist;  // degrees
+  };
+  for (const Spans& spans :
+       {Spans{45, 45, 30}, Spans{30, 70, 30}, Spans{6, 70, 30}, Spans{170, 170, 30}}) {
+    for (const double speed : {3, 12}) {
+      scenes::ShoulderSettings settings;
+      settings.span_1 = radians(spans.swing_1);
+      settings.span_2 = radians(spans.swing_2);
+      settings.twist_span = radians(spans.twist);
+      settings.spin = settings.spin.normalized() * speed;
+      table.compare(text("%gx%g %g; %g", spans.swing_1, spans.swing_2, spans.twist, speed),
+                    {{"stock", [&] { return measure<btConeTwistConstraint>(settings); }},
+                     {"pintle", [&] { return measure<pintle::ConeTwistJoint>(settings); }}});
+    }
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
@@ -371,7 +408,8 @@ constexpr Scene all_scenes[] = {{"chain", run_chain},
                                 {"recovery", run_recovery},
                                 {"pendulum", run_pendulum},
                                 {"valve", run_valve},
-                                {"door", run_door}};
+                                {"door", run_door},
+                                {"shoulder", run_shoulder}};
 
 void print_help(std::FILE* out) {
   std::fprintf(out,
@@ -393,7 +431,8 @@ void print_legend() {
       "  stock   btHingeConstraint; stock c. btHingeAccumulatedAngleConstraint;\n"
       "          s. cfm btHingeConstraint with the spring as ERP and CFM of its stop\n"
       "  pintle  pintle::QuaternionHinge; plain without block rows;\n"
-      "          doc. with Formulation::document\n",
+      "          doc. with Formulation::document\n"
+      "In the shoulder: btConeTwistConstraint and pintle::ConeTwistJoint.\n",
       sizeof(btScalar) == sizeof(double) ? "double" : "single");
 }
 

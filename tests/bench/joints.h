@@ -4,8 +4,10 @@
 #include "joint_step.h"
 
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 
+#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 
@@ -41,6 +43,58 @@ Case ball(const char* name, const char* stock, Setting setting) {
           }};
 }
 
+template <class Joint, class Setting>
+Case coneTwist(const char* name, const char* stock, Setting setting) {
+  return {name, stock, sizeof(Joint), [setting](JointStep& s) {
+            auto joint = std::make_unique<Joint>(*s.a, *s.b, JointStep::frameA(),
+                                                 JointStep::frameB());
+            setting(*joint);
+            return std::unique_ptr<btTypedConstraint>(std::move(joint));
+          }};
+}
+
+inline void addConeTwist(std::vector<Case>& cases) {
+  using Stock = btConeTwistConstraint;
+  using Joint = pintle::ConeTwistJoint;
+  // The joint stands at a swing of 0.4 rad about z, and no twist.
+  const auto free = [](auto&) {};
+  const auto inside = [](auto& joint) { joint.setLimit(1, btScalar(1.5), 1); };
+  const auto near = [](auto& joint) { joint.setLimit(btScalar(0.41), btScalar(0.6), 1); };
+  const auto active = [](auto& joint) { joint.setLimit(btScalar(0.3), btScalar(0.6), 1); };
+  const auto both = [](auto& joint) {
+    joint.setLimit(btScalar(0.3), btScalar(0.3), 1);
+    joint.setFrames(joint.getAFrame(), joint.getBFrame() *
+                                           btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(1.2))));
+  };
+  const auto locked = [](auto& joint) { joint.setLimit(0, 0, 1); };
+  const auto motor = [](auto& joint) {
+    joint.setMotorTarget(btQuaternion(btVector3(1, 0, 0), btScalar(0.5)));
+    joint.enableMotor(true);
+  };
+  struct Setting {
+    const char *stock, *name, *plain;
+    std::function<void(Stock&)> set_stock;
+    std::function<void(Joint&)> set;
+  };
+  const Setting settings[] = {
+      {"stock cone, free", "cone, free", "cone, free, plain", free, free},
+      {"stock cone, inside", "cone, inside", "cone, inside, plain", inside, inside},
+      {"stock cone, near edge", "cone, near edge", "cone, near edge, plain", near, near},
+      {"stock cone, swing", "cone, swing", "cone, swing, plain", active, active},
+      {"stock cone, swing+twist", "cone, swing+twist", "cone, swing+twist, plain", both, both},
+      {"stock cone, locked", "cone, locked", "cone, locked, plain", locked, locked},
+      {"stock cone, motor", "cone, motor", "cone, motor, plain", motor, motor},
+  };
+  for (const Setting& s : settings) {
+    cases.push_back(coneTwist<Stock>(s.stock, nullptr, s.set_stock));
+    cases.push_back(coneTwist<Joint>(s.plain, s.stock, [s](Joint& joint) {
+      joint.setBlockRows(false);
+      s.set(joint);
+    }));
+    cases.push_back(coneTwist<Joint>(s.name, s.stock, s.set));
+  }
+}
+
 inline std::vector<Case> cases() {
   using Stock = btHingeConstraint;
   using Hinge = pintle::QuaternionHinge;
@@ -54,7 +108,7 @@ inline std::vector<Case> cases() {
   const auto with_plain = [plain](auto setting) {
     return [plain, setting](auto& joint) { plain(joint), setting(joint); };
   };
-  return {
+  std::vector<Case> all = {
       hinge<Stock>("stock hinge", nullptr, as_is),
       hinge<Hinge>("hinge, plain rows", "stock hinge", plain),
       hinge<Hinge>("hinge", "stock hinge", as_is),
@@ -77,6 +131,8 @@ inline std::vector<Case> cases() {
       ball<pintle::BallJoint>("ball, plain rows", "stock ball", plain),
       ball<pintle::BallJoint>("ball", "stock ball", as_is),
   };
+  addConeTwist(all);
+  return all;
 }
 
 }  // namespace bench
