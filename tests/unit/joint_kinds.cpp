@@ -61,7 +61,7 @@ void set(ConeTwistJoint& joint, int variant) {
     joint.enableMotor(true);
   }
   if (variant == 7) {
-    joint.setLimit(scalar(1.2), scalar(1.4), scalar(0.5));
+    joint.setLimit(scalar(2.8), 3, scalar(0.5));
     joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
     joint.setMaxMotorImpulse(3);
     joint.enableMotor(true);
