@@ -4,10 +4,12 @@
 // Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
 // not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
 
+#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
@@ -29,6 +31,7 @@
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
 #include "scenes/rope.h"
+#include "scenes/shoulder.h"
 #include "scenes/slider_crank.h"
 #include "scenes/valve.h"
 #include "scenes/wedge.h"
@@ -458,6 +461,40 @@ void run_slider_crank(Csv& csv) {
   }
 }
 
+template <class Joint>
+Measurement measure(const scenes::ShoulderSettings& settings) {
+  const scenes::ShoulderResult r = scenes::shoulder<Joint>(settings);
+  const double beyond = or_infinite(r.finite, r.swing_beyond);
+  return {{degrees(beyond), degrees(or_infinite(r.finite, r.twist_beyond)),
+           or_infinite(r.finite, r.top_speed), or_infinite(r.finite, r.rest_speed)},
+          std::max(beyond, 0.0),
+          r.microseconds_per_step};
+}
+
+void run_shoulder(Csv& csv) {
+  Table table(csv, "shoulder", "a limb thrown at its cone (spans of swing 1 x 2, twist; speed)",
+              {{"swing", "deg over", "%+.3f", "lost"},
+               {"twist", "deg over", "%+.3f", "lost"},
+               {"top", "rad/s", "%.2f", "lost"},
+               {"rest", "rad/s", "%.1e", "lost"}});
+  struct Spans {
+    double swing_1, swing_2, twist;  // degrees
+  };
+  for (const Spans& spans :
+       {Spans{45, 45, 30}, Spans{30, 70, 30}, Spans{6, 70, 30}, Spans{170, 170, 30}}) {
+    for (const double speed : {3, 12}) {
+      scenes::ShoulderSettings settings;
+      settings.span_1 = radians(spans.swing_1);
+      settings.span_2 = radians(spans.swing_2);
+      settings.twist_span = radians(spans.twist);
+      settings.spin = settings.spin.normalized() * speed;
+      table.compare(text("%gx%g %g; %g", spans.swing_1, spans.swing_2, spans.twist, speed),
+                    {{"stock", [&] { return measure<btConeTwistConstraint>(settings); }},
+                     {"pintle", [&] { return measure<pintle::ConeTwistJoint>(settings); }}});
+    }
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
@@ -471,6 +508,7 @@ constexpr Scene all_scenes[] = {
     {"rope", run_rope},
     {"wedge", run_wedge},
     {"slider_crank", run_slider_crank},
+    {"shoulder", run_shoulder},
 };
 
 void print_help(std::FILE* out) {

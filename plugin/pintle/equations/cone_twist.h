@@ -83,19 +83,55 @@ EllipseDistance<T> ellipse_distance(T s_0, T s_1, T e_0, T e_1) {
   return {(u - T(1)) * e_1 * e_1 * length, g_0 / length, g_1 / length};
 }
 
-/// C = g, rad, > 0 outside; e_1 and e_2 unit vectors normal to c_a and to each other, in body a.
+/// The distance g of the point (s_1, s_2) from the four quarters, and its gradient n.
 template <class T>
-AngularRow<T> elliptic_cone_row(const Swing<T>& s, const Vector3<T>& c_a, const Vector3<T>& e_1,
-                                const Vector3<T>& e_2, const SwingSpans<T>& spans) {
-  const T s_1 = s.sigma.dot(e_1), s_2 = s.sigma.dot(e_2);
+struct ConeDistance {
+  T distance, n_1, n_2;
+};
+
+template <class T>
+ConeDistance<T> cone_distance(T s_1, T s_2, const SwingSpans<T>& spans) {
   const T sign_1 = s_1 < T(0) ? T(-1) : T(1), sign_2 = s_2 < T(0) ? T(-1) : T(1);
   const T a = s_1 < T(0) ? spans.below_1 : spans.above_1;
   const T b = s_2 < T(0) ? spans.below_2 : spans.above_2;
   const bool long_1 = a >= b;
   const EllipseDistance<T> to = long_1 ? ellipse_distance<T>(sign_1 * s_1, sign_2 * s_2, a, b)
                                        : ellipse_distance<T>(sign_2 * s_2, sign_1 * s_1, b, a);
-  const T n_1 = sign_1 * (long_1 ? to.n_0 : to.n_1), n_2 = sign_2 * (long_1 ? to.n_1 : to.n_0);
-  return {swing_row(s, c_a, Vector3<T>(n_1 * e_1 + n_2 * e_2)), to.distance};
+  return {to.distance, sign_1 * (long_1 ? to.n_0 : to.n_1), sign_2 * (long_1 ? to.n_1 : to.n_0)};
+}
+
+/// C = g, rad, > 0 outside; e_1 and e_2 unit vectors normal to c_a and to each other, in body a.
+template <class T>
+AngularRow<T> elliptic_cone_row(const Swing<T>& s, const Vector3<T>& c_a, const Vector3<T>& e_1,
+                                const Vector3<T>& e_2, const SwingSpans<T>& spans) {
+  const auto to = cone_distance<T>(s.sigma.dot(e_1), s.sigma.dot(e_2), spans);
+  return {swing_row(s, c_a, Vector3<T>(to.n_1 * e_1 + to.n_2 * e_2)), to.distance};
+}
+
+/// The tangent to the boundary that the next dt leads to, with w = w_b - w_a: C = n.(s - P), n and P
+/// of the point s + dt ds/dt. The boundary is convex and lies behind it; a limit that looks half a
+/// step ahead follows the boundary around, tips and flat quarters included, where the nearest point
+/// of now is soon far behind. Forces may add `push` (rad) to the motion: the point is taken farther
+/// out by as much. At rest in a tip sharper than that the normal then turns as slowly as the step can
+/// follow, and the tip does not rattle; it yields by less than push.
+template <class T>
+AngularRow<T> elliptic_cone_row_ahead(const Swing<T>& s, const Vector3<T>& c_a,
+                                      const Vector3<T>& e_1, const Vector3<T>& e_2,
+                                      const SwingSpans<T>& spans, const Vector3<T>& w, T dt,
+                                      T push) {
+  using std::sqrt;
+  const Vector3<T> row_1 = swing_row(s, c_a, e_1), row_2 = swing_row(s, c_a, e_2);
+  const T s_1 = s.sigma.dot(e_1), s_2 = s.sigma.dot(e_2);
+  T p_1 = s_1 + dt * row_1.dot(w), p_2 = s_2 + dt * row_2.dot(w);
+  const T length2 = p_1 * p_1 + p_2 * p_2;
+  if (length2 > T(1e-12)) {
+    const T stretch = T(1) + push / sqrt(length2);
+    p_1 *= stretch;
+    p_2 *= stretch;
+  }
+  const auto to = cone_distance<T>(p_1, p_2, spans);
+  return {to.n_1 * row_1 + to.n_2 * row_2,
+          to.distance - to.n_1 * (p_1 - s_1) - to.n_2 * (p_2 - s_2)};
 }
 
 }  // namespace pintle::equations

@@ -22,6 +22,8 @@ constexpr Scalar least_span = Scalar(1e-4), most_span = Scalar(1e6);
 constexpr Scalar least_twist = Scalar(0.005);
 // Nearer to its target (rad) than this, the motor's way there has no direction worth following.
 constexpr Scalar near_target = Scalar(0.1);
+// Farther out of the cone (rad) than this, the way back is that to its nearest point.
+constexpr Scalar near_edge = Scalar(0.05);
 
 bool isCone(const Axis& swing) { return swing.low <= -infinity; }
 
@@ -479,8 +481,15 @@ void ConeTwistJoint::addConeLimit(const At& at, Scalar gained, Rows& rows) const
   const Scalar sine = btSqrt(btMax(Scalar(0), 1 - at.cosine * at.cosine));
   const Scalar rough = UnwrappedAngle::rough(at.cosine, sine) - m_inner_span;
   const Scalar turn = timeStep() * w.norm();
+  const bool spring = m_swing.limit_spring.angular_frequency > 0;
   if (!Reach{turn, gained}.of(m_swing).reaches(m_swing, rough, UnwrappedAngle::rough_error)) return;
-  const auto row = coneRow(at, at.swing());
+
+  const auto s = at.swing();
+  const bool document = m_circular && getFormulation() == Formulation::document;
+  auto row = coneRow(at, s);
+  if (!spring && !document && row.C < near_edge)
+    row = equations::elliptic_cone_row_ahead<Scalar>(
+        s, at.x_b, at.b.c(), at.b.b(), spans(m_softness), w, timeStep() / 2, gained / 2);
   const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, row.C))
     rows.addAngularAxis(swing_axis, row.J_b, row.C, m_swing, true, -1);

@@ -1,0 +1,137 @@
+// A limb is thrown against the limits of its shoulder, and then hangs in them.
+//
+// The limb is a box of half extents (0.3, 0.06, 0.08) m and 3 kg, held at one end; the shoulder is
+// fixed to the world, its cone about a horizontal axis, so that gravity pulls the limb into the
+// cone's edge. Bullet damps the limb (by a part of 0.6 of its speeds a second), so that it
+// comes to rest.
+//
+// Measured, from the limb's pose:
+//   swing, twist   the farthest beyond each limit, rad. The swing is measured as the distance of its
+//                  rotation vector from the ellipse with the two spans as semiaxes.
+//   top speed      the largest angular speed, rad/s
+//   rest speed     the largest angular speed in the last second, rad/s
+// Ideal: nothing beyond, no more speed than gravity adds (here up to 8 rad/s), at rest in the end.
+
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "world.h"
+
+namespace scenes {
+
+// Of a joint frame against another one: a twist about x, then a swing.
+struct SwingTwistAngles {
+  double swing_1, swing_2;  // components of the swing's rotation vector about z and y, rad
+  double twist;             // rad, in [-pi, pi]
+  double swing() const { return std::hypot(swing_1, swing_2); }
+};
+
+inline SwingTwistAngles swing_twist_angles(const Eigen::Matrix3d& R) {
+  const Eigen::Vector3d x = R.col(0);
+  const double across = std::hypot(x.y(), x.z()), swing = std::atan2(across, x.x());
+  const Eigen::Vector3d axis = across > 1e-12 ? Eigen::Vector3d(0, -x.z() / across, x.y() / across)
+                                              : Eigen::Vector3d(0, 0, 1);
+  const Eigen::Matrix3d T = Eigen::AngleAxisd(-swing, axis).toRotationMatrix() * R;
+  return {swing * axis.z(), swing * axis.y(), std::atan2(T(2, 1), T(1, 1))};
+}
+
+inline Eigen::Matrix3d to_eigen(const btMatrix3x3& m) {
+  Eigen::Matrix3d r;
+  for (int i = 0; i < 3; ++i) r.row(i) = to_eigen(m[i]).transpose();
+  return r;
+}
+
+// Of body a against b, from joint frame to joint frame.
+inline SwingTwistAngles swing_twist_angles(const btRigidBody& a, const btTransform& frame_a,
+                                           const btRigidBody& b, const btTransform& frame_b) {
+  return swing_twist_angles((rotation(b) * to_eigen(frame_b.getBasis())).transpose() *
+                            (rotation(a) * to_eigen(frame_a.getBasis())));
+}
+
+// Distance of (x, y) from an ellipse, > 0 outside: the nearest of its points by search.
+inline double distance_from_ellipse(double x, double y, double semiaxis_x, double semiaxis_y) {
+  x = std::abs(x);
+  y = std::abs(y);
+  const auto distance = [&](double t) {
+    return std::hypot(x - semiaxis_x * std::cos(t), y - semiaxis_y * std::sin(t));
+  };
+  constexpr int samples = 64;
+  int nearest = 0;
+  for (int i = 1; i <= samples; ++i) {
+    if (distance(pi / 2 * i / samples) < distance(pi / 2 * nearest / samples)) nearest = i;
+  }
+  double low = pi / 2 * std::max(nearest - 1, 0) / samples,
+         high = pi / 2 * std::min(nearest + 1, samples) / samples;
+  for (int i = 0; i < 60; ++i) {
+    const double left = low + (high - low) / 3, right = high - (high - low) / 3;
+    (distance(left) < distance(right) ? high : low) =
+        distance(left) < distance(right) ? right : left;
+  }
+  const bool outside = std::hypot(x / semiaxis_x, y / semiaxis_y) > 1;
+  return outside ? distance(low) : -distance(low);
+}
+
+struct ShoulderSettings {
+  double span_1 = 0.8, span_2 = 0.8, twist_span = 0.5;  // rad
+  Eigen::Vector3d spin = {3, 6, -5};                    // rad/s, of the throw, in the limb's frame
+  double damping = 0.6;                                 // a part of the speeds, a second
+  double gravity = standard_gravity;
+  double dt = 1.0 / 60;  // s
+  int iterations = 10;
+  double seconds = 20;
+  SolverFactory make_solver = {};
+};
+
+struct ShoulderResult {
+  double swing_beyond = -HUGE_VAL, twist_beyond = -HUGE_VAL;  // rad
+  double top_speed = 0, rest_speed = 0;                       // rad/s
+  double end_swing_beyond = 0, end_twist_beyond = 0;          // rad, at the end
+  double max_gap = 0;                                         // m
+  bool finite = true;
+  double microseconds_per_step = 0;  // wall-clock: does not repeat
+};
+
+// `configure` is called with the joint before the first step, after its limits are set.
+template <class Joint, class Configure = AsConstructed>
+ShoulderResult shoulder(const ShoulderSettings& settings, Configure configure = {}) {
+  World world(settings.gravity, settings.iterations, settings.make_solver);
+  const btVector3 arm(btScalar(0.3), 0, 0);
+  btRigidBody& body = world.add_box(0, btVector3(1, 1, 1), btTransform::getIdentity());
+  btRigidBody& limb =
+      world.add_box(3, btVector3(btScalar(0.3), btScalar(0.06), btScalar(0.08)), pose_at(arm));
+  limb.setDamping(btScalar(settings.damping), btScalar(settings.damping));
+  const btVector3 spin = to_bullet(settings.spin);
+  limb.setAngularVelocity(spin);
+  limb.setLinearVelocity(spin.cross(arm));
+
+  const btTransform in_limb = pose_at(-arm), in_body = btTransform::getIdentity();
+  Joint& joint = world.add_joint<Joint>(limb, body, in_limb, in_body);
+  joint.setLimit(btScalar(settings.span_1), btScalar(settings.span_2),
+                 btScalar(settings.twist_span));
+  configure(joint);
+
+  ShoulderResult result;
+  const int steps = int(std::lround(settings.seconds / settings.dt));
+  const int last_second = steps - int(std::lround(1 / settings.dt));
+  for (int step = 0; step < steps; ++step) {
+    world.step(settings.dt);
+    const SwingTwistAngles at = swing_twist_angles(limb, in_limb, body, in_body);
+    const double speed = to_eigen(limb.getAngularVelocity()).norm();
+    result.finite = std::isfinite(speed) && std::isfinite(at.swing_1) && std::isfinite(at.twist);
+    if (!result.finite) break;
+    result.end_swing_beyond =
+        distance_from_ellipse(at.swing_1, at.swing_2, settings.span_1, settings.span_2);
+    result.end_twist_beyond = std::abs(at.twist) - settings.twist_span;
+    result.swing_beyond = std::max(result.swing_beyond, result.end_swing_beyond);
+    result.twist_beyond = std::max(result.twist_beyond, result.end_twist_beyond);
+    result.top_speed = std::max(result.top_speed, speed);
+    if (step >= last_second) result.rest_speed = std::max(result.rest_speed, speed);
+    result.max_gap = std::max(result.max_gap, point_in_world(limb, to_eigen(-arm)).norm());
+  }
+  result.microseconds_per_step = world.microseconds_per_step();
+  return result;
+}
+
+}  // namespace scenes
