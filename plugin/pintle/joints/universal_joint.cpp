@@ -21,6 +21,10 @@ constexpr Scalar sign = -1;
 // there are no angles.
 constexpr Scalar least_across2 = Scalar(0.01);
 
+// Axes that are off their right angle by more than 60 degrees go back first: what acts along the
+// angles would be torques that fight about one direction.
+constexpr Scalar most_cosine2 = Scalar(0.75);
+
 // Bullet's, short of where its angles are singular.
 constexpr Scalar limit_margin = Scalar(0.01);
 
@@ -359,8 +363,7 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
   }
   addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
 
-  // With their axes together there are no angles.
-  if (1 - cosine * cosine < least_across2) return;
+  if (cosine * cosine > most_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
   const Reach reach = angularReach(pair, at.z, timeStep(), sign);
