@@ -89,12 +89,6 @@ class Joint : public btTypedConstraint {
   /// 0 with a solver that has none.
   Scalar axisImpulse(int axis, Axis::Part part) const;
 
-  /// A parameter as Bullet's constraints have it: one that is set overrides the world's.
-  struct Parameter {
-    Scalar value = 0;
-    bool is_set = false;
-    Scalar orElse(Scalar other) const { return is_set ? value : other; }
-  };
   Parameter m_erp, m_cfm;              ///< of equalities
   Parameter m_limit_erp, m_limit_cfm;  ///< of limits
   Parameter m_motor_cfm;

@@ -179,7 +179,6 @@ void UniversalJoint::setDefaultLimits() {
     // Bullet's limits: no part of a correction is held back, and none rebounds.
     axis.bias = 1;
     axis.relaxation = 0;
-    axis.max_motor_impulse = infinity;
     axis.max_motor_force = 6;
   }
 }
@@ -277,17 +276,17 @@ void UniversalJoint::setParam(int num, btScalar value, int axis) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP:
       notNegative(num == BT_CONSTRAINT_ERP ? "ERP" : "STOP_ERP", value);
-      held ? void(m_erp = {value, true}) : void(hinge(axis).axis.own_limit_erp = value);
+      (held ? m_erp : hinge(axis).axis.limit_erp) = {value, true};
       flag = BT_6DOF_FLAGS_ERP_STOP;
       break;
     case BT_CONSTRAINT_STOP_CFM:
       notNegative("STOP_CFM", value);
-      held ? void(m_cfm = {value, true}) : void(hinge(axis).axis.own_limit_cfm = value);
+      (held ? m_cfm : hinge(axis).axis.limit_cfm) = {value, true};
       flag = BT_6DOF_FLAGS_CFM_STOP;
       break;
     case BT_CONSTRAINT_CFM:
       notNegative("CFM", value);
-      held ? void(m_held_cfm = value) : void(hinge(axis).axis.own_motor_cfm = value);
+      (held ? m_held_motor_cfm : hinge(axis).axis.motor_cfm) = {value, true};
       flag = BT_6DOF_FLAGS_CFM_NORM;
       break;
     default: reject("parameter", num, "no such parameter");
@@ -298,14 +297,13 @@ void UniversalJoint::setParam(int num, btScalar value, int axis) {
 btScalar UniversalJoint::getParam(int num, int axis) const {
   if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
   const bool held = axis < 4;
-  const auto own = [](Scalar value) { return btMax(value, Scalar(0)); };
   switch (num) {
     case BT_CONSTRAINT_ERP:
       if (!held) reject("parameter axis", axis, "ERP: must be -1 or 0 to 3");
       return m_erp.value;
-    case BT_CONSTRAINT_STOP_ERP: return held ? m_erp.value : own(hinge(axis).axis.own_limit_erp);
-    case BT_CONSTRAINT_STOP_CFM: return held ? m_cfm.value : own(hinge(axis).axis.own_limit_cfm);
-    case BT_CONSTRAINT_CFM: return held ? m_held_cfm : own(hinge(axis).axis.own_motor_cfm);
+    case BT_CONSTRAINT_STOP_ERP: return (held ? m_erp : hinge(axis).axis.limit_erp).value;
+    case BT_CONSTRAINT_STOP_CFM: return (held ? m_cfm : hinge(axis).axis.limit_cfm).value;
+    case BT_CONSTRAINT_CFM: return (held ? m_held_motor_cfm : hinge(axis).axis.motor_cfm).value;
     default: reject("parameter", num, "no such parameter");
   }
 }

@@ -179,7 +179,7 @@ class UniversalJoint : public FrameJoint {
   Angles m_angles;
   btVector3 m_anchor, m_axis1, m_axis2;  ///< world, as given
   int m_flags = 0;
-  Scalar m_held_cfm = 0;  ///< CFM of the axes 0 to 3, which has no effect
+  Parameter m_held_motor_cfm;  ///< of the axes 0 to 3, which have no motor
   RowMemory<6, 2> m_row_memory;
 };
 

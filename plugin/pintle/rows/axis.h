@@ -14,6 +14,13 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// A parameter as Bullet's constraints have it: one that is set overrides a general one.
+struct Parameter {
+  Scalar value = 0;
+  bool is_set = false;
+  Scalar orElse(Scalar other) const { return is_set ? value : other; }
+};
+
 struct Spring {
   Scalar angular_frequency = 0;  ///< rad/s; 0: not a spring
   Scalar damping_ratio = 0;
@@ -31,15 +38,15 @@ struct Axis {
 
   Drive drive = Drive::off;
   Scalar motor_velocity = 0;
-  Scalar max_motor_impulse = 0;       ///< N m s, a step
-  Scalar max_motor_force = infinity;  ///< N m, the same as a force: the lesser counts
+  Scalar max_motor_impulse = 0;  ///< N m s, a step
+  Scalar max_motor_force = 0;    ///< N m, added to it: what Bullet bounds differs from joint to joint
   Scalar servo_target = 0;
   Spring servo_spring;
   Scalar max_servo_force = 0;  ///< N m
   Scalar max_friction = 0;     ///< N m
 
-  /// Bullet's parameters where they are of one axis alone; below 0: the joint's.
-  Scalar own_limit_erp = -1, own_limit_cfm = -1, own_motor_cfm = -1;
+  /// Bullet's, of this axis alone; else the joint's.
+  Parameter limit_erp, limit_cfm, motor_cfm;
 
   bool limited() const { return low <= high; }
   bool locked() const { return low == high; }

@@ -74,9 +74,8 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
 
 inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
   if (axis.drive == Axis::Drive::velocity) {
-    Scalar most = axis.max_motor_impulse;
-    if (axis.max_motor_force < infinity) most = btMin(most, axis.max_motor_force / m.fps);
-    return rigidPart(m.motor_factor * axis.motor_velocity, m.motor_cfm, -most, most);
+    const Scalar bound = axis.max_motor_impulse + axis.max_motor_force / m.fps;
+    return rigidPart(m.motor_factor * axis.motor_velocity, m.motor_cfm, -bound, bound);
   }
   const Scalar bound = axis.max_servo_force / m.fps;
   return springPart(axis.servo_spring, m.position - axis.servo_target, 1 / m.fps, -bound, bound);
