@@ -144,17 +144,6 @@ void ConstantVelocityJoint::setBendFriction(btScalar max_torque) {
 
 void ConstantVelocityJoint::enableMotor(bool on, btScalar velocity, btScalar max_torque) {
   setAxisForceMotor(m_shaft, on, velocity, max_torque);
-  m_drive = Axis::Drive::velocity;
-}
-
-void ConstantVelocityJoint::enableMotor(bool on) {
-  m_shaft.drive = on ? m_drive : Axis::Drive::off;
-}
-
-void ConstantVelocityJoint::setMotorServo(btScalar target_angle, btScalar frequency_hz,
-                                          btScalar damping_ratio, btScalar max_torque) {
-  setAxisServo(m_shaft, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_drive = Axis::Drive::servo;
 }
 
 void ConstantVelocityJoint::drawJoint(btIDebugDraw& drawer) const {
