@@ -7,8 +7,8 @@
 //
 // A universal joint with axis 1 normal to both shafts at first turns the second shaft to
 //   out(th) = atan2(cos b sin th, cos th),   out' = cos b / (1 - sin^2 b sin^2 th)
-// where the first one has turned by th: the document's ratio, with th counted from the shafts' plane
-// there. A constant velocity joint has out = th.
+// where the first one has turned by th: the document's ratio, with th counted from the shafts'
+// plane there. A constant velocity joint has out = th.
 //
 // Measured, each in the mean over a step, by the poses:
 //   least, most       speed of the second shaft over that of the first
@@ -37,8 +37,8 @@ struct DriveShaftSettings {
   double load = 0;       // N m, against the second shaft
   double dt = 1.0 / 60;  // s
   int iterations = 10;
-  double turns = 3;      // that are measured
-  double warm_up = 1;    // turns
+  double turns = 3;    // that are measured
+  double warm_up = 1;  // turns
   bool from_rest = false;
   bool angular_only = false;  // of a constant velocity joint
   SolverFactory make_solver = {};
@@ -120,8 +120,8 @@ DriveShaftResult drive_shaft(const DriveShaftSettings& settings) {
     result.velocity_error =
         std::max(result.velocity_error, std::abs(std::remainder(out - th, 2 * pi)));
     const Eigen::Vector3d end(0.5, 0, 0);
-    result.max_gap = std::max(
-        result.max_gap, (point_in_world(first, end) - point_in_world(second, -end)).norm());
+    result.max_gap = std::max(result.max_gap,
+                              (point_in_world(first, end) - point_in_world(second, -end)).norm());
   }
   result.ripple = (result.most - result.least) / 2;
   result.microseconds_per_step = world.microseconds_per_step();

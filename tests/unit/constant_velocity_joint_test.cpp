@@ -75,8 +75,8 @@ TEST(ConstantVelocity, FrameConstructorsAreAtTheirFrames) {
   ConstantVelocityJoint joint(*a, *b, frame_a, frame_b);
   for (const auto& [bend, twist] : {std::pair(0.4, 0.), {0., 0.5}, {1., -2.5}, {3., 0.1}}) {
     // The twist first, then the bend.
-    const btQuaternion turn = btQuaternion(vec(0, 0.6, 0.8), scalar(bend)) *
-                              btQuaternion(vec(1, 0, 0), scalar(twist));
+    const btQuaternion turn =
+        btQuaternion(vec(0, 0.6, 0.8), scalar(bend)) * btQuaternion(vec(1, 0, 0), scalar(twist));
     b->setCenterOfMassTransform(a->getCenterOfMassTransform() * frame_a * btTransform(turn) *
                                 frame_b.inverse());
     EXPECT_NEAR(joint.getBend(), bend, 20 * rounding);
@@ -243,9 +243,8 @@ TEST(ConstantVelocity, ComesBackFromAnyTwistAndBendAtABoundedSpeed) {
   for (int n = 0; n < 100; ++n) {
     Rig rig(true);
     const double start = random.uniform(-pi, pi);
-    const btQuaternion turn =
-        btQuaternion(vec(0, 0.6, 0.8), scalar(random.uniform(0, 3.1))) *
-        btQuaternion(vec(1, 0, 0), scalar(n == 0 ? pi : start));
+    const btQuaternion turn = btQuaternion(vec(0, 0.6, 0.8), scalar(random.uniform(0, 3.1))) *
+                              btQuaternion(vec(1, 0, 0), scalar(n == 0 ? pi : start));
     rig.b().setCenterOfMassTransform(btTransform(turn));
     double fastest = 0;
     int steps = -1;
@@ -269,8 +268,7 @@ TEST(ConstantVelocity, TheDocumentsFormSticksWhereItsRealPartIsZero) {
   for (const Formulation form : {Formulation::document, Formulation::conditioned}) {
     Rig rig;
     rig.joint().setFormulation(form);
-    rig.b().setCenterOfMassTransform(
-        btTransform(btQuaternion(vec(0.6, 0.8, 0), scalar(pi))));
+    rig.b().setCenterOfMassTransform(btTransform(btQuaternion(vec(0.6, 0.8, 0), scalar(pi))));
     for (int i = 0; i < 120; ++i) rig.step();
     if (form == Formulation::document)
       EXPECT_GT(std::abs(rig.twist()), 1.2);
@@ -474,20 +472,20 @@ TEST(ConstantVelocity, RefusesBadSettingsAndStaysAsItWas) {
     std::function<void(J&)> call;
   };
   const btVector3 zero(0, 0, 0), x(1, 0, 0), bad(0, nan_value, 0);
-  for (const Bad& bad_call : std::vector<Bad>{
-           {"shaftInA", "0", [&](J&) { J(*a, *b, zero, zero, zero, x); }},
-           {"shaftInB", "nan", [&](J&) { J(*a, *b, zero, zero, x, bad); }},
-           {"pivotInA", "nan", [&](J&) { J(*a, *b, bad, zero, x, x); }},
-           {"pivotInB", "nan", [&](J&) { J(*a, *b, zero, bad, x, x); }},
-           {"bend limit", "-1", [](J& j) { j.setBendLimit(-1); }},
-           {"bend limit", "nan", [](J& j) { j.setBendLimit(nan_value); }},
-           {"frequency", "-1", [](J& j) { j.setBendLimitSpring(-1, 1); }},
-           {"damping", "inf", [](J& j) { j.setBendLimitSpring(1, infinite); }},
-           {"bounce", "-1", [](J& j) { j.setBendLimitBounce(-1); }},
-           {"friction", "-1", [](J& j) { j.setBendFriction(-1); }},
-           {"velocity", "nan", [](J& j) { j.enableMotor(true, nan_value, 1); }},
-           {"torque", "-1", [](J& j) { j.enableMotor(true, 1, -1); }},
-           {"parameter", "99", [](J& j) { j.setParam(99, 1); }}}) {
+  for (const Bad& bad_call :
+       std::vector<Bad>{{"shaftInA", "0", [&](J&) { J(*a, *b, zero, zero, zero, x); }},
+                        {"shaftInB", "nan", [&](J&) { J(*a, *b, zero, zero, x, bad); }},
+                        {"pivotInA", "nan", [&](J&) { J(*a, *b, bad, zero, x, x); }},
+                        {"pivotInB", "nan", [&](J&) { J(*a, *b, zero, bad, x, x); }},
+                        {"bend limit", "-1", [](J& j) { j.setBendLimit(-1); }},
+                        {"bend limit", "nan", [](J& j) { j.setBendLimit(nan_value); }},
+                        {"frequency", "-1", [](J& j) { j.setBendLimitSpring(-1, 1); }},
+                        {"damping", "inf", [](J& j) { j.setBendLimitSpring(1, infinite); }},
+                        {"bounce", "-1", [](J& j) { j.setBendLimitBounce(-1); }},
+                        {"friction", "-1", [](J& j) { j.setBendFriction(-1); }},
+                        {"velocity", "nan", [](J& j) { j.enableMotor(true, nan_value, 1); }},
+                        {"torque", "-1", [](J& j) { j.enableMotor(true, 1, -1); }},
+                        {"parameter", "99", [](J& j) { j.setParam(99, 1); }}}) {
     SCOPED_TRACE(testing::Message() << bad_call.field << " = " << bad_call.value);
     const auto joint = fresh(), twin = fresh();
     std::string message = "accepted";

@@ -85,8 +85,8 @@ Axes randomAxes(Random& random) {
 // b where the joint stands at the equations' alpha and beta.
 template <class Joint>
 void place(Pair& pair, const Joint& joint, double alpha, double beta) {
-  const btQuaternion turn = btQuaternion(vec(0, 0, 1), scalar(alpha)) *
-                            btQuaternion(vec(0, 1, 0), scalar(beta));
+  const btQuaternion turn =
+      btQuaternion(vec(0, 0, 1), scalar(alpha)) * btQuaternion(vec(0, 1, 0), scalar(beta));
   pair.b->setCenterOfMassTransform(pair.a->getCenterOfMassTransform() * joint.getFrameOffsetA() *
                                    btTransform(turn) * joint.getFrameOffsetB().inverse());
 }
@@ -266,7 +266,10 @@ TEST(Universal, RefusesBadSettingsAndStaysAsItWas) {
       {"axis index", "3", [](Ours& j) { (void)j.getAngle(3); }},
       {"axis index", "-1", [](Ours& j) { (void)j.getAxis(-1); }},
       {"axis 3", "0.5", [](Ours& j) { j.setAngularLowerLimit(vec(0.5, 0, 0)); }},
-      {"lower limit", "nan", [](Ours& j) { j.setAngularLowerLimit({0, 0, nan_value}); }},
+      {"lower limit", "nan",
+       [](Ours& j) {
+         j.setAngularLowerLimit({0, 0, nan_value});
+       }},
       {"upper limit", "nan", [](Ours& j) { j.setUpperLimit(nan_value, 0); }},
       {"upper limit", "nan", [](Ours& j) { j.setUpperLimit(0, nan_value); }},
       {"limit", "nan", [](Ours& j) { j.setLimit(4, nan_value, 0); }},
@@ -308,8 +311,9 @@ TEST(Universal, RefusesBadSettingsAndStaysAsItWas) {
     expectSame(joint.getFrameOffsetA(), twin.getFrameOffsetA(), 0);
     expectSame(joint.getAxis1(), twin.getAxis1(), 0);
   }
-  EXPECT_NE(refusal([&] { Ours(*pair.a, *pair.b, vec(0, 0, 0), vec(0, 0, 1), vec(0, 1, 1)); })
-                .find("right angles"),
+  EXPECT_NE(refusal([&] {
+              Ours(*pair.a, *pair.b, vec(0, 0, 0), vec(0, 0, 1), vec(0, 1, 1));
+            }).find("right angles"),
             std::string::npos);
 }
 
@@ -351,8 +355,7 @@ class Rig {
   double error() const { return std::asin(std::min(1.0, std::abs(relative()(2, 1)))); }
   /// Speed of the angle, rad/s.
   double rate(int axis) const {
-    return (scenes::to_eigen(m_a.getAngularVelocity()) -
-            scenes::to_eigen(m_b.getAngularVelocity()))
+    return (scenes::to_eigen(m_a.getAngularVelocity()) - scenes::to_eigen(m_b.getAngularVelocity()))
         .dot(direction(axis));
   }
   /// A torque (N m) along the angle, for the next step.
@@ -363,8 +366,8 @@ class Rig {
   }
   /// Turns b about the hinges, to these angles.
   void place(double angle_1, double angle_2) {
-    const btQuaternion turn = btQuaternion(vec(0, 0, 1), scalar(-angle_1)) *
-                              btQuaternion(vec(0, 1, 0), scalar(-angle_2));
+    const btQuaternion turn =
+        btQuaternion(vec(0, 0, 1), scalar(-angle_1)) * btQuaternion(vec(0, 1, 0), scalar(-angle_2));
     m_b.setCenterOfMassTransform(btTransform(turn));
     look();
   }
@@ -470,8 +473,8 @@ TEST(Universal, LimitsBeyondStocksRangeHold) {
         for (int i = 0; i < 400; ++i) {
           rig.push(axis, way * 0.3);
           rig.step();
-          overshoot = std::max({overshoot, rig.angle(axis) - range.high,
-                                range.low - rig.angle(axis)});
+          overshoot =
+              std::max({overshoot, rig.angle(axis) - range.high, range.low - rig.angle(axis)});
           error = std::max(error, rig.error());
           away = std::max(away, std::abs(rig.angle(9 - axis)));
           EXPECT_NEAR(rig.joint().getAccumulatedAngle(axis), rig.angle(axis), 1e-4);
@@ -685,9 +688,9 @@ TEST(DropInUniversal, FeedbackAndBreakingAreStocks) {
     return support::stepOfBreaking(rig, rig.joint(), force, torque);
   };
   // A force along an axis of the world, and a torque about the normal of both axes.
-  for (const auto& [force, torque] :
-       {std::pair(vec(1, 0, 0), vec(0, 0, 0)), {vec(0, 0, -1), vec(0, 0, 0)},
-        {vec(0, 0, 0), vec(1, 0, 0)}}) {
+  for (const auto& [force, torque] : {std::pair(vec(1, 0, 0), vec(0, 0, 0)),
+                                      {vec(0, 0, -1), vec(0, 0, 0)},
+                                      {vec(0, 0, 0), vec(1, 0, 0)}}) {
     Rig<Stock> stock_rig;
     Rig<Ours> our_rig;
     const int step = breaks(stock_rig, force, torque);
@@ -754,8 +757,8 @@ TEST(Universal, DrawsFramesAndRangesAsTheModeSays) {
 
 // --- speed over a turn ---------------------------------------------------------------------------
 
-// The ratio of the speeds is cos b / (1 - sin^2 b cos^2 th): its integral is how far the driven shaft
-// has turned.
+// The ratio of the speeds is cos b / (1 - sin^2 b cos^2 th): its integral is how far the driven
+// shaft has turned.
 TEST(Universal, SpeedOverATurnIsTheClosedForm) {
   for (const double bend : {5., 20., 30., 45., 60.}) {
     scenes::DriveShaftSettings settings;

@@ -93,8 +93,8 @@ void UniversalJoint::setAxis(const btVector3& axis1, const btVector3& axis2) {
 inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
   const Lanes dots = at.a.dots(at.b);
   const Vec3 x_b = at.b.a();
-  const auto to = equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b),
-                                                   dots[2]);
+  const auto to =
+      equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b), dots[2]);
   // Not in a frame that its owner has spoiled, either.
   if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > least_across2)) return;
   if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > least_across2)) return;
