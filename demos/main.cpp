@@ -28,6 +28,7 @@
 
 #include "scenes/chain.h"
 #include "scenes/door.h"
+#include "scenes/drive_shaft.h"
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
 #include "scenes/rope.h"
@@ -495,6 +496,43 @@ void run_shoulder(Csv& csv) {
   }
 }
 
+template <class Joint>
+Measurement measure(const scenes::DriveShaftSettings& settings) {
+  const scenes::DriveShaftResult r = scenes::drive_shaft<Joint>(settings);
+  constexpr bool constant = std::is_same_v<Joint, pintle::ConstantVelocityJoint>;
+  const double error = or_infinite(r.finite, constant ? r.velocity_error : r.universal_error);
+  return {{r.least, r.most, r.ripple, degrees(error)}, error, r.microseconds_per_step};
+}
+
+void run_drive_shaft(Csv& csv) {
+  Table table(csv, "drive_shaft", "a shaft turns another at a bend (ideal of a universal joint: ripple)",
+              {{"least", "out/in", "%.5f"},
+               {"most", "out/in", "%.5f"},
+               {"ripple", "out/in", "%.2e"},
+               {"error", "deg", "%.1e", "lost"}});
+  struct Speed {
+    double rpm, hz;
+  };
+  for (const Speed& speed : {Speed{20, 60}, {300, 60}, {1000, 240}}) {
+    for (const double bend : {5, 20, 40, 60}) {
+      scenes::DriveShaftSettings settings;
+      settings.bend = radians(bend);
+      settings.rpm = speed.rpm;
+      settings.dt = 1 / speed.hz;
+      table.compare(
+          text("%g deg %grpm %gHz", bend, speed.rpm, speed.hz),
+          {{"ideal u.",
+            [&] {
+              const double c = std::cos(settings.bend);
+              return Measurement{{c, 1 / c, (1 / c - c) / 2, 0}};
+            }},
+           {"stock u.", [&] { return measure<btUniversalConstraint>(settings); }},
+           {"pintle u", [&] { return measure<pintle::UniversalJoint>(settings); }},
+           {"pintle c", [&] { return measure<pintle::ConstantVelocityJoint>(settings); }}});
+    }
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
@@ -509,6 +547,7 @@ constexpr Scene all_scenes[] = {
     {"wedge", run_wedge},
     {"slider_crank", run_slider_crank},
     {"shoulder", run_shoulder},
+    {"drive_shaft", run_drive_shaft},
 };
 
 void print_help(std::FILE* out) {

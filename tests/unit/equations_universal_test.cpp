@@ -285,6 +285,48 @@ TYPED_TEST(Shafts, UniversalAnglesAndTheirRowsAreTheGradient) {
   }
 }
 
+TYPED_TEST(Shafts, SpiderAnglesAreTheHingesAtAnyBendAndTheirRowsTheirAxes) {
+  using T = TypeParam;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    // Half of them beyond a quarter of a turn, some exactly there, where x_b is along z.
+    const double alpha = random.uniform(-3, 3);
+    const double beta = seed % 5 ? random.uniform(-3, 3) : (seed % 2 ? pi / 2 : -pi / 2);
+    const Hinge hinge = make(seed, euler(alpha, beta, 0), seed % 3 ? 1 : -1);
+    const auto to_of = [&](const auto& bodies) {
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      const auto a = [&](int i) { return axis_a(hinge, bodies, i); };
+      const auto b = [&](int i) { return axis_b(hinge, bodies, i); };
+      return equations::spider_angles<S>(a(0).dot(b(1)), a(1).dot(b(1)), a(2).dot(b(0)),
+                                         a(2).dot(b(2)));
+    };
+    const auto alpha_of = [&](const auto& bodies) {
+      using std::atan2;
+      const auto to = to_of(bodies);
+      return decltype(to.alpha_x)(atan2(to.alpha_y, to.alpha_x));
+    };
+    const auto beta_of = [&](const auto& bodies) {
+      using std::atan2;
+      const auto to = to_of(bodies);
+      return decltype(to.beta_x)(atan2(to.beta_y, to.beta_x));
+    };
+    ASSERT_LE(std::abs(alpha_of(hinge.bodies) - alpha), this->kTolerance);
+    ASSERT_LE(std::abs(beta_of(hinge.bodies) - beta), this->kTolerance);
+    const Vector3<T> z = hinge.axis_a(2).cast<T>(), y = hinge.axis_b(1).cast<T>();
+    ASSERT_LE(mismatch(angular_row(z), gradient(alpha_of, hinge.bodies)), this->kTolerance);
+    ASSERT_LE(mismatch(angular_row(y), gradient(beta_of, hinge.bodies)), this->kTolerance);
+    ASSERT_LE(mismatch(angular_row(z), difference(alpha_of, hinge.bodies)),
+              this->kTolerance + 30 * difference_tolerance);
+    ASSERT_LE(mismatch(angular_row(y), difference(beta_of, hinge.bodies)),
+              this->kTolerance + 30 * difference_tolerance);
+    // The forms with x_b have the same angles, but no bound on alpha's row at a quarter of a turn.
+    if (std::abs(beta) > 1.4) continue;
+    const auto other = equations::universal_alpha<T>(hinge.axis_a(0).cast<T>(), z,
+                                                     hinge.axis_b(0).cast<T>());
+    ASSERT_LE(std::abs(double(other.angle()) - alpha), this->kTolerance / std::cos(beta));
+  }
+}
+
 TEST(UniversalOfBullet, HasTheSameAnglesWithTheOppositeSign) {
   using T = pintle::Scalar;
   const double epsilon_ = double(std::numeric_limits<T>::epsilon());

@@ -186,7 +186,7 @@ void set(ConstantVelocityJoint& joint, int variant) {
   if (variant == 4) {
     joint.setBendLimit(0);
     joint.setBendLimitBounce(scalar(0.5));
-    joint.setMotorServo(2, 5, 1, 10);
+    joint.enableMotor(true, -2, infinite);
   }
   if (variant == 5) {
     joint.setAngularOnly(true);

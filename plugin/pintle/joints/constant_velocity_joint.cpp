@@ -46,7 +46,8 @@ ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
                                              const btVector3& pivotInA, const btVector3& pivotInB,
                                              const btVector3& shaftInA, const btVector3& shaftInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
-  const btVector3 x_in_a = direction("shaftInA", shaftInA), x_in_b = direction("shaftInB", shaftInB);
+  const btVector3 x_in_a = direction("shaftInA", shaftInA),
+                  x_in_b = direction("shaftInB", shaftInB);
   point("pivotInA", pivotInA);
   point("pivotInB", pivotInB);
   const btMatrix3x3 &R_a = rbA.getCenterOfMassTransform().getBasis(),
@@ -96,9 +97,7 @@ inline void ConstantVelocityJoint::look(const Frames& at, UnwrappedAngle& shaft)
     shaft.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
 }
 
-void ConstantVelocityJoint::updateState(const BodyPair& pair) {
-  look(frames(pair), m_shaft_angle);
-}
+void ConstantVelocityJoint::updateState(const BodyPair& pair) { look(frames(pair), m_shaft_angle); }
 
 void ConstantVelocityJoint::framesChanged() {
   m_shaft_angle = {};
@@ -144,17 +143,6 @@ void ConstantVelocityJoint::setBendFriction(btScalar max_torque) {
 
 void ConstantVelocityJoint::enableMotor(bool on, btScalar velocity, btScalar max_torque) {
   setAxisForceMotor(m_shaft, on, velocity, max_torque);
-  m_drive = Axis::Drive::velocity;
-}
-
-void ConstantVelocityJoint::enableMotor(bool on) {
-  m_shaft.drive = on ? m_drive : Axis::Drive::off;
-}
-
-void ConstantVelocityJoint::setMotorServo(btScalar target_angle, btScalar frequency_hz,
-                                          btScalar damping_ratio, btScalar max_torque) {
-  setAxisServo(m_shaft, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_drive = Axis::Drive::servo;
 }
 
 void ConstantVelocityJoint::drawJoint(btIDebugDraw& drawer) const {
@@ -201,9 +189,10 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
   const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
   const bool document = getFormulation() == Formulation::document;
   const Mat3 F = at.F();
-  const auto row = document ? equations::constant_velocity_dot_row<Scalar>({at.a.b(), at.a.c()},
-                                                                           {at.b.b(), at.b.c()})
-                            : equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX());
+  const auto row =
+      document
+          ? equations::constant_velocity_dot_row<Scalar>({at.a.b(), at.a.c()}, {at.b.b(), at.b.c()})
+          : equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX());
   const Scalar length2 = row.J_b.dot(row.J_b);
   if (!BodyPair::is_finite(d.sum() + row.C + length2 + at.x_a.dot(at.x_b))) return;
   if (document) {
@@ -226,8 +215,7 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
   }
   if (m_shaft.driven()) {
     const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);
-    if (to.length > minMotorSine())
-      rows.addAngularAxis(1, to.J_b(), shaft.value(), m_shaft, false);
+    if (to.length > minMotorSine()) rows.addAngularAxis(1, to.J_b(), shaft.value(), m_shaft, false);
   }
 }
 

@@ -179,13 +179,11 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = step.fps;
-  const auto own_or = [](Scalar own, Scalar joints) { return own >= 0 ? own : joints; };
-  motion.limit_erp = own_or(axis.own_limit_erp, m_limit_erp.orElse(step.limit_erp));
-  motion.motor_cfm = own_or(axis.own_motor_cfm, m_motor_cfm.value);
+  motion.limit_erp = axis.limit_erp.orElse(m_limit_erp.orElse(step.limit_erp));
+  motion.motor_cfm = axis.motor_cfm.orElse(m_motor_cfm.value);
   // As Bullet has it: the motor's unless the limit has its own.
-  motion.limit_cfm =
-      own_or(axis.own_limit_cfm,
-             m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm));
+  motion.limit_cfm = axis.limit_cfm.orElse(
+      m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm));
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,

@@ -40,10 +40,6 @@ SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& 
     : FrameJoint(rbA, rbB, m_row_memory),
       m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_angular.low = m_angular.high = 0;
-  for (Axis* axis : {&m_linear, &m_angular}) {  // bounded by a force only
-    axis->max_motor_impulse = infinity;
-    axis->max_motor_force = 0;
-  }
   m_dir_lin.damping = m_dir_ang.damping = 0;
   feelChanged();
   setFrames(frameInA, frameInB);
@@ -165,21 +161,18 @@ void SliderJoint::feelChanged() {
   const auto set = [this](Scalar value, int flag) {
     return Parameter{value, (m_flags & flag) != 0};
   };
-  const auto own = [this](Scalar value, int flag) {
-    return (m_flags & flag) != 0 ? value : Scalar(-1);
-  };
   const auto rebounds = [](Axis& axis, const Feel& feel) {
     axis.bias = feel.softness;
     axis.relaxation = btFabs(1 - feel.damping);
   };
   rebounds(m_linear, m_lim_lin);
-  m_linear.own_limit_erp = own(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
-  m_linear.own_limit_cfm = own(m_lim_lin.cfm, BT_SLIDER_FLAGS_CFM_LIMLIN);
-  m_linear.own_motor_cfm = own(m_dir_lin.cfm, BT_SLIDER_FLAGS_CFM_DIRLIN);
+  m_linear.limit_erp = set(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
+  m_linear.limit_cfm = set(m_lim_lin.cfm, BT_SLIDER_FLAGS_CFM_LIMLIN);
+  m_linear.motor_cfm = set(m_dir_lin.cfm, BT_SLIDER_FLAGS_CFM_DIRLIN);
   rebounds(m_angular, m_lim_ang);
-  m_angular.own_limit_erp = own(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG);
-  m_angular.own_limit_cfm = own(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
-  m_angular.own_motor_cfm = own(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
+  m_angular.limit_erp = set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG);
+  m_angular.limit_cfm = set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
+  m_angular.motor_cfm = set(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
 
   const auto equality = [](Parameter erp, Parameter cfm) {
     return Firmness{erp, cfm, erp.is_set ? Scalar(1) : erp.value};

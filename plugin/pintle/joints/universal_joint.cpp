@@ -21,6 +21,10 @@ constexpr Scalar sign = -1;
 // there are no angles.
 constexpr Scalar least_across2 = Scalar(0.01);
 
+// Axes that are off their right angle by more than 60 degrees go back first: what acts along the
+// angles would be torques that fight about one direction.
+constexpr Scalar most_cosine2 = Scalar(0.75);
+
 // Bullet's, short of where its angles are singular.
 constexpr Scalar limit_margin = Scalar(0.01);
 
@@ -89,8 +93,8 @@ void UniversalJoint::setAxis(const btVector3& axis1, const btVector3& axis2) {
 inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
   const Lanes dots = at.a.dots(at.b);
   const Vec3 x_b = at.b.a();
-  const auto to = equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b),
-                                                   dots[2]);
+  const auto to =
+      equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b), dots[2]);
   // Not in a frame that its owner has spoiled, either.
   if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > least_across2)) return;
   if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > least_across2)) return;
@@ -175,7 +179,6 @@ void UniversalJoint::setDefaultLimits() {
     // Bullet's limits: no part of a correction is held back, and none rebounds.
     axis.bias = 1;
     axis.relaxation = 0;
-    axis.max_motor_impulse = infinity;
     axis.max_motor_force = 6;
   }
 }
@@ -273,17 +276,17 @@ void UniversalJoint::setParam(int num, btScalar value, int axis) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP:
       notNegative(num == BT_CONSTRAINT_ERP ? "ERP" : "STOP_ERP", value);
-      held ? void(m_erp = {value, true}) : void(hinge(axis).axis.own_limit_erp = value);
+      (held ? m_erp : hinge(axis).axis.limit_erp) = {value, true};
       flag = BT_6DOF_FLAGS_ERP_STOP;
       break;
     case BT_CONSTRAINT_STOP_CFM:
       notNegative("STOP_CFM", value);
-      held ? void(m_cfm = {value, true}) : void(hinge(axis).axis.own_limit_cfm = value);
+      (held ? m_cfm : hinge(axis).axis.limit_cfm) = {value, true};
       flag = BT_6DOF_FLAGS_CFM_STOP;
       break;
     case BT_CONSTRAINT_CFM:
       notNegative("CFM", value);
-      held ? void(m_held_cfm = value) : void(hinge(axis).axis.own_motor_cfm = value);
+      (held ? m_held_motor_cfm : hinge(axis).axis.motor_cfm) = {value, true};
       flag = BT_6DOF_FLAGS_CFM_NORM;
       break;
     default: reject("parameter", num, "no such parameter");
@@ -294,14 +297,13 @@ void UniversalJoint::setParam(int num, btScalar value, int axis) {
 btScalar UniversalJoint::getParam(int num, int axis) const {
   if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
   const bool held = axis < 4;
-  const auto own = [](Scalar value) { return btMax(value, Scalar(0)); };
   switch (num) {
     case BT_CONSTRAINT_ERP:
       if (!held) reject("parameter axis", axis, "ERP: must be -1 or 0 to 3");
       return m_erp.value;
-    case BT_CONSTRAINT_STOP_ERP: return held ? m_erp.value : own(hinge(axis).axis.own_limit_erp);
-    case BT_CONSTRAINT_STOP_CFM: return held ? m_cfm.value : own(hinge(axis).axis.own_limit_cfm);
-    case BT_CONSTRAINT_CFM: return held ? m_held_cfm : own(hinge(axis).axis.own_motor_cfm);
+    case BT_CONSTRAINT_STOP_ERP: return (held ? m_erp : hinge(axis).axis.limit_erp).value;
+    case BT_CONSTRAINT_STOP_CFM: return (held ? m_cfm : hinge(axis).axis.limit_cfm).value;
+    case BT_CONSTRAINT_CFM: return (held ? m_held_motor_cfm : hinge(axis).axis.motor_cfm).value;
     default: reject("parameter", num, "no such parameter");
   }
 }
@@ -359,8 +361,7 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
   }
   addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
 
-  // With their axes together there are no angles.
-  if (1 - cosine * cosine < least_across2) return;
+  if (cosine * cosine > most_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
   const Reach reach = angularReach(pair, at.z, timeStep(), sign);

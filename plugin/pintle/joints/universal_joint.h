@@ -9,8 +9,8 @@ inline namespace PINTLE_PRECISION {
 
 struct Reach;
 
-/// Two hinges at right angles: about axis 1, which is z of the joint frame in body a, and about axis
-/// 2, which is y of the joint frame in body b. A spider between the bodies carries both.
+/// Two hinges at right angles: about axis 1, which is z of the joint frame in body a, and about
+/// axis 2, which is y of the joint frame in body b. A spider between the bodies carries both.
 ///
 /// Angles (rad) are Bullet's: angle 1 is the rotation of a against the spider about axis 1, angle 2
 /// that of the spider against b about axis 2; both are zero when the joint frames coincide. Bullet
@@ -19,8 +19,8 @@ struct Reach;
 /// angle 2 first. Limits may span any number of turns, of both angles; nothing happens at 90
 /// degrees but that a bent shaft has no lever to turn the other one there.
 ///
-/// Everything that btUniversalConstraint has, under the same name, with the same signs and defaults,
-/// but getRotationalLimitMotor(i): its fields are
+/// Everything that btUniversalConstraint has, under the same name, with the same signs and
+/// defaults, but getRotationalLimitMotor(i): its fields are
 ///   m_enableMotor, m_targetVelocity, m_maxMotorForce   enableMotor(i + 3, on, velocity, torque)
 ///   m_loLimit, m_hiLimit                               setLimit(i + 3, low, high), getLowerLimit..
 ///   m_bounce                                           setLimitBounce(i + 3, bounce)
@@ -30,8 +30,8 @@ class UniversalJoint : public FrameJoint {
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   // --- btUniversalConstraint ---------------------------------------------------------------------
-  /// Anchor (m) and axes in the world, where the bodies are now. Axes are made unit; they must be at
-  /// right angles, to within 1e-3.
+  /// Anchor (m) and axes in the world, where the bodies are now. Axes are made unit; they must be
+  /// at right angles, to within 1e-3.
   UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
                  const btVector3& axis1, const btVector3& axis2);
   /// Joint frames in the bodies' frames.
@@ -91,8 +91,8 @@ class UniversalJoint : public FrameJoint {
   void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
 
   /// STOP_ERP and STOP_CFM of axis 4 or 5: its limit; of 0 to 3: all that is held, one value for
-  /// them. CFM of axis 4 or 5: its motor; of 0 to 3: no effect, as in Bullet. ERP of axis 0 to 3: as
-  /// STOP_ERP. Axis -1: all of them. >= 0.
+  /// them. CFM of axis 4 or 5: its motor; of 0 to 3: no effect, as in Bullet. ERP of axis 0 to 3:
+  /// as STOP_ERP. Axis -1: all of them. >= 0.
   void setParam(int num, btScalar value, int axis = -1) override;
   /// Of axis -1: of what is held.
   btScalar getParam(int num, int axis = -1) const override;
@@ -105,8 +105,8 @@ class UniversalJoint : public FrameJoint {
   btScalar getUpperLimit(int axis) const { return hinge(axis).axis.high; }
   /// rad, with all turns since the joint was made.
   btScalar getAccumulatedAngle(int axis) const;
-  /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest to
-  /// `angle`.
+  /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest
+  /// to `angle`.
   void setAccumulatedAngle(int axis, btScalar angle);
   /// Velocity motor: target speed of the angle (rad/s) and the most that it may apply (N m, >= 0 or
   /// infinite), Bullet's m_maxMotorForce. (Bullet drives the part of the speed along z of body b:
@@ -117,8 +117,8 @@ class UniversalJoint : public FrameJoint {
   /// Holds an accumulated angle (rad) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at
   /// most max_torque (N m, >= 0 or infinite), until told otherwise. Takes the place of the velocity
   /// motor.
-  void setMotorServo(int axis, btScalar target_angle, btScalar frequency_hz,
-                     btScalar damping_ratio, btScalar max_torque);
+  void setMotorServo(int axis, btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
+                     btScalar max_torque);
   /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
   /// is critical). Frequency 0: a hard limit again.
   void setLimitSpring(int axis, btScalar frequency_hz, btScalar damping_ratio);
@@ -129,9 +129,7 @@ class UniversalJoint : public FrameJoint {
   /// Impulses of the last step (N m s), positive towards larger angles.
   btScalar getMotorImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::motor); }
   btScalar getLimitImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::limit); }
-  btScalar getFrictionImpulse(int axis) const {
-    return axisImpulse(indexOf(axis), Axis::friction);
-  }
+  btScalar getFrictionImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::friction); }
 
   /// The frames, and the range of angle 1 about axis 1 and of angle 2 about axis 2.
   void drawJoint(btIDebugDraw& drawer) const override;
@@ -179,7 +177,7 @@ class UniversalJoint : public FrameJoint {
   Angles m_angles;
   btVector3 m_anchor, m_axis1, m_axis2;  ///< world, as given
   int m_flags = 0;
-  Scalar m_held_cfm = 0;  ///< CFM of the axes 0 to 3, which has no effect
+  Parameter m_held_motor_cfm;  ///< of the axes 0 to 3, which have no motor
   RowMemory<6, 2> m_row_memory;
 };
 

@@ -40,16 +40,16 @@ struct Axis {
   /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
   bool normalized_motor = false;
   Scalar motor_velocity = 0;
-  Scalar max_motor_impulse = 0;       ///< N m s, a step
-  Scalar max_motor_force = infinity;  ///< N m, the same as a force: the lesser counts
+  Scalar max_motor_impulse = 0;  ///< N m s, a step
+  Scalar max_motor_force = 0;  ///< N m, added to it: what Bullet bounds differs from joint to joint
   Scalar motor_gain = 0;  ///< of a drive to a pose: the part of the way to 0 that a step goes
   Scalar servo_target = 0;
   Spring servo_spring;
   Scalar max_servo_force = 0;  ///< N m
   Scalar max_friction = 0;     ///< N m
 
-  /// Bullet's parameters where they are of one axis alone; below 0: the joint's.
-  Scalar own_limit_erp = -1, own_limit_cfm = -1, own_motor_cfm = -1;
+  /// Bullet's, of this axis alone; else the joint's.
+  Parameter limit_erp, limit_cfm, motor_cfm;
 
   bool limited() const { return low <= high; }
   bool locked() const { return low == high; }

@@ -77,10 +77,9 @@ inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
   if (axis.drive != Axis::Drive::servo) {
     const Scalar target = axis.drive == Axis::Drive::pose ? -m.fps * axis.motor_gain * m.position
                                                           : m.motor_factor * axis.motor_velocity;
-    Scalar most = axis.max_motor_impulse;
-    if (axis.normalized_motor) most = btMin(m.motor_inertia * most, infinity);
-    if (axis.max_motor_force < infinity) most = btMin(most, axis.max_motor_force / m.fps);
-    return rigidPart(target, m.motor_cfm, -most, most);
+    const Scalar most = m.motor_inertia * axis.max_motor_impulse + axis.max_motor_force / m.fps;
+    const Scalar bound = btMin(most, infinity);
+    return rigidPart(target, m.motor_cfm, -bound, bound);
   }
   const Scalar bound = axis.max_servo_force / m.fps;
   return springPart(axis.servo_spring, m.position - axis.servo_target, 1 / m.fps, -bound, bound);
