@@ -17,8 +17,8 @@ using pintle::BallJoint;
 using pintle::ContactJoint;
 using pintle::DistanceJoint;
 using pintle::Formulation;
-using pintle::WedgeJoint;
 using pintle::QuaternionHinge;
+using pintle::WedgeJoint;
 using support::scalar;
 
 // --- settings ------------------------------------------------------------------------------------

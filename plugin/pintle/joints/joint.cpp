@@ -54,15 +54,14 @@ const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2&
 // What all rows of a joint share in a step.
 struct Joint::Step {
   Scalar fps, erp, cfm;
-  Scalar half;           ///< of the time step, for the curvature
-  Scalar foreseen_half;  ///< the same, for one that is of the end of the step
+  Scalar half;  ///< of the time step, for the curvature
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
       : fps(info.fps),
         erp(joint.m_erp.orElse(info.erp)),
         cfm(joint.m_cfm.orElse(default_cfm)),
-        half(Scalar(0.5) * joint.m_time_step),
-        foreseen_half(half) {
+        half(Scalar(0.5) * joint.m_time_step) {
+    if (joint.m_foresees_curvature) return;
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
@@ -75,9 +74,7 @@ struct Joint::Step {
   }
 
   // What the curvature adds to the mean velocity of the row in this step.
-  Scalar gain(const Row& row) const {
-    return (row.foreseen ? foreseen_half : half) * row.curvature;
-  }
+  Scalar gain(const Row& row) const { return half * row.curvature; }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:

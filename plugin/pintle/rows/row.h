@@ -35,9 +35,6 @@ struct Row {
   bool limit;
   /// L = 0 and A_a = A_b.
   bool angular;
-  /// The curvature is that at the end of the step. Else it is that of now, and the solver's side
-  /// makes of it what the bodies' turning suggests.
-  bool foreseen;
 };
 
 /// What the solver made of an equality: a row that other joints disturb after it was solved keeps a
@@ -129,7 +126,6 @@ class Rows {
     row.max_speed = infinity;
     row.axis = nullptr;
     row.angular = false;
-    row.foreseen = false;
     return row;
   }
 
