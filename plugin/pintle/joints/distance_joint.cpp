@@ -19,7 +19,7 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3
   const btMatrix3x3& upright = btMatrix3x3::getIdentity();
   setFrames(btTransform(upright, point("pivotInA", pivotInA)),
             btTransform(upright, point("pivotInB", pivotInB)));
-  m_axis.relaxation = 0;
+  setDefaults();
   m_axis.low = m_axis.high = notNegative("length", length);
 }
 
@@ -27,15 +27,21 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransfo
                              const btTransform& frameInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
   setFrames(frameInA, frameInB);
-  m_axis.relaxation = 0;
+  setDefaults();
   m_axis.low = m_axis.high = getDistance();
 }
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, m_row_memory) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
-  m_axis.relaxation = 0;
+  setDefaults();
   m_axis.low = m_axis.high = 0;
+}
+
+void DistanceJoint::setDefaults() {
+  m_axis.relaxation = 0;
+  // A swing on a rod does not hang on the bodies' own turning.
+  m_foresees_curvature = true;
 }
 
 // --- settings ------------------------------------------------------------------------------------
@@ -111,7 +117,6 @@ void DistanceJoint::addRows(const BodyPair& pair, Rows& rows) const {
 
 inline Scalar DistanceJoint::curvature(const BodyPair& pair, const Points& at) const {
   if (getFormulation() == Formulation::document) return 0;
-  // The swing on a rod at the end of the step, which does not hang on the bodies' own turning.
   const Scalar dt = timeStep();
   const equations::Velocity<Scalar> v{freeLinear(pair.a(), dt), freeAngular(pair.a(), dt),
                                       freeLinear(pair.b(), dt), freeAngular(pair.b(), dt)};
@@ -127,7 +132,7 @@ inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows&
   if (!BodyPair::is_finite(at.d.length + at.d.n.sum() + at.r_a.sum() + at.r_b.sum())) return;
   if (rigidRod()) {
     const auto row = equations::distance_row(at.d, m_axis.low, at.r_a, at.r_b);
-    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature(pair, at)).foreseen = true;
+    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature(pair, at));
     return;
   }
   if (!m_axis.driven() && !m_axis.limited()) return;
@@ -138,9 +143,7 @@ inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows&
   const Reach reach = linearReach(pair, J.A_a, J.A_b, speed, bend, timeStep()).of(m_axis);
   const bool limit = m_axis.limited() && reach.reaches(m_axis, at.d.length);
   if (!limit && !m_axis.driven()) return;
-  Row& row = rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit);
-  row.curvature = bend;
-  row.foreseen = true;
+  rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit).curvature = bend;
 }
 
 }  // namespace PINTLE_PRECISION

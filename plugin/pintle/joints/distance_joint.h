@@ -76,6 +76,7 @@ class DistanceJoint : public FrameJoint {
   using FrameJoint::getAngularOnly;
   using FrameJoint::setAngularOnly;
 
+  void setDefaults();
   struct Points;
   Points points(const BodyPair& pair) const;
   void look(const Points& at);

@@ -75,15 +75,15 @@ struct Joint::Step {
   Scalar rate[max_firmness], cfm[max_firmness];  ///< of equalities: erp / dt, and softness
   bool rigid;                                    ///< no equality is soft
   Scalar half;                                   ///< of the time step, for the curvature
-  Scalar foreseen_half;  ///< the same, for one that is of the end of the step
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
-      : fps(info.fps), half(Scalar(0.5) * joint.m_time_step), foreseen_half(half) {
+      : fps(info.fps), half(Scalar(0.5) * joint.m_time_step) {
     limit_erp = joint.m_erp.orElse(info.erp);
     rate[0] = limit_erp * fps;
     cfm[0] = joint.m_cfm.orElse(default_cfm);
     rigid = cfm[0] == 0;
     if (joint.m_firmness != nullptr) setFirmness(joint, info, default_cfm);
+    if (joint.m_foresees_curvature) return;
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
     // gains energy.
@@ -106,9 +106,7 @@ struct Joint::Step {
   }
 
   // What the curvature adds to the mean velocity of the row in this step.
-  Scalar gain(const Row& row) const {
-    return (row.foreseen ? foreseen_half : half) * row.curvature;
-  }
+  Scalar gain(const Row& row) const { return half * row.curvature; }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:

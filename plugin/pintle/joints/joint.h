@@ -81,6 +81,9 @@ class Joint : public btTypedConstraint {
   /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
   /// step, from 1 (slow) to 0.
   Scalar curvedPart() const;
+  /// Whether the curvature of its rows is that at the end of the step. Else it is that of now, and
+  /// what the bodies' turning suggests is made of it.
+  bool m_foresees_curvature = false;
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.

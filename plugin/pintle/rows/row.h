@@ -41,9 +41,6 @@ struct Row {
   bool limit;
   /// L = 0 and A_a = A_b.
   bool angular;
-  /// The curvature is that at the end of the step. Else it is that of now, and the solver's side
-  /// makes of it what the bodies' turning suggests.
-  bool foreseen;
 };
 
 /// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
@@ -125,7 +122,6 @@ class Rows {
     row.axis = -1;
     row.firmness = 0;
     row.angular = false;
-    row.foreseen = false;
     return row;
   }
 
