@@ -4,8 +4,15 @@
 // Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
 // not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
 
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <pintle/joints/dot_hinge.h>
+#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/two_point_hinge.h>
+#include <pintle/joints/unstable/cross_product_hinge.h>
+#include <pintle/joints/unstable/cross_product_matrix_hinge.h>
+#include <pintle/joints/unstable/single_row_lock.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,6 +29,7 @@
 #include "scenes/door.h"
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
+#include "scenes/unstable.h"
 #include "scenes/valve.h"
 
 namespace {
@@ -234,7 +242,7 @@ void run_chain(Csv& csv) {
 template <class Hinge, class Configure = scenes::AsConstructed>
 Measurement measure(const scenes::RecoverySettings& settings, Configure configure = {}) {
   const scenes::RecoveryResult r = scenes::recovery<Hinge>(settings, configure);
-  const double steps = or_infinite(r.steps >= 0, r.steps);
+  const double steps = or_infinite(r.finite && r.steps >= 0, r.steps);
   return {{steps, r.max_angular_speed, degrees(r.end_axis_angle), r.max_gap},
           steps,
           r.microseconds_per_step};
@@ -363,15 +371,96 @@ void run_door(Csv& csv) {
   }
 }
 
+template <class Joint>
+Measurement measure(const scenes::BeamSettings& settings) {
+  const scenes::BeamResult r = scenes::beam<Joint>(settings);
+  const double last = or_infinite(r.finite, degrees(r.last_error));
+  return {{degrees(r.first_error), last, degrees(r.max_error), r.max_angular_speed},
+          last,
+          r.microseconds_per_step};
+}
+
+template <class Joint>
+Measurement measure(const scenes::SpinSettings& settings) {
+  const scenes::SpinResult r = scenes::spin<Joint>(settings);
+  const double change = or_infinite(r.finite, r.momentum_change);
+  return {{change, degrees(r.end_error)}, change, r.microseconds_per_step};
+}
+
+// The joint that is measured as its settings ask, by name.
+template <class Joint, class Settings>
+Contender contender(const char* who, const Settings& settings) {
+  return {who, [settings] { return measure<Joint>(settings); }};
+}
+template <class Settings>
+std::vector<Contender> hinges(const Settings& settings) {
+  return {contender<Stock>("stock", settings),
+          contender<Ours>("pintle", settings),
+          contender<pintle::DotHinge>("dot", settings),
+          contender<pintle::TwoPointHinge>("2 points", settings),
+          contender<pintle::CrossProductHinge>("1 row", settings),
+          contender<pintle::CrossProductMatrixHinge>("3 rows", settings)};
+}
+template <class Settings>
+std::vector<Contender> locks(Settings settings) {
+  settings.lock = true;
+  return {contender<btFixedConstraint>("stock", settings),
+          contender<pintle::FixedJoint>("pintle", settings),
+          contender<pintle::SingleRowLock>("1 row", settings)};
+}
+
+void run_unstable(Csv& csv) {
+  {
+    Table table(csv, "beam", "held level by its end for 10 s: error in the first and last",
+                {{"first s", "deg", "%.1e"},
+                 {"last s", "deg", "%.1e"},
+                 {"max", "deg", "%.1e"},
+                 {"speed", "rad/s", "%.2f"}});
+    for (const double hz : {60, 240}) {
+      scenes::BeamSettings settings;
+      settings.dt = 1 / hz;
+      table.compare(text("hinge %gHz", hz), hinges(settings));
+      table.compare(text("lock %gHz", hz), locks(settings));
+    }
+  }
+  {
+    Table table(csv, "spin", "a free pair, violated by 40 deg, spins for 5 s",
+                {{"momentum", "relative", "%.1e"}, {"end", "deg", "%.1e"}});
+    for (const double hz : {60, 240}) {
+      scenes::SpinSettings settings;
+      settings.dt = 1 / hz;
+      table.compare(text("hinge %gHz", hz), hinges(settings));
+      table.compare(text("lock %gHz", hz), locks(settings));
+    }
+  }
+  Table table(csv, "recovers", "two free boxes, their frames apart at the start",
+              {{"steps", "to 1 deg", "%.0f"},
+               {"speed", "rad/s", "%.1f"},
+               {"end", "deg", "%.1e"},
+               {"max gap", "m", "%.2e"}});
+  for (const double angle : {45, 120, 179}) {
+    scenes::RecoverySettings settings;
+    settings.angle = radians(angle);
+    settings.about = {0.6, 0.8, 0};
+    table.compare(text("hinge %g deg", angle), hinges(settings));
+  }
+  for (const double angle : {45, 90, 120, 179, 180}) {
+    scenes::RecoverySettings settings;
+    settings.angle = radians(angle);
+    settings.about = {0, 1, 0};
+    table.compare(text("lock %g about y", angle), locks(settings));
+    settings.about = Eigen::Vector3d(1, 1, 1).normalized();
+    table.compare(text("lock %g about xyz", angle), locks(settings));
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
 };
-constexpr Scene all_scenes[] = {{"chain", run_chain},
-                                {"recovery", run_recovery},
-                                {"pendulum", run_pendulum},
-                                {"valve", run_valve},
-                                {"door", run_door}};
+constexpr Scene all_scenes[] = {{"chain", run_chain},       {"recovery", run_recovery},
+                                {"pendulum", run_pendulum}, {"valve", run_valve},
+                                {"door", run_door},         {"unstable", run_unstable}};
 
 void print_help(std::FILE* out) {
   std::fprintf(out,
@@ -393,7 +482,10 @@ void print_legend() {
       "  stock   btHingeConstraint; stock c. btHingeAccumulatedAngleConstraint;\n"
       "          s. cfm btHingeConstraint with the spring as ERP and CFM of its stop\n"
       "  pintle  pintle::QuaternionHinge; plain without block rows;\n"
-      "          doc. with Formulation::document\n",
+      "          doc. with Formulation::document\n"
+      "  Locks are btFixedConstraint and pintle::FixedJoint. Other hinges: dot DotHinge,\n"
+      "          2 points TwoPointHinge; kept for comparison only: 1 row\n"
+      "          CrossProductHinge, SingleRowLock; 3 rows CrossProductMatrixHinge\n",
       sizeof(btScalar) == sizeof(double) ? "double" : "single");
 }
 

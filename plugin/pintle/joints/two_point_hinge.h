@@ -50,8 +50,8 @@ class TwoPointHinge : public HingeBase {
   btScalar getSeparation() const { return m_separation; }
 
   /// All three rows of either point, as the document has them. Where the joint holds, one of them says
-  /// nothing new; off it, that one pushes along with the others, hardly apart from them. So as a block
-  /// the six tear: this also turns the block off (setBlockRows), or on again. Default off.
+  /// nothing new; off it, that one works against the others, and may hold the axes apart. As a block
+  /// they tear, so this also turns the block off (setBlockRows), or on again. Default off.
   void setSixRows(bool six) {
     m_six_rows = six;
     setBlockRows(!six);
