@@ -33,12 +33,12 @@ struct RecoverySettings {
 };
 
 struct RecoveryResult {
-  int steps = -1;                    // -1: never
-  double max_angular_speed = 0;      // rad/s
-  double start_axis_angle = 0;       // rad, or that of a lock: the settings' angle, but for rounding
-  double end_axis_angle = 0;         // rad
-  double max_gap = 0;                // m
-  bool finite = true;                // false: the run ended in NaN or infinity
+  int steps = -1;                // -1: never
+  double max_angular_speed = 0;  // rad/s
+  double start_axis_angle = 0;   // rad, or that of a lock: the settings' angle, but for rounding
+  double end_axis_angle = 0;     // rad
+  double max_gap = 0;            // m
+  bool finite = true;            // false: the run ended in NaN or infinity
   double microseconds_per_step = 0;  // wall-clock: does not repeat
 };
 

@@ -231,7 +231,7 @@ inline std::vector<Case> locksAndHinges() {
       hinge<pintle::DotHinge>("dot hinge, motor", "stock hinge, motor", motor),
       hinge<pintle::TwoPointHinge>("two points, plain rows", "stock hinge", plain),
       hinge<pintle::TwoPointHinge>("two points", "stock hinge", as_is),
-      hinge<pintle::TwoPointHinge>("two points, six rows", "stock hinge",
+      hinge<pintle::TwoPointHinge>("two points, six plain rows", "stock hinge",
                                    [](auto& joint) { joint.setSixRows(true); }),
   };
 }

@@ -215,4 +215,28 @@ TYPED_TEST(Lock, OneFullStepOfUnitRowsTakesAnyErrorAway) {
   }
 }
 
+TYPED_TEST(Lock, CurvatureIsThatOfTheErrorAtConstantVelocities) {
+  using T = TypeParam;
+  Random random(5);
+  double most = 0;
+  for (const Hinge& hinge : hinges({0}, {0, 1})) {
+    if (hinge.th != 0) continue;
+    const Velocities v = 2 * random.velocities();
+    const auto phi = [&](double t) {
+      Hinge then = hinge;
+      then.bodies = moved(hinge.bodies, v, t);
+      return Vector(equations::orientation_error<double>(matrix(then.frame_a()),
+                                                         matrix(then.frame_b())));
+    };
+    const Vector expected = second_difference(phi, kCurvatureStep);
+    const Vector curvature =
+        equations::orientation_curvature<T>(v.segment<3>(3).cast<T>(), v.segment<3>(9).cast<T>())
+            .template cast<double>();
+    // |w|^2 is up to 24.
+    ASSERT_LE(mismatch(curvature, expected), kCurvatureTolerance + 24 * this->kTolerance);
+    most = std::max(most, length(curvature));
+  }
+  EXPECT_GT(most, 2);
+}
+
 }  // namespace

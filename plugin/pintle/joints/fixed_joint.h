@@ -37,8 +37,8 @@ class FixedJoint : public FrameJoint {
   btTransform getCalculatedTransformB() const;
   /// Origin of b's frame along axis 0 to 2 of a's (m).
   btScalar getRelativePivotPosition(int axis_index) const;
-  /// Euler angle 0 to 2 (x, y, z) of b's frame in a's (rad), and the axis about which it turns, in
-  /// the world.
+  /// Euler angle 0 to 2 (x, y, z) of the frames (rad), in Bullet's sense: positive where a is turned
+  /// against b; and the axis that it is about, in the world.
   btScalar getAngle(int axis_index) const;
   btVector3 getAxis(int axis_index) const;
   bool isLimited(int) const { return true; }

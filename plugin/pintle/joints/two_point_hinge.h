@@ -50,8 +50,12 @@ class TwoPointHinge : public HingeBase {
   btScalar getSeparation() const { return m_separation; }
 
   /// All three rows of either point, as the document has them. Where the joint holds, one of them says
-  /// nothing new; off it, that one pushes along with the others. Default off.
-  void setSixRows(bool six) { m_six_rows = six; }
+  /// nothing new; off it, that one works against the others, and may hold the axes apart. As a block
+  /// they tear, so this also turns the block off (setBlockRows), or on again. Default off.
+  void setSixRows(bool six) {
+    m_six_rows = six;
+    setBlockRows(!six);
+  }
   bool getSixRows() const { return m_six_rows; }
 
   /// The frames, the range of the angle, and the two points.
