@@ -345,7 +345,8 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
                                     Rows& rows) const {
   const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
   const bool document = getFormulation() == Formulation::document;
-  const bool turned_over = angles.turned_over && rightWayUp();
+  // The document's row rests there: only the limits bring it back.
+  const bool turned_over = !document && angles.turned_over && rightWayUp();
   const auto row = document      ? equations::universal_dot_row(at.z, at.y)
                    : turned_over ? equations::universal_gamma_row(at.z, at.b.a(), at.b.c())
                                  : equations::universal_row(at.z, at.y);

@@ -13,11 +13,12 @@ struct Reach;
 /// axis 2, which is y of the joint frame in body b. A spider between the bodies carries both.
 ///
 /// Angles (rad) are Bullet's: angle 1 is the rotation of a against the spider about axis 1, angle 2
-/// that of the spider against b about axis 2; both are zero when the joint frames coincide. Bullet
-/// numbers the axes of its six degrees of freedom: here 5 is that of angle 1 and 4 that of angle 2
-/// (1 and 2 less 3 for getAngle and getAxis), and as there setUpperLimit and setLowerLimit take
-/// angle 2 first. Limits may span any number of turns, of both angles; nothing happens at 90
-/// degrees but that a bent shaft has no lever to turn the other one there.
+/// that of the spider against b about axis 2; both are zero when the joint frames coincide. (Off
+/// their right angle by C, Bullet's differ from those of a spider by C sin(angle 2).) Bullet
+/// numbers the axes of its six degrees of freedom: 5 is that of angle 1 and 4 that of angle 2, for
+/// getAngle and getAxis 2 and 1; and as there setUpperLimit and setLowerLimit take angle 2 first.
+/// Limits may span any number of turns, of both angles; nothing happens at 90 degrees but that a
+/// bent shaft has no lever to turn the other one there.
 ///
 /// Everything that btUniversalConstraint has, under the same name, with the same signs and
 /// defaults, but getRotationalLimitMotor(i): its fields are
