@@ -3,7 +3,7 @@
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <gtest/gtest.h>
 #include <pintle/body_pair.h>
-#include <pintle/equations/quaternion_hinge_limit.h>
+#include <pintle/equations/cone_twist.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 #include <scenes/shoulder.h>
@@ -435,6 +435,57 @@ TEST(ConeTwistRows, TwistRowFromTheAxesIsThatOfTheSwing) {
                                               scalar(size * std::sin(angle))),
                 angle, double(pintle::UnwrappedAngle::rough_error));
   }
+}
+
+TEST(ConeTwistRows, TheTangentAheadHasTheConeBehindItAndIsTheNearestIfNothingMoves) {
+  namespace eq = pintle::equations;
+  using V = pintle::Vec3;
+  Random random(19);
+  const V x = V::Unit(0), y = V::Unit(1), z = V::Unit(2);
+  double same = 0, in_front = -HUGE_VAL, missed = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const auto side = [&] { return scalar(random.uniform(0.05, 2.5)); };
+    const eq::SwingSpans<btScalar> spans{side(), side(), side(), side()};
+    const double direction = random.uniform(-pi, pi);
+    const auto point = [&](double at, double scale) {
+      const double s_1 = std::cos(at), s_2 = std::sin(at);
+      const double f = std::sqrt(double(eq::cone_ratio2(scalar(s_1), scalar(s_2), spans)));
+      return std::pair(scale * s_1 / f, scale * s_2 / f);
+    };
+    const auto [s_1, s_2] = point(direction, random.uniform(0, 1));
+    const double angle = std::hypot(s_1, s_2);
+    if (angle > 2.5) continue;
+    const V axis = (scalar(s_1) * z + scalar(s_2) * y) / scalar(std::max(angle, 1e-9));
+    const auto swing =
+        eq::swing<btScalar>(x, eq::rotate(eq::rotation<btScalar>(axis, scalar(angle)), V(x)));
+    const V w(random.vector(5).x(), random.vector(5).y(), random.vector(5).z());
+    const btScalar dt = scalar(1.0 / 60), push = scalar(random.uniform(0, 0.1));
+    const auto nearest = eq::elliptic_cone_row<btScalar>(swing, x, z, y, spans);
+    const auto still =
+        eq::elliptic_cone_row_ahead<btScalar>(swing, x, z, y, spans, V::Zero(), dt, 0);
+    same = std::max(
+        {same, std::abs(double(nearest.C - still.C)), double((nearest.J_b - still.J_b).norm())});
+    const auto ahead = eq::elliptic_cone_row_ahead<btScalar>(swing, x, z, y, spans, w, dt, push);
+    // n, from the row: its parts along the swing's own rows.
+    const V row_1 = eq::swing_row<btScalar>(swing, x, z),
+            row_2 = eq::swing_row<btScalar>(swing, x, y);
+    Eigen::Matrix<double, 3, 2> rows;
+    rows << row_1.cast<double>(), row_2.cast<double>();
+    const Eigen::Matrix2d square = rows.transpose() * rows;
+    const Eigen::Vector2d right = rows.transpose() * ahead.J_b.cast<double>();
+    const double det = square(0, 0) * square(1, 1) - square(0, 1) * square(1, 0);
+    const Eigen::Vector2d normal((square(1, 1) * right[0] - square(0, 1) * right[1]) / det,
+                                 (square(0, 0) * right[1] - square(1, 0) * right[0]) / det);
+    missed = std::max(missed, std::abs(normal.norm() - 1));
+    for (int i = 0; i < 8; ++i) {
+      const auto [q_1, q_2] = point(random.uniform(-pi, pi), 1);
+      in_front =
+          std::max(in_front, double(ahead.C) + normal[0] * (q_1 - s_1) + normal[1] * (q_2 - s_2));
+    }
+  }
+  EXPECT_LT(same, 20 * rounding);
+  EXPECT_LT(in_front, 100 * rounding) << "a point of the boundary before the tangent";
+  EXPECT_LT(missed, 100 * rounding);
 }
 
 // --- limits in motion ----------------------------------------------------------------------------

@@ -83,6 +83,14 @@ EllipseDistance<T> ellipse_distance(T s_0, T s_1, T e_0, T e_1) {
   return {(u - T(1)) * e_1 * e_1 * length, g_0 / length, g_1 / length};
 }
 
+/// (s_1/a)^2 + (s_2/b)^2 of the quarter that the point (s_1, s_2) is in: above 1 outside.
+template <class T>
+T cone_ratio2(T s_1, T s_2, const SwingSpans<T>& spans) {
+  const T z_1 = s_1 / (s_1 < T(0) ? spans.below_1 : spans.above_1);
+  const T z_2 = s_2 / (s_2 < T(0) ? spans.below_2 : spans.above_2);
+  return z_1 * z_1 + z_2 * z_2;
+}
+
 /// The distance g of the point (s_1, s_2) from the four quarters, and its gradient n.
 template <class T>
 struct ConeDistance {

@@ -22,8 +22,8 @@ constexpr Scalar least_span = Scalar(1e-4), most_span = Scalar(1e6);
 constexpr Scalar least_twist = Scalar(0.005);
 // Nearer to its target (rad) than this, the motor's way there has no direction worth following.
 constexpr Scalar near_target = Scalar(0.1);
-// Farther out of the cone (rad) than this, the way back is that to its nearest point.
-constexpr Scalar near_edge = Scalar(0.05);
+// Farther out of the cone (rad, across its smallest span) the way back is that to its nearest point.
+constexpr Scalar far_out = Scalar(0.05);
 
 bool isCone(const Axis& swing) { return swing.low <= -infinity; }
 
@@ -203,6 +203,7 @@ void ConeTwistJoint::limitsChanged() {
     m_swings = Swings::cone;
     const auto e = spans(m_softness);
     m_inner_span = btMin(btMin(e.above_1, e.below_1), btMin(e.above_2, e.below_2));
+    m_far_out2 = (1 + far_out / m_inner_span) * (1 + far_out / m_inner_span);
     m_circular = btMax(btMax(e.above_1, e.below_1), btMax(e.above_2, e.below_2)) == m_inner_span;
     if (!off && m_inner_span < Scalar(pi)) {
       m_swing.low = -infinity;
@@ -485,11 +486,15 @@ void ConeTwistJoint::addConeLimit(const At& at, Scalar gained, Rows& rows) const
   if (!Reach{turn, gained}.of(m_swing).reaches(m_swing, rough, UnwrappedAngle::rough_error)) return;
 
   const auto s = at.swing();
+  const Vec3 e_1 = at.b.c(), e_2 = at.b.b();
+  const auto e = spans(m_softness);
   const bool document = m_circular && getFormulation() == Formulation::document;
-  auto row = coneRow(at, s);
-  if (!spring && !document && row.C < near_edge)
-    row = equations::elliptic_cone_row_ahead<Scalar>(
-        s, at.x_b, at.b.c(), at.b.b(), spans(m_softness), w, timeStep() / 2, gained / 2);
+  const bool ahead =
+      !spring && !document &&
+      equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < m_far_out2;
+  const auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(s, at.x_b, e_1, e_2, e, w,
+                                                                      timeStep() / 2, gained / 2)
+                         : coneRow(at, s);
   const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, row.C))
     rows.addAngularAxis(swing_axis, row.J_b, row.C, m_swing, true, -1);

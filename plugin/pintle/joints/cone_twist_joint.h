@@ -179,6 +179,7 @@ class ConeTwistJoint : public FrameJoint {
   Scalar m_damping = Scalar(0.01);
   Scalar m_max_motor_impulse = -1;
   Scalar m_inner_span = infinity;  ///< the smallest
+  Scalar m_far_out2 = 1;           ///< cone_ratio2 of a swing that is far out of the cone
   Swings m_swings = Swings::cone;
   bool m_circular = true;
   RowMemory<8, axis_count> m_row_memory;
