@@ -37,7 +37,7 @@ class OneRow : public pintle::FrameJoint {
  private:
   Jacobian m_J;
   Scalar m_C;
-  pintle::RowMemory<1> m_memory;
+  pintle::RowMemory<1, 8> m_memory;
 };
 
 Vec3 from(const btVector3& v) { return pintle::view(v); }

@@ -1088,7 +1088,7 @@ TEST(ConeTwistImpulses, AddUpToTheJointsTorque) {
     btJointFeedback feedback;
     limb.joint->setJointFeedback(&feedback);
     limb.joint->enableFeedback(true);
-    pintle::RowMemory<8> memory;
+    pintle::RowMemory<8, 8> memory;
     pintle::Rows rows(memory);
     limb.joint->addRows(pintle::BodyPair(*limb.a, *limb.b), rows);
     ASSERT_EQ(rows.size(), 5);

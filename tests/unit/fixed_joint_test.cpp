@@ -457,7 +457,7 @@ TEST(FixedJoint, RowsAreUnitAtAnyErrorAndTheirErrorIsTheShortestTurn) {
     b_frame.setBasis(btMatrix3x3(btQuaternion(axis, scalar(angle))) * b_frame.getBasis());
     const auto b = support::body(1, vec(1, 2, 3), b_frame * frame_b.inverse());
     FixedJoint joint(*a, *b, frame_a, frame_b);
-    pintle::RowMemory<6> memory;
+    pintle::RowMemory<6, 8> memory;
     pintle::Rows rows(memory);
     joint.addRows(pintle::BodyPair(*a, *b), rows);
     ASSERT_EQ(rows.size(), 6);

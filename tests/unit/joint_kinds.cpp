@@ -282,7 +282,7 @@ std::vector<Kind> all() {
   add<AngularLimit>(list, "AngularLimit", 5, at_times);
   add<UniversalJoint>(list, "UniversalJoint", 6);
   add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 6);
-  add<ConeTwistJoint>(list, "ConeTwistJoint", 9);
+  add<ConeTwistJoint>(list, "ConeTwistJoint", 9, at_times);
   add<SliderJoint>(list, "SliderJoint", 6, {true, "B", ""});
   add<pintle::FixedJoint>(list, "FixedJoint", 3);
   add<pintle::DotHinge>(list, "DotHinge", 6);

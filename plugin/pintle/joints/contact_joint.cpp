@@ -107,7 +107,9 @@ PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) cons
   const Reach reach =
       linearReach(pair, row.J.A_a, row.J.A_b, speed, curvature, timeStep()).of(m_axis);
   if (!reach.reaches(m_axis, row.C)) return;
-  rows.addAxis(0, row.J.L, row.J.A_a, row.J.A_b, row.C, m_axis, true).curvature = curvature;
+  Row& axis = rows.addAxis(0, row.J.L, row.J.A_a, row.J.A_b, row.C, m_axis, true);
+  axis.curvature = curvature;
+  axis.max_speed = getMaxCorrectionSpeed();
 }
 
 }  // namespace PINTLE_PRECISION

@@ -143,7 +143,9 @@ inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows&
   const Reach reach = linearReach(pair, J.A_a, J.A_b, speed, bend, timeStep()).of(m_axis);
   const bool limit = m_axis.limited() && reach.reaches(m_axis, at.d.length);
   if (!limit && !m_axis.driven()) return;
-  rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit).curvature = bend;
+  Row& row = rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit);
+  row.curvature = bend;
+  row.max_speed = getMaxCorrectionSpeed();
 }
 
 }  // namespace PINTLE_PRECISION
