@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds everything and runs all tests in both precisions.
-# Usage: run.sh [--preset release|debug|sanitizers] [ctest options]
+# Usage: run.sh [--preset release|debug|sanitizers] [ctest options]; PINTLE_CMAKE_OPTIONS is handed to cmake.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,6 +13,6 @@ fi
 source tests/setup.sh
 pintle_install_packages
 
-cmake --preset "$preset"
+cmake --preset "$preset" ${PINTLE_CMAKE_OPTIONS:-}
 cmake --build --preset "$preset" --parallel "$(nproc)"
 ctest --preset "$preset" --parallel "$(nproc)" "$@"
