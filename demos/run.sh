@@ -1,13 +1,37 @@
 #!/usr/bin/env bash
-# Builds the demos and runs them in single, then in double precision. Options are passed to the demos.
+# Builds the demos and runs them in single, then in double precision.
+#   run.sh [options of the demos]           every scene's table, beside the stock joints'
+#   run.sh report [options]                 error against run time: tables and plots (--help says more)
+#   run.sh reference [--scene NAME]...      solves the stored reference solutions again
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 source tests/setup.sh
-pintle_install_packages
 
-cmake --preset release
-cmake --build --preset release --parallel "$(nproc)" --target pintle_demos_single pintle_demos_double
-for precision in single double; do
-  build/release/demos/pintle_demos_$precision --csv build/release/demos/results_$precision.csv "$@"
-done
+build() {  # targets
+  cmake --preset release
+  cmake --build --preset release --parallel "$(nproc)" --target "$@"
+}
+
+case "${1-}" in
+report)
+  shift
+  source demos/report/report.sh
+  report "$@"
+  ;;
+reference)
+  shift
+  pintle_install_packages
+  build pintle_reference
+  scenes=()
+  for argument in "$@"; do [ "$argument" = --scene ] || scenes+=("$argument"); done
+  build/release/demos/pintle_reference ${scenes[@]+"${scenes[@]}"}
+  ;;
+*)
+  pintle_install_packages
+  build pintle_demos_single pintle_demos_double
+  for precision in single double; do
+    build/release/demos/pintle_demos_$precision --csv build/release/demos/results_$precision.csv "$@"
+  done
+  ;;
+esac

@@ -1,10 +1,10 @@
 # Sourced by run.sh here and in demos: installs what is missing of Debian's packages, and nothing if nothing is.
 
-pintle_install_packages() {
+pintle_install_packages() {  # more packages
   command -v dpkg-query >/dev/null || return 0 # no Debian: CMake says what it misses
 
   local missing=() package
-  for package in cmake g++ make libbullet-dev libeigen3-dev libgtest-dev libbenchmark-dev; do
+  for package in cmake g++ make libbullet-dev libeigen3-dev libgtest-dev libbenchmark-dev "$@"; do
     # A tool may come from elsewhere.
     command -v "$package" >/dev/null ||
       dpkg-query --show --showformat='${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed ||

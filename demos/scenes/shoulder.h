@@ -17,25 +17,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "directions.h"
 #include "world.h"
 
 namespace scenes {
-
-// Of a joint frame against another one: a twist about x, then a swing.
-struct SwingTwistAngles {
-  double swing_1, swing_2;  // components of the swing's rotation vector about z and y, rad
-  double twist;             // rad, in [-pi, pi]
-  double swing() const { return std::hypot(swing_1, swing_2); }
-};
-
-inline SwingTwistAngles swing_twist_angles(const Eigen::Matrix3d& R) {
-  const Eigen::Vector3d x = R.col(0);
-  const double across = std::hypot(x.y(), x.z()), swing = std::atan2(across, x.x());
-  const Eigen::Vector3d axis = across > 1e-12 ? Eigen::Vector3d(0, -x.z() / across, x.y() / across)
-                                              : Eigen::Vector3d(0, 0, 1);
-  const Eigen::Matrix3d T = Eigen::AngleAxisd(-swing, axis).toRotationMatrix() * R;
-  return {swing * axis.z(), swing * axis.y(), std::atan2(T(2, 1), T(1, 1))};
-}
 
 inline Eigen::Matrix3d to_eigen(const btMatrix3x3& m) {
   Eigen::Matrix3d r;
@@ -48,29 +33,6 @@ inline SwingTwistAngles swing_twist_angles(const btRigidBody& a, const btTransfo
                                            const btRigidBody& b, const btTransform& frame_b) {
   return swing_twist_angles((rotation(b) * to_eigen(frame_b.getBasis())).transpose() *
                             (rotation(a) * to_eigen(frame_a.getBasis())));
-}
-
-// Distance of (x, y) from an ellipse, > 0 outside: the nearest of its points by search.
-inline double distance_from_ellipse(double x, double y, double semiaxis_x, double semiaxis_y) {
-  x = std::abs(x);
-  y = std::abs(y);
-  const auto distance = [&](double t) {
-    return std::hypot(x - semiaxis_x * std::cos(t), y - semiaxis_y * std::sin(t));
-  };
-  constexpr int samples = 64;
-  int nearest = 0;
-  for (int i = 1; i <= samples; ++i) {
-    if (distance(pi / 2 * i / samples) < distance(pi / 2 * nearest / samples)) nearest = i;
-  }
-  double low = pi / 2 * std::max(nearest - 1, 0) / samples,
-         high = pi / 2 * std::min(nearest + 1, samples) / samples;
-  for (int i = 0; i < 60; ++i) {
-    const double left = low + (high - low) / 3, right = high - (high - low) / 3;
-    (distance(left) < distance(right) ? high : low) =
-        distance(left) < distance(right) ? right : left;
-  }
-  const bool outside = std::hypot(x / semiaxis_x, y / semiaxis_y) > 1;
-  return outside ? distance(low) : -distance(low);
 }
 
 struct ShoulderSettings {

@@ -23,29 +23,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "directions.h"
 #include "world.h"
 
 namespace scenes {
-
-// A limit of a direction to a wedge, by its definition.
-struct Wedge {
-  double low, high;  // rad
-
-  double total() const { return high - low; }
-  double middle() const { return (low + high) / 2; }
-  // From the nearer side, along the circle about the axis; above 0 outside.
-  double off(double psi) const {
-    return std::abs(std::remainder(psi - middle(), 2 * pi)) - total() / 2;
-  }
-  // The shortest turn (rad) that brings a direction of the frame inside.
-  double outside(const Eigen::Vector3d& c) const {
-    const double across = std::hypot(c.x(), c.y()), delta = off(std::atan2(c.y(), c.x()));
-    if (delta <= 0) return 0;
-    // Less than a quarter from a side its half circle is nearest, else the edge.
-    if (delta >= pi / 2) return std::atan2(across, std::abs(c.z()));
-    return std::asin(std::min(1., across * std::sin(delta)));
-  }
-};
 
 // The direction at psi about z and at `height` from it, rad.
 inline Eigen::Vector3d wedge_direction(double psi, double height) {

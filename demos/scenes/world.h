@@ -1,7 +1,7 @@
 // The small Bullet world that every scene runs in, and measurements of its bodies' poses.
 //
-// Bodies never collide (group and mask 0) and never sleep, so that a scene measures its joints and
-// nothing else. SI units, z up. The world owns what is added to it. The same calls in the same
+// Bodies never sleep, and collide only where a scene asks for it, so that it measures its joints
+// and nothing else. SI units, z up. The world owns what is added to it. The same calls in the same
 // order give the same bits: a scene repeats exactly on one machine.
 //
 // Measurements are made in double whatever btScalar is, and from the poses of the bodies alone:
@@ -28,13 +28,9 @@
 #include <utility>
 #include <vector>
 
+#include "angles.h"
+
 namespace scenes {
-
-constexpr double pi = 3.14159265358979323846;
-constexpr double standard_gravity = 9.81;  // m/s^2
-
-constexpr double radians(double degrees) { return degrees * (pi / 180); }
-constexpr double degrees(double radians) { return radians * (180 / pi); }
 
 // Makes the solver of a world; empty: Bullet's sequential impulses.
 using SolverFactory = std::function<std::unique_ptr<btConstraintSolver>()>;
@@ -81,7 +77,8 @@ class World {
   }
 
   // Mass 0 makes a static body.
-  btRigidBody& add_box(double mass, const btVector3& half_extents, const btTransform& pose) {
+  btRigidBody& add_box(double mass, const btVector3& half_extents, const btTransform& pose,
+                       bool collides = false) {
     shapes_.push_back(std::make_unique<btBoxShape>(half_extents));
     btVector3 inertia(0, 0, 0);
     if (mass > 0) shapes_.back()->calculateLocalInertia(btScalar(mass), inertia);
@@ -91,7 +88,8 @@ class World {
     bodies_.push_back(std::make_unique<btRigidBody>(info));
     btRigidBody& body = *bodies_.back();
     body.setActivationState(DISABLE_DEACTIVATION);
-    world_.addRigidBody(&body, 0, 0);
+    const int group = collides ? btBroadphaseProxy::DefaultFilter : 0;
+    world_.addRigidBody(&body, group, group);
     return body;
   }
 
@@ -173,26 +171,6 @@ inline Eigen::Vector3d point_in_world(const btRigidBody& body, const Eigen::Vect
 inline Eigen::Vector3d direction_in_world(const btRigidBody& body, const Eigen::Vector3d& local) {
   return rotation(body) * local;
 }
-
-// Angle between two directions, rad, in [0, pi]. By atan2: acos loses half of the digits near 0.
-inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-// Counts the turns of an angle that is known modulo 2 pi: each value continues the last one by the
-// shortest way. Exact while the angle moves less than pi between two calls; Bullet turns a body by
-// at most pi/4 a step, so a call after each step always is.
-class Unwrap {
- public:
-  explicit Unwrap(double start) : angle_(start) {}
-  double operator()(double wrapped) {
-    angle_ += std::remainder(wrapped - angle_, 2 * pi);
-    return angle_;
-  }
-
- private:
-  double angle_;
-};
 
 // Kinetic energy plus height energy above z = 0, J. Bullet steps velocities first (symplectic
 // Euler), so even an ideal joint shows an error that is proportional to dt and to the speed.

@@ -1,0 +1,74 @@
+#include "bullet.h"
+
+namespace engines {
+
+using scenes::Isometry3d;
+using scenes::Scene;
+using scenes::to_bullet;
+
+btTransform to_bullet(const Isometry3d& pose) {
+  return btTransform(scenes::matrix_to_bullet(pose.linear()), to_bullet(pose.translation().eval()));
+}
+
+BulletEngine::BulletEngine(const Scene& scene, int iterations,
+                           const scenes::SolverFactory& make_solver)
+    : world_(scene.gravity, iterations, make_solver) {
+  for (const scenes::Body& from : scene.bodies) {
+    btRigidBody& body = world_.add_box(from.mass, to_bullet(from.half_extents),
+                                       engines::to_bullet(from.pose), from.collides);
+    bodies_.push_back(&body);
+    if (from.mass == 0) continue;
+    body.setMassProps(btScalar(from.mass), to_bullet(from.inertia));
+    body.updateInertiaTensor();
+    body.setDamping(btScalar(from.damping), btScalar(from.damping));
+    body.setLinearVelocity(to_bullet(from.velocity));
+    body.setAngularVelocity(to_bullet(from.angular_velocity));
+  }
+}
+
+bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
+  BulletJoint joint = make_joint(from, body(from.a), body(from.b));
+  if (!joint.constraint) return false;
+  if (joint.drive) motors_.push_back({from.motor.speed, joint.drive});
+  joints_.push_back(&world_.take_joint(std::move(joint.constraint)));
+  return true;
+}
+
+void BulletEngine::drive(double time, double dt) {
+  for (const Motor& motor : motors_) motor.set(motor.speed(time), dt);
+}
+
+State BulletEngine::state(int index) const {
+  const btRigidBody& body = *bodies_[size_t(index)];
+  State state;
+  state.pose.setIdentity();
+  state.pose.linear() = scenes::rotation(body);
+  state.pose.translation() = scenes::position(body);
+  state.velocity = scenes::to_eigen(body.getLinearVelocity());
+  state.angular_velocity = scenes::to_eigen(body.getAngularVelocity());
+  return state;
+}
+
+int BulletEngine::rows() const {
+  int sum = 0;
+  for (btTypedConstraint* joint : joints_) {
+    btTypedConstraint::btConstraintInfo1 info;
+    joint->buildJacobian();
+    joint->getInfo1(&info);
+    sum += info.m_numConstraintRows;
+  }
+  return sum;
+}
+
+std::unique_ptr<BulletEngine> make_bullet(const Scene& scene, int iterations, MakeJoint make_joint,
+                                          const scenes::SolverFactory& make_solver) {
+  auto engine = std::make_unique<BulletEngine>(scene, iterations, make_solver);
+  for (const scenes::Joint& joint : scene.joints) {
+    if (!engine->add(joint, make_joint)) return nullptr;
+  }
+  return engine;
+}
+
+const char* precision() { return sizeof(btScalar) == sizeof(double) ? "double" : "single"; }
+
+}  // namespace engines

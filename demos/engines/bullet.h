@@ -1,0 +1,59 @@
+// Scenes in Bullet's world of rigid bodies.
+
+#pragma once
+
+#include "../scenes/world.h"
+#include "engine.h"
+
+namespace engines {
+
+struct BulletJoint {
+  std::unique_ptr<btTypedConstraint> constraint;
+  // Sets a motor's speed (rad/s); empty: it has none.
+  std::function<void(double speed, double dt)> drive = {};
+};
+
+// Makes the joint of a kind, with its limits, spring and motor; null: there is none.
+using MakeJoint = BulletJoint (*)(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
+
+BulletJoint make_stock_joint(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
+BulletJoint make_document_joint(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
+BulletJoint make_conditioned_joint(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
+
+btTransform to_bullet(const scenes::Isometry3d& pose);
+
+class BulletEngine : public Engine {
+ public:
+  // The scene's bodies; its joints are added one by one.
+  BulletEngine(const scenes::Scene& scene, int iterations,
+               const scenes::SolverFactory& make_solver = {});
+  // False: there is no such joint.
+  bool add(const scenes::Joint& joint, MakeJoint make_joint);
+
+  void drive(double time, double dt) override;
+  void step(double dt) override { world_.step(dt); }
+  State state(int body) const override;
+  int rows() const override;
+
+  btDiscreteDynamicsWorld& world() { return world_.bullet(); }
+  btRigidBody& body(int index) { return *bodies_[size_t(index)]; }
+  btTypedConstraint& joint(int index) { return *joints_[size_t(index)]; }
+
+ private:
+  struct Motor {
+    std::function<double(double time)> speed;
+    std::function<void(double speed, double dt)> set;
+  };
+
+  scenes::World world_;
+  std::vector<btRigidBody*> bodies_;
+  std::vector<btTypedConstraint*> joints_;
+  std::vector<Motor> motors_;
+};
+
+// Null: the scene has a joint that there is none of.
+std::unique_ptr<BulletEngine> make_bullet(const scenes::Scene& scene, int iterations,
+                                          MakeJoint make_joint,
+                                          const scenes::SolverFactory& make_solver = {});
+
+}  // namespace engines

@@ -1,0 +1,51 @@
+// The list of contenders. A new one is a line here.
+
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+
+#include "bullet.h"
+#include "multibody.h"
+
+namespace engines {
+namespace {
+
+// btMLCPSolver does not own what it solves with.
+class DantzigSolver : private btDantzigSolver, public btMLCPSolver {
+ public:
+  DantzigSolver() : btMLCPSolver(this) {}
+};
+
+template <class Solver>
+std::unique_ptr<btConstraintSolver> make() {
+  return std::make_unique<Solver>();
+}
+
+Contender with(const char* name, const char* what, const char* colour, MakeJoint joints,
+               const scenes::SolverFactory& solver = {}, bool iterates = true) {
+  return {name, what, colour, iterates, [=](const scenes::Scene& scene, int iterations) {
+            return make_bullet(scene, iterations, joints, solver);
+          }};
+}
+
+}  // namespace
+
+const std::vector<Contender>& contenders() {
+  static const std::vector<Contender> list = {
+      with("stock", "Bullet's joints", "#808080", make_stock_joint),
+      with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
+      with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
+      with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
+           make<DantzigSolver>, false),
+      {"multibody", "btMultiBody", "#009e73", false,
+       [](const scenes::Scene& scene, int) { return make_multibody(scene); }},
+  };
+  return list;
+}
+
+const Contender* find_contender(const std::string& name) {
+  for (const Contender& contender : contenders())
+    if (contender.name == name) return &contender;
+  return nullptr;
+}
+
+}  // namespace engines

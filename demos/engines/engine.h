@@ -1,0 +1,47 @@
+// A contender: what builds a scene with its own joints and solver, and steps it.
+
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../scenes/scene.h"
+
+namespace engines {
+
+struct State {
+  scenes::Isometry3d pose;  // of the centre of mass
+  scenes::Vector3d velocity, angular_velocity;
+};
+
+// One run of a scene.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  // Sets what drives the scene in the next step.
+  virtual void drive(double time, double dt) = 0;
+  // All that a run time counts.
+  virtual void step(double dt) = 0;
+  virtual State state(int body) const = 0;
+  // Rows of all joints as they stand; 0: not known.
+  virtual int rows() const { return 0; }
+};
+
+struct Contender {
+  std::string name;
+  std::string what;    // in words
+  std::string colour;  // the same in every plot
+  bool iterates;       // the number of iterations matters to it
+  // Null: it cannot express the scene.
+  std::function<std::unique_ptr<Engine>(const scenes::Scene&, int iterations)> make;
+};
+
+// All that this build has, the stock joints first.
+const std::vector<Contender>& contenders();
+const Contender* find_contender(const std::string& name);
+
+const char* precision();  // of Bullet's btScalar: single or double
+
+}  // namespace engines

@@ -1,0 +1,88 @@
+// Pintle's joint of each kind.
+
+#include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
+#include <pintle/joints/constant_velocity_joint.h>
+#include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
+#include <pintle/joints/universal_joint.h>
+#include <pintle/joints/wedge_joint.h>
+
+#include "bullet.h"
+
+namespace engines {
+namespace {
+
+using scenes::Joint;
+using scenes::Kind;
+
+BulletJoint hinge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                  const btTransform& in_b) {
+  auto hinge = std::make_unique<pintle::QuaternionHinge>(a, b, in_a, in_b, true);
+  if (joint.range.limited()) hinge->setLimit(btScalar(joint.range.low), btScalar(joint.range.high));
+  if (!joint.motor.speed) return {std::move(hinge)};
+  pintle::QuaternionHinge* const driven = hinge.get();
+  return {std::move(hinge), [driven, torque = joint.motor.max_torque](double speed, double dt) {
+            driven->enableAngularMotor(true, btScalar(speed), btScalar(torque * dt));
+          }};
+}
+
+BulletJoint slider(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                   const btTransform& in_b) {
+  auto slider = std::make_unique<pintle::SliderJoint>(a, b, in_a, in_b, true);
+  if (joint.range.limited()) {
+    slider->setLowerLinLimit(btScalar(joint.range.low));
+    slider->setUpperLinLimit(btScalar(joint.range.high));
+  }
+  if (joint.spring.frequency > 0) {
+    slider->setLinMotorServo(0, btScalar(joint.spring.frequency),
+                             btScalar(joint.spring.damping_ratio), BT_LARGE_FLOAT);
+  }
+  return {std::move(slider)};
+}
+
+BulletJoint cone_twist(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                       const btTransform& in_b) {
+  auto shoulder = std::make_unique<pintle::ConeTwistJoint>(b, a, in_b, in_a);  // the limb is first
+  shoulder->setLimit(btScalar(joint.spans.about_z), btScalar(joint.spans.about_y),
+                     btScalar(joint.spans.twist));
+  return {std::move(shoulder)};
+}
+
+BulletJoint wedge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                  const btTransform& in_b) {
+  auto wedge = std::make_unique<pintle::WedgeJoint>(a, b, in_a, in_b);
+  if (joint.range.limited()) wedge->setLimit(btScalar(joint.range.low), btScalar(joint.range.high));
+  return {std::move(wedge)};
+}
+
+BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
+  const btTransform in_a = to_bullet(joint.in_a), in_b = to_bullet(joint.in_b);
+  switch (joint.kind) {
+    case Kind::ball: return {std::make_unique<pintle::BallJoint>(a, b, in_a, in_b)};
+    case Kind::hinge: return hinge(joint, a, b, in_a, in_b);
+    case Kind::slider: return slider(joint, a, b, in_a, in_b);
+    case Kind::fixed: return {std::make_unique<pintle::FixedJoint>(a, b, in_a, in_b)};
+    case Kind::cone_twist: return cone_twist(joint, a, b, in_a, in_b);
+    case Kind::universal: return {std::make_unique<pintle::UniversalJoint>(a, b, in_a, in_b)};
+    case Kind::constant_velocity:
+      return {std::make_unique<pintle::ConstantVelocityJoint>(a, b, in_a, in_b)};
+    case Kind::wedge: return wedge(joint, a, b, in_a, in_b);
+  }
+  return {};
+}
+
+}  // namespace
+
+BulletJoint make_conditioned_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
+  return make_joint(joint, a, b);
+}
+
+BulletJoint make_document_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
+  BulletJoint made = make_joint(joint, a, b);
+  static_cast<pintle::Joint&>(*made.constraint).setFormulation(pintle::Formulation::document);
+  return made;
+}
+
+}  // namespace engines

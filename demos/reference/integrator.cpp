@@ -1,0 +1,313 @@
+#include "integrator.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "taylor.h"
+
+namespace reference {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Quaterniond;
+using Eigen::VectorXd;
+using scenes::Joint;
+using scenes::Kind;
+using scenes::Scene;
+using scenes::Vector3d;
+using Vector = Eigen::Matrix<Taylor, 3, 1>;
+
+struct Coordinates {
+  Vector3d x;
+  Quaterniond q;
+  Vector3d v, w;  // world
+};
+
+// A direction fixed in a body that turns at a constant w: its course near now. d' = w x d.
+Vector direction(const Vector3d& d, const Vector3d& w) {
+  const Vector3d first = w.cross(d), second = w.cross(first);
+  Vector course;
+  for (int i = 0; i < 3; ++i) course[i] = {d[i], first[i], second[i]};
+  return course;
+}
+
+// The same of a point fixed in it.
+Vector point(const Vector3d& x, const Vector3d& v, const Vector3d& arm, const Vector3d& w) {
+  Vector course = direction(arm, w);
+  for (int i = 0; i < 3; ++i) course[i] += Taylor(x[i], v[i], 0);
+  return course;
+}
+
+// A joint's frame in a body, as it moves.
+struct Frame {
+  Vector origin, x, y, z;
+  Frame(const Coordinates& body, const scenes::Isometry3d& local, const Vector3d& v,
+        const Vector3d& w)
+      : origin(point(body.x, v, body.q * local.translation(), w)),
+        x(direction(body.q * local.linear().col(0), w)),
+        y(direction(body.q * local.linear().col(1), w)),
+        z(direction(body.q * local.linear().col(2), w)) {}
+};
+
+Taylor dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+int row_count(Kind kind) {
+  switch (kind) {
+    case Kind::ball: return 3;
+    case Kind::hinge:
+    case Kind::slider: return 5;
+    case Kind::fixed: return 6;
+    default: throw std::invalid_argument("reference: a joint of this kind is not solved");
+  }
+}
+
+// C(q) of the joint, each entry 0 where it holds.
+void constraints(Kind kind, const Frame& a, const Frame& b, Taylor* C) {
+  const Vector apart = b.origin - a.origin;
+  if (kind == Kind::slider) {
+    *C++ = dot(apart, a.y);
+    *C++ = dot(apart, a.z);
+  } else {
+    for (int i = 0; i < 3; ++i) *C++ = apart[i];
+  }
+  if (kind == Kind::ball) return;
+  *C++ = dot(a.x, b.z);
+  *C++ = dot(a.y, b.z);
+  if (kind != Kind::hinge) *C++ = dot(a.x, b.y);
+}
+
+class System {
+ public:
+  explicit System(const Scene& scene) : scene_(scene) {
+    if (scene.contacts()) throw std::invalid_argument("reference: contacts are not solved");
+    for (const scenes::Body& body : scene.bodies) {
+      if (body.damping != 0) throw std::invalid_argument("reference: damping is not solved");
+      bodies_.push_back({body.pose.translation(), Quaterniond(body.pose.linear()), body.velocity,
+                         body.angular_velocity});
+    }
+    for (const Joint& joint : scene.joints) {
+      if (joint.range.limited() || joint.motor.speed)
+        throw std::invalid_argument("reference: limits and motors are not solved");
+      rows_ += row_count(joint.kind);
+    }
+  }
+
+  void step(double h) {
+    // Runge-Kutta on (x, q, v, w); q' = 1/2 w q, normalized at the end.
+    const std::vector<Coordinates> start = bodies_;
+    std::vector<Slope> sum(bodies_.size());
+    std::vector<Slope> k;
+    const double weight[] = {1. / 6, 1. / 3, 1. / 3, 1. / 6}, next[] = {0.5, 0.5, 1, 0};
+    for (int stage = 0; stage < 4; ++stage) {
+      k = slope();
+      for (size_t i = 0; i < k.size(); ++i) {
+        sum[i].add(k[i], weight[stage]);
+        bodies_[i] = k[i].from(start[i], next[stage] * h);
+      }
+    }
+    for (size_t i = 0; i < sum.size(); ++i) bodies_[i] = sum[i].from(start[i], h);
+    project();
+  }
+
+  double energy() const {
+    double sum = 0;
+    for (size_t i = 1; i < bodies_.size(); ++i) {
+      const scenes::Body& body = scene_.bodies[i];
+      const Vector3d w = bodies_[i].q.conjugate() * bodies_[i].w;
+      sum += 0.5 * body.mass * bodies_[i].v.squaredNorm() + 0.5 * body.inertia.dot(w.cwiseAbs2()) +
+             body.mass * scene_.gravity * bodies_[i].x.z();
+    }
+    return sum;
+  }
+  double violation() {
+    evaluate();
+    return rows_ == 0 ? 0 : value_.cwiseAbs().maxCoeff();
+  }
+  Vector3d probe() const {
+    const Coordinates& body = bodies_[size_t(scene_.probe_body)];
+    return body.x + body.q * scene_.probe;
+  }
+
+ private:
+  struct Slope {
+    Vector3d x = {0, 0, 0};
+    Eigen::Vector4d q = {0, 0, 0, 0};
+    Vector3d v = {0, 0, 0}, w = {0, 0, 0};
+    void add(const Slope& other, double weight) {
+      x += weight * other.x;
+      q += weight * other.q;
+      v += weight * other.v;
+      w += weight * other.w;
+    }
+    Coordinates from(const Coordinates& start, double h) const {
+      Coordinates to = start;
+      to.x += h * x;
+      to.q.coeffs() += h * q;
+      to.q.normalize();
+      to.v += h * v;
+      to.w += h * w;
+      return to;
+    }
+  };
+
+  Matrix3d inverse_inertia(size_t i) const {
+    const Matrix3d R = bodies_[i].q.toRotationMatrix();
+    return R * scene_.bodies[i].inertia.cwiseInverse().asDiagonal() * R.transpose();
+  }
+
+  // value_ = C, gradient_ = J by body and column, curvature_ = C'' at constant velocities.
+  void evaluate() {
+    const int columns = 6 * int(bodies_.size());
+    value_.setZero(rows_);
+    curvature_.setZero(rows_);
+    gradient_.setZero(rows_, columns);
+    Taylor C[6];
+    int row = 0;
+    for (const Joint& joint : scene_.joints) {
+      const Coordinates &a = bodies_[size_t(joint.a)], &b = bodies_[size_t(joint.b)];
+      const int count = row_count(joint.kind);
+      constraints(joint.kind, Frame(a, joint.in_a, a.v, a.w), Frame(b, joint.in_b, b.v, b.w), C);
+      for (int i = 0; i < count; ++i) {
+        value_[row + i] = C[i].value;
+        curvature_[row + i] = C[i].second;
+      }
+      for (int of_b = 0; of_b < 2; ++of_b) {
+        const int body = of_b ? joint.b : joint.a;
+        if (body == 0) continue;
+        for (int column = 0; column < 6; ++column) {
+          const Vector3d unit = Vector3d::Unit(column % 3), zero(0, 0, 0);
+          const Vector3d v = column < 3 ? unit : zero, w = column < 3 ? zero : unit;
+          constraints(joint.kind, Frame(a, joint.in_a, of_b ? zero : v, of_b ? zero : w),
+                      Frame(b, joint.in_b, of_b ? v : zero, of_b ? w : zero), C);
+          for (int i = 0; i < count; ++i) gradient_(row + i, 6 * body + column) = C[i].first;
+        }
+      }
+      row += count;
+    }
+  }
+
+  // W = M^-1 J^T, and J W factorized. Redundant constraints have a least-squares solution.
+  void factorize() {
+    W_ = gradient_.transpose();
+    for (size_t i = 1; i < bodies_.size(); ++i) {
+      W_.middleRows(6 * Eigen::Index(i), 3) /= scene_.bodies[i].mass;
+      W_.middleRows(6 * Eigen::Index(i) + 3, 3) =
+          inverse_inertia(i) * W_.middleRows(6 * Eigen::Index(i) + 3, 3).eval();
+    }
+    const MatrixXd K = gradient_ * W_;
+    cholesky_.compute(K);
+    // The pivots' spread tells redundant rows.
+    const VectorXd pivots = cholesky_.vectorD().cwiseAbs();
+    redundant_ = pivots.minCoeff() < 1e-10 * pivots.maxCoeff();
+    if (redundant_) orthogonal_.setThreshold(1e-10).compute(K);
+  }
+  VectorXd solve_impulses(const VectorXd& right) const {
+    if (redundant_) return orthogonal_.solve(right);
+    return cholesky_.solve(right);
+  }
+
+  std::vector<Slope> slope() {
+    VectorXd a = VectorXd::Zero(6 * Eigen::Index(bodies_.size()));
+    for (size_t i = 1; i < bodies_.size(); ++i) {
+      const Matrix3d R = bodies_[i].q.toRotationMatrix();
+      const Vector3d w = R.transpose() * bodies_[i].w, I = scene_.bodies[i].inertia;
+      a.segment<3>(6 * Eigen::Index(i)) = Vector3d(0, 0, -scene_.gravity);
+      a.segment<3>(6 * Eigen::Index(i) + 3) =
+          R * I.cwiseInverse().cwiseProduct(I.cwiseProduct(w).cross(w));
+    }
+    add_springs(a);
+    if (rows_ > 0) {
+      evaluate();
+      factorize();
+      a -= W_ * solve_impulses(gradient_ * a + curvature_);
+    }
+    std::vector<Slope> k(bodies_.size());
+    for (size_t i = 1; i < bodies_.size(); ++i) {
+      k[i].x = bodies_[i].v;
+      Quaterniond w(0, bodies_[i].w.x(), bodies_[i].w.y(), bodies_[i].w.z());
+      k[i].q = 0.5 * (w * bodies_[i].q).coeffs();
+      k[i].v = a.segment<3>(6 * Eigen::Index(i));
+      k[i].w = a.segment<3>(6 * Eigen::Index(i) + 3);
+    }
+    return k;
+  }
+
+  // Along the slider's axis, through both bodies' centres: the scenes have no others.
+  void add_springs(VectorXd& a) const {
+    for (const Joint& joint : scene_.joints) {
+      if (joint.spring.frequency == 0) continue;
+      const auto inverse_mass = [&](int body) {
+        return body == 0 ? 0 : 1 / scene_.bodies[size_t(body)].mass;
+      };
+      const double mass = 1 / (inverse_mass(joint.a) + inverse_mass(joint.b));
+      const double w = 2 * scenes::pi * joint.spring.frequency;
+      const Coordinates &A = bodies_[size_t(joint.a)], &B = bodies_[size_t(joint.b)];
+      const Vector3d axis = A.q * joint.in_a.linear().col(0);
+      const double position =
+          (B.x + B.q * joint.in_b.translation() - A.x - A.q * joint.in_a.translation()).dot(axis);
+      const double speed = (B.v - A.v).dot(axis);
+      const Vector3d force =
+          -mass * (w * w * position + 2 * joint.spring.damping_ratio * w * speed) * axis;
+      a.segment<3>(6 * joint.a) -= inverse_mass(joint.a) * force;
+      a.segment<3>(6 * joint.b) += inverse_mass(joint.b) * force;
+    }
+  }
+
+  // Newton's method on the positions, then the velocities.
+  void project() {
+    if (rows_ == 0) return;
+    evaluate();
+    factorize();
+    const VectorXd shift = -W_ * solve_impulses(value_);
+    for (size_t i = 1; i < bodies_.size(); ++i) {
+      bodies_[i].x += shift.segment<3>(6 * Eigen::Index(i));
+      const Vector3d turn = shift.segment<3>(6 * Eigen::Index(i) + 3);
+      const Quaterniond half(1, turn.x() / 2, turn.y() / 2, turn.z() / 2);
+      bodies_[i].q = (half * bodies_[i].q).normalized();
+    }
+    VectorXd v(6 * Eigen::Index(bodies_.size()));
+    for (size_t i = 0; i < bodies_.size(); ++i) {
+      v.segment<3>(6 * Eigen::Index(i)) = bodies_[i].v;
+      v.segment<3>(6 * Eigen::Index(i) + 3) = bodies_[i].w;
+    }
+    v -= W_ * solve_impulses(gradient_ * v);
+    for (size_t i = 1; i < bodies_.size(); ++i) {
+      bodies_[i].v = v.segment<3>(6 * Eigen::Index(i));
+      bodies_[i].w = v.segment<3>(6 * Eigen::Index(i) + 3);
+    }
+  }
+
+  const Scene& scene_;
+  std::vector<Coordinates> bodies_;
+  int rows_ = 0;
+  VectorXd value_, curvature_;
+  MatrixXd gradient_, W_;
+  Eigen::LDLT<MatrixXd> cholesky_;
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> orthogonal_;
+  bool redundant_ = false;
+};
+
+}  // namespace
+
+Solution solve(const Scene& scene, double dt, double interval) {
+  System system(scene);
+  Solution solution;
+  const double start = system.energy();
+  const int samples = int(std::lround(scene.horizon / interval));
+  const int steps = int(std::ceil(interval / dt - 1e-9));
+  for (int sample = 0; sample < samples; ++sample) {
+    for (int step = 0; step < steps; ++step) {
+      system.step(interval / steps);
+      solution.energy_change = std::max(solution.energy_change, std::abs(system.energy() - start));
+    }
+    solution.gap = std::max(solution.gap, system.violation());
+    solution.probe.push_back(system.probe());
+  }
+  return solution;
+}
+
+}  // namespace reference

@@ -1,0 +1,103 @@
+# Sourced by demos/run.sh: error against run time of all contenders, in tables and plots.
+
+report_help() {
+  cat <<'END'
+bash demos/run.sh report [options]
+  --quick                 few iterations and steps: at most 2 minutes (the whole: at most 30)
+  --scene NAME            only this scene; may be given more than once
+  --from NAME --to NAME   a range of scenes
+  --peers                 also ODE and MuJoCo, if their Debian packages are installed
+  --fresh                 forget what an earlier run has measured
+  --publish               copy the plots and tables that the README shows to demos/results
+The run can be interrupted: what was measured is kept, and the same command goes on with it.
+Everything goes to build/release/demos/report (report_quick).
+END
+}
+
+# Instructions of a step, of every scene and contender, by callgrind: the steps alone are counted.
+report_instructions() {  # program, file
+  command -v valgrind >/dev/null || return 0
+  local program=$1 file=$2 scene contender count steps=20
+  local scenes contenders
+  scenes=$("$program" --list | sed -n 's/^scene //p')
+  contenders=$("$program" --list | sed -n 's/^contender \([^ ]*\).*/\1/p')
+  touch "$file"
+  for scene in $scenes; do
+    for contender in $contenders; do
+      grep -q "^$scene $contender " "$file" && continue
+      # Dantzig's method is too slow to be counted on the bridge.
+      [ "$scene $contender" = "bridge dantzig" ] && continue
+      count=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='*Engine::step*' \
+        "$program" steps "$scene" "$contender" 10 60 $steps 2>&1 | sed -n 's/.*Collected : *//p') || true
+      [ -n "$count" ] && [ "$count" != 0 ] && echo "$scene $contender $((count / steps))" >>"$file"
+      printf '\rinstructions: %s, %s          ' "$scene" "$contender" >&2
+    done
+  done
+  printf '\n' >&2
+}
+
+report_plots() {  # folder, program
+  local folder=$1 program=$2 scene title errors units contenders precisions who colours terminal
+  declare -A colour
+  while read -r who colours; do colour[$who]=$colours; done < <("$program" --list | sed -n 's/^contender //p')
+  while IFS='|' read -r scene title errors units contenders precisions; do
+    colours=
+    for who in $contenders; do colours+="${colour[$who]} "; done
+    local width=$((360 * $(wc -w <<<"$errors") + 20)) height=$((330 * $(wc -w <<<"$precisions") + 50))
+    for terminal in "svg dynamic" pngcairo; do
+      gnuplot -e "scene='$scene'; title='$scene: $title'; errors='$errors'; units='$units'" \
+        -e "contenders='$contenders'; colours='$colours'; precisions='$precisions'; folder='$folder/data/$scene'" \
+        -e "output='$folder/$scene.$([ "$terminal" = pngcairo ] && echo png || echo svg)'" \
+        -e "terminal=\"$terminal size $width,$height font 'Helvetica,10' background '#ffffff'\"" demos/report/plot.gp
+    done
+  done <"$folder/plots.txt" 2> >(grep -v -e 'Skipping data file' -e 'empty y range' -e '^$' >&2)
+}
+
+# What the README shows: its three plots, and the table between its two marks.
+report_publish() {  # folder
+  local folder=$1 scene
+  mkdir -p demos/results
+  for scene in chain crane four_bar; do cp "$folder/$scene.svg" "$folder/$scene.png" demos/results/; done
+  cp "$folder/summary.md" demos/results/
+  sed -i -e "/<!-- report begins -->/,/<!-- report ends -->/{/<!-- report ends -->/!{/<!-- report begins -->/!d}}" \
+    -e "/<!-- report begins -->/r $folder/brief.md" README.md
+}
+
+report() {
+  local folder=build/release/demos/report options=() publish= fresh= quick= peers=OFF
+  while [ $# -gt 0 ]; do
+    case "$1" in
+    --help) report_help; return ;;
+    --quick) folder+=_quick quick=1; options+=(--quick) ;;
+    --publish) publish=1 ;;
+    --fresh) fresh=1 ;;
+    --peers) peers=ON ;;
+    *) options+=("$1") ;;
+    esac
+    shift
+  done
+
+  pintle_install_packages gnuplot-nox
+  cmake --preset release -DPINTLE_PEERS=$peers
+  cmake --build --preset release --parallel "$(nproc)" --target pintle_report_single pintle_report_double pintle_summary
+  local programs=build/release/demos/pintle_report precision
+  mkdir -p "$folder"
+  # What another build has measured is no part of this report.
+  local built
+  built=$(cat ${programs}_single ${programs}_double | cksum)
+  if [ -n "$fresh" ] || [ "$built" != "$(cat "$folder/built" 2>/dev/null)" ]; then
+    rm -rf "$folder"
+    mkdir -p "$folder"
+    echo "$built" >"$folder/built"
+  fi
+
+  for precision in single double; do
+    ${programs}_$precision --csv "$folder/$precision.csv" ${options[@]+"${options[@]}"}
+  done
+  [ -n "$quick" ] || report_instructions ${programs}_single "$folder/instructions.txt"
+  build/release/demos/pintle_summary "$folder" "$folder/instructions.txt" "$folder"/{single,double}.csv
+  report_plots "$folder" ${programs}_single
+  [ -z "$publish" ] || report_publish "$folder"
+  cat "$folder/brief.md"
+  echo "All tables and plots: $folder"
+}

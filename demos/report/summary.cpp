@@ -1,0 +1,255 @@
+// Makes the report of what was measured: tables in Markdown, and the data of the plots.
+//   summary OUT INSTRUCTIONS CSV...
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "../scenes/catalog.h"
+#include "pareto.h"
+#include "table.h"
+
+namespace {
+
+using report::Point;
+using report::Ratio;
+using report::Row;
+using scenes::Error;
+using scenes::Scene;
+
+const std::string precisions[] = {"single", "double"};
+
+// Below this an error is nothing but rounding, and ratios of it mean nothing.
+double rounding(const std::string& precision) { return precision == "double" ? 2e-16 : 1e-7; }
+
+std::string number(double value, int digits = 2) {
+  char text[32];
+  if (!std::isfinite(value)) return "lost";
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+class Report {
+ public:
+  explicit Report(std::vector<Row> rows) : rows_(std::move(rows)) {
+    for (const Row& row : rows_) {
+      if (std::find(contenders_.begin(), contenders_.end(), row.contender) == contenders_.end())
+        contenders_.push_back(row.contender);
+    }
+  }
+  const std::vector<std::string>& contenders() const { return contenders_; }
+  const std::vector<Row>& rows() const { return rows_; }
+
+  // Any row of the scene.
+  bool has(const Scene& scene, std::string Row::*field, const std::string& value) const {
+    return std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
+      return row.scene == scene.name && row.*field == value;
+    });
+  }
+  std::vector<Point> points(const std::string& precision, const Scene& scene, Error error,
+                            const std::string& contender) const {
+    std::vector<Point> points;
+    for (const Row& row : rows_) {
+      if (row.precision != precision || row.scene != scene.name || row.contender != contender)
+        continue;
+      points.push_back({row.milliseconds_per_second(),
+                        std::max(row.errors[size_t(error)], rounding(precision))});
+    }
+    return points;
+  }
+  std::vector<Point> front(const std::string& precision, const Scene& scene, Error error,
+                           const std::string& contender) const {
+    return report::pareto(points(precision, scene, error, contender));
+  }
+
+ private:
+  std::vector<Row> rows_;
+  std::vector<std::string> contenders_;
+};
+
+std::string verdict(const Ratio& ratio) {
+  // Times differ by a few percent from run to run, and the errors with them.
+  constexpr double same = 1.05;
+  if (ratio.most <= same && ratio.least >= 1 / same) return "even";
+  if (ratio.most <= same) return "wins";
+  if (ratio.mean < 1 / same) return "wins in the mean";
+  return ratio.mean <= same ? "even in the mean" : "**loses**";
+}
+
+std::string share(const Ratio& ratio) {
+  return ratio.share < 1 ? " (at " + number(100 * ratio.share) + " %)" : "";
+}
+
+struct Score {
+  int scenes = 0, at_most_stock = 0, in_the_mean = 0, tenth = 0;
+};
+
+// A contender against another one: a line for a scene and error.
+Score compare(std::ostream& out, const Report& report, const std::vector<Scene>& all,
+              const std::string& ours, const std::string& stock, bool first_errors_only) {
+  Score score;
+  out << "| scene | error | precision | error ratio at equal time: mean (least to most) "
+      << "| time ratio at equal error | verdict |\n|---|---|---|---|---|---|\n";
+  for (const Scene& scene : all) {
+    for (const Error error : scene.errors) {
+      const bool first = error == scene.errors.front();
+      if (first_errors_only && !first) continue;
+      for (const std::string& precision : precisions) {
+        const auto theirs = report.front(precision, scene, error, stock);
+        const auto own = report.front(precision, scene, error, ours);
+        if (report.points(precision, scene, error, ours).empty() || theirs.empty()) continue;
+        const Ratio errors = error_ratio(own, theirs), times = time_ratio(own, theirs);
+        out << "| " << scene.name << " | " << (first ? "**" : "") << name(error)
+            << (first ? "**" : "") << " | " << precision << " | " << number(errors.mean) << " ("
+            << number(errors.least) << " to " << number(errors.most) << ") | "
+            << (times.share > 0 ? number(times.mean) + share(times) : "never as good") << " | "
+            << verdict(errors) << " |\n";
+        if (!first) continue;
+        ++score.scenes;
+        score.at_most_stock += errors.most <= 1.05;
+        score.in_the_mean += errors.mean <= 1.05;
+        score.tenth += errors.mean <= 0.1;
+      }
+    }
+  }
+  return score;
+}
+
+void print(std::ostream& out, const Score& score) {
+  out << "\nOf " << score.scenes << " scenes and precisions, by the first error of each: nowhere "
+      << "above stock's at equal run time " << score.at_most_stock << ", not above it in the mean "
+      << score.in_the_mean << ", at most a tenth of it in the mean " << score.tenth << ".\n";
+}
+
+constexpr const char* legend =
+    "Run time is that of the steps alone, for a second of the scene; both sides choose their best "
+    "iterations and step (Pareto fronts). A ratio below 1 is better. At equal time: the geometric "
+    "mean over the times from where both have a result, and the range. At equal error: over "
+    "the other side's errors, and the part of them that is reached at all. Errors below rounding "
+    "(1e-7, 2e-16) count as that.\n\n";
+
+void write_summary(std::ostream& out, const Report& report, const std::vector<Scene>& all) {
+  out << "# Error against run time\n\nBy `bash demos/run.sh report`. " << legend;
+  const auto& who = report.contenders();
+  for (const std::string& ours : who) {
+    if (ours == "stock") continue;
+    out << "\n## " << ours << " against stock\n\n";
+    print(out, compare(out, report, all, ours, "stock", false));
+  }
+  for (const std::string& peer : who) {
+    if (peer == "stock" || peer == "pintle" || peer == "document") continue;
+    out << "\n## pintle against " << peer << "\n\n";
+    compare(out, report, all, "pintle", peer, true);
+  }
+}
+
+void write_instructions(std::ostream& out, const std::string& path,
+                        const std::vector<Scene>& all, const Report& report) {
+  const auto counts = report::read_instructions(path);
+  if (counts.empty()) return;
+  out << "\n## Instructions of a step\n\nCallgrind, single precision, 60 Hz, 10 iterations, the "
+         "mean over the first steps.\n\n| scene |";
+  for (const std::string& who : report.contenders()) out << ' ' << who << " |";
+  out << "\n|---|";
+  for (size_t i = 0; i < report.contenders().size(); ++i) out << "---|";
+  for (const Scene& scene : all) {
+    out << "\n| " << scene.name << " |";
+    for (const std::string& who : report.contenders()) {
+      const auto count = counts.find({scene.name, who});
+      out << ' ' << (count == counts.end() ? "" : std::to_string(long(count->second))) << " |";
+    }
+  }
+  out << '\n';
+}
+
+void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
+  out << "# " << scene.name << ": " << scene.title << "\n\n![plot](" << scene.name << ".svg)\n\n";
+  for (const std::string& precision : precisions) {
+    out << "\n## " << precision << " precision\n\n| contender | iterations | Hz | us a step | "
+        << "ms a second |";
+    for (const Error error : scene.errors) out << ' ' << name(error) << '/' << unit(error) << " |";
+    out << "\n|---|---|---|---|---|";
+    for (size_t i = 0; i < scene.errors.size(); ++i) out << "---|";
+    for (const Row& row : report.rows()) {
+      if (row.scene != scene.name || row.precision != precision) continue;
+      out << "\n| " << row.contender << " | "
+          << (row.iterations > 0 ? std::to_string(row.iterations) : "") << " | " << row.hz << " | "
+          << number(row.microseconds, 3) << " | " << number(row.milliseconds_per_second(), 3)
+          << " |";
+      for (const Error error : scene.errors)
+        out << ' ' << number(row.errors[size_t(error)]) << " |";
+    }
+    out << '\n';
+  }
+}
+
+// For plot.gp: the points of a contender, and after two empty lines its front.
+void write_data(const std::string& folder, const Report& report, const Scene& scene) {
+  for (const std::string& precision : precisions) {
+    for (const Error error : scene.errors) {
+      for (const std::string& who : report.contenders()) {
+        std::ofstream data(folder + "/" + precision + "_" + name(error) + "_" + who + ".dat");
+        const auto points = report.points(precision, scene, error, who);
+        for (const Point& point : points) {
+          if (std::isfinite(point.error)) data << point.time << ' ' << point.error << '\n';
+        }
+        data << "\n\n";
+        for (const Point& point : report::pareto(points))
+          data << point.time << ' ' << point.error << '\n';
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) return std::fprintf(stderr, "summary OUT INSTRUCTIONS CSV...\n"), EXIT_FAILURE;
+  const std::string out = argv[1];
+  std::vector<Row> rows;
+  for (int i = 3; i < argc; ++i) {
+    const std::vector<Row> more = report::read(argv[i]);
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  const Report report(rows);
+  std::vector<Scene> measured;
+  for (const Scene& scene : scenes::catalog()) {
+    if (std::any_of(rows.begin(), rows.end(),
+                    [&](const Row& row) { return row.scene == scene.name; }))
+      measured.push_back(scene);
+  }
+
+  std::filesystem::create_directories(out);
+  std::ofstream summary(out + "/summary.md");
+  write_summary(summary, report, measured);
+  write_instructions(summary, argv[2], measured, report);
+  std::ofstream brief(out + "/brief.md");  // for the README
+  print(brief, compare(brief, report, measured, "pintle", "stock", true));
+  std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
+  for (const Scene& scene : measured) {
+    std::ofstream page(out + "/" + scene.name + ".md");
+    write_scene(page, report, scene);
+    const std::string data = out + "/data/" + scene.name;
+    std::filesystem::create_directories(data);
+    write_data(data, report, scene);
+    plots << scene.name << '|' << scene.title << '|';
+    for (const Error error : scene.errors) plots << name(error) << ' ';
+    plots << '|';
+    for (const Error error : scene.errors) plots << unit(error) << ' ';
+    plots << '|';
+    for (const std::string& who : report.contenders()) {
+      if (report.has(scene, &Row::contender, who)) plots << who << ' ';
+    }
+    plots << '|';
+    for (const std::string& precision : precisions) {
+      if (report.has(scene, &Row::precision, precision)) plots << precision << ' ';
+    }
+    plots << '\n';
+  }
+  if (!summary || !brief || !plots) return std::fprintf(stderr, "cannot write %s\n", argv[1]), 1;
+}

@@ -1,0 +1,21 @@
+// A limb is thrown against the limits of its shoulder and then hangs in them: the cone is level, so
+// that gravity pulls the limb into its edge.
+
+#include "catalog.h"
+
+namespace scenes {
+
+Scene cone_shoulder_scene() {
+  const double arm = 0.3;
+  Scene scene{"cone_shoulder", "limb thrown at an elliptic cone and a twist limit"};
+  Body limb = box(3, {arm, 0.06, 0.08}, {arm, 0, 0});
+  limb.damping = 0.6;
+  spin(limb, {3, 6, -5}, {0, 0, 0});
+  const int moving = scene.add(limb);
+  scene.connect(Kind::cone_twist, 0, moving, at({0, 0, 0})).spans = {0.8, 0.6, 0.5};
+  scene.errors = {Error::overshoot, Error::gap, Error::gained};
+  scene.energy_scale = 3 * standard_gravity * arm;
+  return scene;
+}
+
+}  // namespace scenes

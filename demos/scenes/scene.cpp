@@ -1,0 +1,70 @@
+#include "scene.h"
+
+#include <algorithm>
+
+namespace scenes {
+
+const char* name(Error error) {
+  static const char* const names[] = {"gap",    "axis",     "overshoot", "energy",
+                                      "gained", "momentum", "trajectory"};
+  return names[int(error)];
+}
+
+const char* unit(Error error) {
+  static const char* const units[] = {"m", "rad", "rad", "relative", "relative", "relative", "m"};
+  return units[int(error)];
+}
+
+bool Scene::contacts() const {
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.collides; });
+}
+
+bool Scene::has(Error error) const {
+  return std::find(errors.begin(), errors.end(), error) != errors.end();
+}
+
+int Scene::add(const Body& body) {
+  bodies.push_back(body);
+  return int(bodies.size()) - 1;
+}
+
+Joint& Scene::connect(Kind kind, int a, int b, const Isometry3d& frame) {
+  joints.push_back({kind, a, b, bodies[a].pose.inverse() * frame, bodies[b].pose.inverse() * frame});
+  return joints.back();
+}
+
+Body Scene::ground() {
+  Body body;
+  body.pose.setIdentity();
+  return body;
+}
+
+Body box(double mass, const Vector3d& half_extents, const Vector3d& position,
+         const Eigen::Quaterniond& turn) {
+  Body body;
+  body.mass = mass;
+  body.half_extents = half_extents;
+  const Vector3d squares = half_extents.cwiseAbs2();
+  body.inertia = mass / 3 * (Vector3d::Constant(squares.sum()) - squares);
+  body.pose = Eigen::Translation3d(position) * turn;
+  return body;
+}
+
+void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about) {
+  body.angular_velocity = angular_velocity;
+  body.velocity = angular_velocity.cross(body.pose.translation() - about);
+}
+
+Isometry3d at(const Vector3d& point) { return Isometry3d(Eigen::Translation3d(point)); }
+
+Isometry3d with_z(const Vector3d& point, const Vector3d& z) {
+  return Eigen::Translation3d(point) *
+         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z);
+}
+
+Isometry3d with_x(const Vector3d& point, const Vector3d& x) {
+  return Eigen::Translation3d(point) *
+         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), x);
+}
+
+}  // namespace scenes

@@ -1,0 +1,127 @@
+// A scene as data: bodies, joints by kind, what drives them, for how long, and what is measured.
+//
+// It names no engine and no joint class: engines/ builds it with each contender's own, measures/
+// takes its errors from the bodies' poses alone, and reference/ solves it by another method. SI
+// units, z up. Body 0 is the ground, which never moves.
+
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "angles.h"
+
+namespace scenes {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+struct Body {
+  double mass = 0;                        // kg; 0: does not move
+  Vector3d half_extents = {1, 1, 1};      // m, of the box that it is
+  Vector3d inertia = {0, 0, 0};           // kg m^2, about its axes
+  Isometry3d pose;                        // of its centre of mass
+  Vector3d velocity = {0, 0, 0};          // m/s
+  Vector3d angular_velocity = {0, 0, 0};  // rad/s, world
+  double damping = 0;                     // the part of its speeds that Bullet takes away a second
+  bool collides = false;
+};
+
+// What a joint's own frames mean is Bullet's convention for its kind.
+enum class Kind {
+  ball,
+  hinge,              // turns about z
+  slider,             // slides along x
+  fixed,              // nothing
+  cone_twist,         // twists about x, and swings; b is the limb
+  universal,          // turns about z of a and y of b
+  constant_velocity,  // shafts along x
+  wedge               // x of b between two half planes about z of a
+};
+
+// Of a joint's free coordinate: an angle of b against a (rad), or the slider's position (m).
+struct Range {
+  double low = 1, high = -1;  // low > high: free
+  bool limited() const { return low <= high; }
+};
+
+// Of a cone-twist joint, rad.
+struct Spans {
+  double about_z, about_y, twist;
+};
+
+// Holds a slider at its position 0, as its two bodies would swing if they could not turn.
+struct Spring {
+  double frequency = 0;  // Hz; 0: none
+  double damping_ratio = 0;
+};
+
+// Turns b against a about a hinge's axis.
+struct Motor {
+  std::function<double(double time)> speed;  // rad/s; empty: none
+  double max_torque = 0;                     // N m
+};
+
+struct Joint {
+  Kind kind;
+  int a, b;               // bodies, a the one nearer to the ground
+  Isometry3d in_a, in_b;  // the joint's frames in theirs
+  Range range = {};
+  Spans spans = {pi, pi, pi};
+  Spring spring = {};
+  Motor motor = {};
+};
+
+enum class Error {
+  gap,         // m: between what a joint holds together; the mean over time of the worst joint
+  axis,        // rad: between axes or orientations that a joint holds together; likewise
+  overshoot,   // rad: the farthest beyond a limit
+  energy,      // of the scene's energy_scale: the largest change
+  gained,      // the same, only upwards: where limits and contacts may take energy away
+  momentum,    // the largest change of the angular momentum about the origin, relative
+  trajectory,  // m: the mean distance of a point from where it should be
+  count
+};
+const char* name(Error error);
+const char* unit(Error error);
+
+struct Scene {
+  std::string name, title;
+  std::vector<Body> bodies = {ground()};
+  std::vector<Joint> joints = {};
+  double gravity = standard_gravity;
+  double seconds = 5;
+  std::vector<Error> errors = {Error::gap};  // the first one is what matters most here
+  double energy_scale = 1;                   // J
+  // Whose trajectory: a point of a body (m, in its frame), over this time. Where it should be is a
+  // closed form, or else the stored solution of reference/.
+  int probe_body = 0;
+  Vector3d probe = {0, 0, 0};
+  double horizon = 0;  // s
+  std::function<Vector3d(double time)> closed_form = {};
+
+  bool contacts() const;
+  bool has(Error error) const;
+  // Indices, by which joints name them.
+  int add(const Body& body);
+  // The joint's frames coincide at the start, in this frame of the world.
+  Joint& connect(Kind kind, int a, int b, const Isometry3d& frame);
+
+  static Body ground();
+};
+
+// A homogeneous one, upright at a point unless turned.
+Body box(double mass, const Vector3d& half_extents, const Vector3d& position,
+         const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+
+// Lets a body turn about a point of the world, which stays where it is.
+void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about);
+
+// Frames of the world at a point.
+Isometry3d at(const Vector3d& point);
+Isometry3d with_z(const Vector3d& point, const Vector3d& z);
+Isometry3d with_x(const Vector3d& point, const Vector3d& x);
+
+}  // namespace scenes
