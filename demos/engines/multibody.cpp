@@ -87,8 +87,7 @@ class MultiBodyEngine : public Engine {
   // Gives the joint the velocity that its bodies start with.
   void move(const Scene& scene, const Joint& joint, int i) {
     const scenes::Body &a = scene.bodies[joint.a], &b = scene.bodies[joint.b];
-    const Vector3d turn =
-        b.pose.linear().transpose() * (b.angular_velocity - a.angular_velocity);
+    const Vector3d turn = b.pose.linear().transpose() * (b.angular_velocity - a.angular_velocity);
     if (joint.kind == Kind::ball) {
       const btVector3 speed = to_bullet(turn);
       const btScalar dofs[] = {speed.x(), speed.y(), speed.z()};
@@ -115,7 +114,7 @@ class MultiBodyEngine : public Engine {
   btDbvtBroadphase broadphase_;
   btMultiBodyConstraintSolver solver_;
   btMultiBodyDynamicsWorld world_;
-  mutable btMultiBody tree_;  // it keeps what is asked for
+  mutable btMultiBody tree_;                                  // it keeps what is asked for
   mutable btAlignedObjectArray<btVector3> angular_, linear_;  // of each body, in its frame
 };
 

@@ -37,7 +37,7 @@ BulletJoint slider(const Joint& joint, btRigidBody& a, btRigidBody& b, const btT
   }
   if (joint.spring.frequency > 0) {
     slider->setLinMotorServo(0, btScalar(joint.spring.frequency),
-                             btScalar(joint.spring.damping_ratio), BT_LARGE_FLOAT);
+                             btScalar(joint.spring.damping_ratio), SIMD_INFINITY);
   }
   return {std::move(slider)};
 }

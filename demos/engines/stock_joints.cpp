@@ -65,9 +65,8 @@ BulletJoint universal(btRigidBody& a, btRigidBody& b, const btTransform& in_a,
                       const btTransform& in_b) {
   const btTransform frame_a = a.getCenterOfMassTransform() * in_a,
                     frame_b = b.getCenterOfMassTransform() * in_b;
-  return {std::make_unique<btUniversalConstraint>(a, b, frame_a.getOrigin(),
-                                                  frame_a.getBasis().getColumn(2),
-                                                  frame_b.getBasis().getColumn(1))};
+  return {std::make_unique<btUniversalConstraint>(
+      a, b, frame_a.getOrigin(), frame_a.getBasis().getColumn(2), frame_b.getBasis().getColumn(1))};
 }
 
 // Its first angle, about z, is limited: singular where the direction nears the axis.

@@ -39,16 +39,16 @@ const Rig rigs[] = {
 
 // What can be extreme about a rig. Two boxes lie in a line along x, unless turned.
 struct Conditions {
-  double size = 1;                   // m, the length of a box; masses grow with its cube
-  double mass_ratio = 1;             // of the second body to the first
-  Vector3d inertia = {1, 1, 1};      // of both, by factors
-  Vector3d origin = {0, 0, 0};       // m, of the first joint
+  double size = 1;               // m, the length of a box; masses grow with its cube
+  double mass_ratio = 1;         // of the second body to the first
+  Vector3d inertia = {1, 1, 1};  // of both, by factors
+  Vector3d origin = {0, 0, 0};   // m, of the first joint
   double gravity = scenes::standard_gravity;
   double seconds = 2;
-  Vector3d spin = {0, 0, 0};         // rad/s, of all about the first joint
-  double start_angle = 0;            // rad, by which the second body starts off its joint
-  double start_gap = 0;              // m, likewise
-  bool hanging = false;              // at rest
+  Vector3d spin = {0, 0, 0};  // rad/s, of all about the first joint
+  double start_angle = 0;     // rad, by which the second body starts off its joint
+  double start_gap = 0;       // m, likewise
+  bool hanging = false;       // at rest
 };
 
 // Hinges turn about y and sliders slide along z, so that gravity moves both; a wedge is about y.
@@ -84,7 +84,8 @@ Case make(const Rig& rig, const std::string& what, const Conditions& is) {
     spin(body, is.spin, is.origin);
     const int index = scene.add(body);
     Isometry3d at = place * frame(rig.kind, Vector3d(i * is.size, 0, 0));
-    if (rig.kind == Kind::slider && is.hanging) at = scenes::with_x(at.translation(), Vector3d::UnitX());
+    if (rig.kind == Kind::slider && is.hanging)
+      at = scenes::with_x(at.translation(), Vector3d::UnitX());
     Joint& joint = scene.connect(rig.kind, index - 1, index, at);
     joint.range = rig.range;
     joint.spring = rig.spring;
@@ -241,17 +242,16 @@ void add_springs(std::vector<Case>& list) {
   for (const double frequency : {0.01, 1., 60., 600.}) {
     for (const double damping_ratio : {0., 1.}) {
       const Rig rig{"slider with spring", Kind::slider, {}, {frequency, damping_ratio}};
-      list.push_back(make(rig, text("spring of %g Hz", frequency) +
-                                   text(", damping ratio %g", damping_ratio),
-                          {}));
+      list.push_back(make(
+          rig, text("spring of %g Hz", frequency) + text(", damping ratio %g", damping_ratio), {}));
     }
   }
 }
 
 void add_limits_elsewhere(std::vector<Case>& list) {
-  for (Rig rig : {Rig{"hinge with limit", Kind::hinge, {1, 1.5}},
-                  Rig{"slider with limit", Kind::slider, {0.5, 0.8}},
-                  Rig{"wedge", Kind::wedge, {1, 1.5}}}) {
+  for (Rig rig :
+       {Rig{"hinge with limit", Kind::hinge, {1, 1.5}},
+        Rig{"slider with limit", Kind::slider, {0.5, 0.8}}, Rig{"wedge", Kind::wedge, {1, 1.5}}}) {
     Conditions is;
     is.seconds = 10;
     list.push_back(make(rig, "limit beyond the pose", is));
@@ -261,7 +261,8 @@ void add_limits_elsewhere(std::vector<Case>& list) {
   Conditions turned;
   turned.start_angle = 2;
   turned.seconds = 10;
-  list.push_back(make({"cone twist", Kind::cone_twist}, "starts 2 rad off, beyond its cone", turned));
+  list.push_back(
+      make({"cone twist", Kind::cone_twist}, "starts 2 rad off, beyond its cone", turned));
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ struct Case {
   std::string joint;  // the rig
   std::string what;   // is extreme
   scenes::Scene scene;
-  double size = 1;     // m: what a gap is compared with
-  double speed = 1;    // m/s: the most that gravity, start and impulses account for
+  double size = 1;      // m: what a gap is compared with
+  double speed = 1;     // m/s: the most that gravity, start and impulses account for
   double dt = 1. / 60;  // s
   int iterations = 10;
   bool is_long = false;  // takes seconds: not in the tests

@@ -10,8 +10,9 @@ int main(int argc, char** argv) {
   using extreme::Outcome;
   using extreme::Result;
   const bool all = argc > 1 && std::strcmp(argv[1], "--all") == 0;
-  std::printf("## %s precision\n\n| joint | extreme | stock | document | pintle |\n|---|---|---|---|---|\n",
-              engines::precision());
+  std::printf(
+      "## %s precision\n\n| joint | extreme | stock | document | pintle |\n|---|---|---|---|---|\n",
+      engines::precision());
   int count = 0, worse = 0, better = 0, lost = 0;
   std::string both_diverge, ours_worse;
   for (const extreme::Case& one : extreme::cases()) {
@@ -33,7 +34,7 @@ int main(int argc, char** argv) {
     if (stock >= Outcome::diverges && ours >= Outcome::diverges)
       both_diverge += "- " + one.name() + "\n";
   }
-  std::printf("\nOf %d cases Pintle's outcome is better in %d, worse in %d; not finite in %d.\n", count,
-              better, worse, lost);
+  std::printf("\nOf %d cases Pintle's outcome is better in %d, worse in %d; not finite in %d.\n",
+              count, better, worse, lost);
   std::printf("\nWorse:\n%s\nBoth diverge:\n%s\n", ours_worse.c_str(), both_diverge.c_str());
 }

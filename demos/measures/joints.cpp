@@ -42,10 +42,9 @@ double Overshoot::operator()(const State& a, const State& b) {
   }
   if (joint_.kind == Kind::cone_twist) {
     const scenes::SwingTwistAngles angles = scenes::swing_twist_angles(R);
-    return std::max(
-        scenes::distance_from_ellipse(angles.swing_1, angles.swing_2, joint_.spans.about_z,
-                                      joint_.spans.about_y),
-        std::abs(angles.twist) - joint_.spans.twist);
+    return std::max(scenes::distance_from_ellipse(angles.swing_1, angles.swing_2,
+                                                  joint_.spans.about_z, joint_.spans.about_y),
+                    std::abs(angles.twist) - joint_.spans.twist);
   }
   if (!range.limited()) return -HUGE_VAL;
   if (joint_.kind == Kind::slider) return beyond(relative.translation().x());

@@ -34,7 +34,9 @@ std::vector<State> states(const Scene& scene, const Engine& engine) {
 class Observer {
  public:
   Observer(const Scene& scene, const std::vector<State>& start, int steps)
-      : scene_(scene), steps_(steps), start_energy_(energy(scene, start)),
+      : scene_(scene),
+        steps_(steps),
+        start_energy_(energy(scene, start)),
         start_momentum_(angular_momentum(scene, start)) {
     for (const scenes::Joint& joint : scene.joints) overshoots_.emplace_back(joint);
     if (scene.has(Error::trajectory)) wanted_ = reference(scene);
@@ -114,8 +116,7 @@ Vector3d angular_momentum(const Scene& scene, const std::vector<State>& states) 
   for (size_t i = 0; i < states.size(); ++i) {
     const scenes::Body& body = scene.bodies[i];
     const Eigen::Matrix3d& R = states[i].pose.linear();
-    const Vector3d own =
-        R * body.inertia.cwiseProduct(R.transpose() * states[i].angular_velocity);
+    const Vector3d own = R * body.inertia.cwiseProduct(R.transpose() * states[i].angular_velocity);
     sum += body.mass * states[i].pose.translation().cross(states[i].velocity) + own;
   }
   return sum;

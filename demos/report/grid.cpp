@@ -84,8 +84,8 @@ std::vector<Row> measure(const Group& group, int repeats, const std::set<Key>& d
     who.push_back(&contender);
     constexpr double seconds_a_repeat = 4e-3;
     const double step = outcome.seconds / std::max(1, outcome.steps);
-    steps.push_back(std::clamp(int(seconds_a_repeat / step), std::min(10, outcome.steps),
-                               outcome.steps));
+    steps.push_back(
+        std::clamp(int(seconds_a_repeat / step), std::min(10, outcome.steps), outcome.steps));
   }
   std::vector<std::vector<std::vector<double>>> times(who.size());  // by contender and repeat
   for (int repeat = 0; repeat < repeats; ++repeat) {
@@ -102,8 +102,8 @@ int run_grid(const Options& options) {
   const std::vector<Scene> all = scenes::catalog();
   std::vector<Group> groups;
   for (const Scene& scene : all) {
-    if (!options.scenes.empty() && std::find(options.scenes.begin(), options.scenes.end(),
-                                             scene.name) == options.scenes.end())
+    if (!options.scenes.empty() &&
+        std::find(options.scenes.begin(), options.scenes.end(), scene.name) == options.scenes.end())
       continue;
     for (const int hz : options.hz) {
       for (const int iterations : options.iterations)
@@ -128,9 +128,8 @@ int run_grid(const Options& options) {
     (rows.empty() ? weight_skipped : weight_done) += group.weight();
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left = weight_done > 0
-                            ? elapsed * (weight - weight_skipped - weight_done) / weight_done
-                            : 0;
+    const double left =
+        weight_done > 0 ? elapsed * (weight - weight_skipped - weight_done) / weight_done : 0;
     std::fprintf(stderr, "\r%s: %3.0f %%, %s, %3d iterations, %4d Hz, %.0f s left        ",
                  engines::precision(), 100 * (weight_done + weight_skipped) / weight,
                  group.scene->name.c_str(), group.iterations, group.hz, left);

@@ -18,19 +18,32 @@ std::vector<Point> pareto(std::vector<Point> points) {
   return front;
 }
 
+namespace {
+
+// y at x on the straight line through two points, all logarithmic.
+double between(double x_0, double y_0, double x_1, double y_1, double x) {
+  return y_0 * std::pow(y_1 / y_0, std::log(x / x_0) / std::log(x_1 / x_0));
+}
+
+}  // namespace
+
 double error_at(const std::vector<Point>& front, double time) {
-  double error = HUGE_VAL;
-  for (const Point& point : front) {
-    if (point.time <= time) error = point.error;
+  if (front.empty() || time < front.front().time) return HUGE_VAL;
+  for (size_t i = 1; i < front.size(); ++i) {
+    const Point &before = front[i - 1], &after = front[i];
+    if (time < after.time) return between(before.time, before.error, after.time, after.error, time);
   }
-  return error;
+  return front.back().error;
 }
 
 double time_at(const std::vector<Point>& front, double error) {
-  for (const Point& point : front) {
-    if (point.error <= error) return point.time;
+  if (front.empty() || error < front.back().error) return HUGE_VAL;
+  for (size_t i = front.size() - 1; i > 0; --i) {
+    const Point &before = front[i - 1], &after = front[i];
+    if (error < before.error)
+      return between(after.error, after.time, before.error, before.time, error);
   }
-  return HUGE_VAL;
+  return front.front().time;
 }
 
 namespace {

@@ -13,7 +13,8 @@ struct Point {
 // Of the points, by rising time and falling error. What is not finite is on no front.
 std::vector<Point> pareto(std::vector<Point> points);
 
-// The least error within a time, the least time for an error; infinity: there is none.
+// The least error within a time, the least time for an error; infinity: there is none. Between two
+// points iterations and step can be chosen in between: a straight line on logarithmic axes.
 double error_at(const std::vector<Point>& front, double time);
 double time_at(const std::vector<Point>& front, double error);
 
@@ -23,8 +24,8 @@ struct Ratio {
   double share = 0;            // the part of the range where ours has a value at all
 };
 
-// Ours over stock's. At equal run time: over the times from where both have begun to the end of the
-// longer front.
+// Ours over stock's, of errors above 0. At equal run time: over the times from where both have begun
+// to the end of the longer front.
 Ratio error_ratio(const std::vector<Point>& ours, const std::vector<Point>& stock);
 // At equal error: over stock's errors, from its worst to its best.
 Ratio time_ratio(const std::vector<Point>& ours, const std::vector<Point>& stock);

@@ -45,7 +45,7 @@ report_plots() {  # folder, program
     for who in $contenders; do colours+="${colour[$who]} "; done
     local width=$((360 * $(wc -w <<<"$errors") + 20)) height=$((330 * $(wc -w <<<"$precisions") + 50))
     for terminal in "svg dynamic" pngcairo; do
-      gnuplot -e "scene='$scene'; title='$scene: $title'; errors='$errors'; units='$units'" \
+      gnuplot -e "scene='$scene'; title='${scene//_/ }: $title'; errors='$errors'; units='$units'" \
         -e "contenders='$contenders'; colours='$colours'; precisions='$precisions'; folder='$folder/data/$scene'" \
         -e "output='$folder/$scene.$([ "$terminal" = pngcairo ] && echo png || echo svg)'" \
         -e "terminal=\"$terminal size $width,$height font 'Helvetica,10' background '#ffffff'\"" demos/report/plot.gp

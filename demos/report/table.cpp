@@ -33,8 +33,13 @@ std::vector<Row> read(const std::string& path) {
     std::istringstream stream(text);
     for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
     if (cells.size() != 8 + size_t(Error::count) || cells.back() != ".") continue;
-    Row row{cells[0], cells[1], cells[2], std::stoi(cells[3]), std::stoi(cells[4]),
-            std::stod(cells[5]), std::stoi(cells[6])};
+    Row row{cells[0],
+            cells[1],
+            cells[2],
+            std::stoi(cells[3]),
+            std::stoi(cells[4]),
+            std::stod(cells[5]),
+            std::stoi(cells[6])};
     for (size_t i = 0; i < row.errors.size(); ++i) row.errors[i] = std::stod(cells[7 + i]);
     rows.push_back(row);
   }

@@ -12,10 +12,10 @@ namespace report {
 
 struct Row {
   std::string precision, scene, contender;
-  int iterations = 0;      // 0: it does not iterate
-  int hz = 0;              // steps a second
-  double microseconds = 0; // a step: the median of the repeats
-  int rows = 0;            // of the joints
+  int iterations = 0;       // 0: it does not iterate
+  int hz = 0;               // steps a second
+  double microseconds = 0;  // a step: the median of the repeats
+  int rows = 0;             // of the joints
   measures::Errors errors = {};
 
   double milliseconds_per_second() const { return microseconds * hz / 1000; }

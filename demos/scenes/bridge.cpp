@@ -32,8 +32,7 @@ Scene bridge_scene(int planks) {
     scene.add(load);
   }
   scene.seconds = 2;
-  scene.errors = {Error::gap, Error::axis, Error::gained};
-  scene.energy_scale = 3 * 50 * standard_gravity;
+  scene.errors = {Error::gap};
   return scene;
 }
 

@@ -10,8 +10,8 @@ namespace scenes {
 Scene chain_scene(int links, double ratio) {
   Scene scene;
   scene.name = ratio == 1 ? "chain" : "chain_heavy";
-  scene.title = "chain of " + std::to_string(links) + ", last link " +
-                std::to_string(int(ratio)) + ":1";
+  scene.title =
+      "chain of " + std::to_string(links) + ", last link " + std::to_string(int(ratio)) + ":1";
   for (int i = 0; i < links; ++i) {
     const double mass = i + 1 == links ? ratio : 1;
     const int link = scene.add(box(mass, {0.5, 0.1, 0.1}, {i + 0.5, 0, 0}));

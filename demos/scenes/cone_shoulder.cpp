@@ -13,8 +13,7 @@ Scene cone_shoulder_scene() {
   spin(limb, {3, 6, -5}, {0, 0, 0});
   const int moving = scene.add(limb);
   scene.connect(Kind::cone_twist, 0, moving, at({0, 0, 0})).spans = {0.8, 0.6, 0.5};
-  scene.errors = {Error::overshoot, Error::gap, Error::gained};
-  scene.energy_scale = 3 * standard_gravity * arm;
+  scene.errors = {Error::overshoot, Error::gap};
   return scene;
 }
 

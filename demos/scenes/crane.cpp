@@ -17,8 +17,8 @@ Scene crane_scene() {
     scene.connect(Kind::ball, link - 1, link, at(i * length * along));
   }
   const Vector3d hook = links * length * along;
-  const int load = scene.add(
-      box(load_mass, Vector3d::Constant(load_size), hook + load_size * along, turn));
+  const int load =
+      scene.add(box(load_mass, Vector3d::Constant(load_size), hook + load_size * along, turn));
   scene.connect(Kind::ball, load - 1, load, at(hook));
   scene.errors = {Error::gap, Error::trajectory, Error::energy};
   scene.energy_scale = load_mass * standard_gravity * links * length * (1 - std::cos(radians(20)));

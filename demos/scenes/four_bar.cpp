@@ -18,7 +18,7 @@ Scene four_bar_scene() {
     scene.connect(Kind::hinge, 0, crank, with_z(foot, Vector3d::UnitY()));
     scene.connect(Kind::hinge, crank, coupler, with_z(foot + along, Vector3d::UnitY()));
   }
-  scene.errors = {Error::trajectory, Error::gap, Error::axis, Error::energy};
+  scene.errors = {Error::trajectory, Error::gap, Error::energy};
   scene.energy_scale = 3.5 * standard_gravity * length * (1 - std::cos(amplitude));
   scene.probe_body = coupler;
   scene.horizon = scene.seconds;

@@ -29,7 +29,8 @@ int Scene::add(const Body& body) {
 }
 
 Joint& Scene::connect(Kind kind, int a, int b, const Isometry3d& frame) {
-  joints.push_back({kind, a, b, bodies[a].pose.inverse() * frame, bodies[b].pose.inverse() * frame});
+  joints.push_back(
+      {kind, a, b, bodies[a].pose.inverse() * frame, bodies[b].pose.inverse() * frame});
   return joints.back();
 }
 
@@ -58,13 +59,11 @@ void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about) {
 Isometry3d at(const Vector3d& point) { return Isometry3d(Eigen::Translation3d(point)); }
 
 Isometry3d with_z(const Vector3d& point, const Vector3d& z) {
-  return Eigen::Translation3d(point) *
-         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z);
+  return Eigen::Translation3d(point) * Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z);
 }
 
 Isometry3d with_x(const Vector3d& point, const Vector3d& x) {
-  return Eigen::Translation3d(point) *
-         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), x);
+  return Eigen::Translation3d(point) * Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), x);
 }
 
 }  // namespace scenes

@@ -25,7 +25,7 @@ Scene slider_crank_scene() {
   scene.connect(Kind::ball, crank, rod, at({r, 0, 0}));
   scene.connect(Kind::ball, rod, piston, at({r + l, 0, 0}));
   scene.connect(Kind::slider, 0, piston, at({0, 0, 0}));
-  scene.errors = {Error::trajectory, Error::gap, Error::axis};
+  scene.errors = {Error::trajectory, Error::gap};
   scene.probe_body = piston;
   scene.horizon = scene.seconds;
   scene.closed_form = [=](double time) {

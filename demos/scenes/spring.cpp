@@ -13,17 +13,17 @@ Scene spring_scene() {
   const int moving = scene.add(weight);
   scene.connect(Kind::slider, 0, moving, with_x({0, 0, 0}, Vector3d::UnitZ())).spring = {frequency,
                                                                                          z};
-  scene.errors = {Error::trajectory, Error::gap};
+  scene.errors = {Error::trajectory};
   scene.probe_body = moving;
   scene.horizon = scene.seconds;
   scene.closed_form = [=](double time) {
     const double w = 2 * pi * frequency, damped = w * std::sqrt(1 - z * z);
     const double sag = standard_gravity / (w * w);  // x is measured from the sag
     const double part = (speed + z * w * sag) / damped;
-    return Vector3d(0, 0,
-                    std::exp(-z * w * time) *
-                            (sag * std::cos(damped * time) + part * std::sin(damped * time)) -
-                        sag);
+    return Vector3d(
+        0, 0,
+        std::exp(-z * w * time) * (sag * std::cos(damped * time) + part * std::sin(damped * time)) -
+            sag);
   };
   return scene;
 }

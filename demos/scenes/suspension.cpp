@@ -23,7 +23,7 @@ Scene suspension_scene() {
       frequency(stiffness, 1 / (1 / hub_mass + 1 / chassis_mass)), 0.3};
   scene.connect(Kind::hinge, hub, turning, with_z({0, 0, 0.3}, Vector3d::UnitY()));
   scene.seconds = 3;
-  scene.errors = {Error::trajectory, Error::gap, Error::axis};
+  scene.errors = {Error::trajectory, Error::gap};
   scene.probe_body = chassis;
   scene.horizon = scene.seconds;
   return scene;

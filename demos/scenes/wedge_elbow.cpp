@@ -12,8 +12,8 @@ Scene wedge_elbow_scene(double total) {
 
   Scene scene;
   scene.name = acute ? "wedge_acute" : "wedge_wide";
-  scene.title = "elbow in a wedge of " + std::to_string(int(std::lround(degrees(total)))) +
-                " degrees";
+  scene.title =
+      "elbow in a wedge of " + std::to_string(int(std::lround(degrees(total)))) + " degrees";
   Body forearm = box(1, {0.05, 0.05, 0.05}, arm * reference);
   forearm.damping = 0.5;
   spin(forearm, {2, 3, 4}, {0, 0, 0});

@@ -1,0 +1,58 @@
+// Under extreme conditions Pintle's joints stay finite, and end in no worse a class than stock's.
+// The table: demos/run.sh extreme. What is known to fail is named in extreme_known.txt with its cause, and
+// fails here as soon as it does not.
+#include <extreme/outcome.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+
+namespace {
+
+using extreme::Case;
+using extreme::Outcome;
+
+std::vector<Case> short_cases() {
+  std::vector<Case> cases;
+  for (const Case& one : extreme::cases()) {
+    if (!one.is_long) cases.push_back(one);
+  }
+  return cases;
+}
+
+/// Lines "precision: case"; lines that begin with # say why.
+std::set<std::string> known() {
+  std::set<std::string> names;
+  std::ifstream file(PINTLE_SOURCE_DIR "/tests/scenes/extreme_known.txt");
+  const std::string prefix = std::string(engines::precision()) + ": ";
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind(prefix, 0) == 0) names.insert(line.substr(prefix.size()));
+    if (line.rfind("both: ", 0) == 0) names.insert(line.substr(6));
+  }
+  return names;
+}
+
+TEST(Extreme, CoversAtLeastTwoHundredCasesOfDifferentNames) {
+  std::set<std::string> names;
+  for (const Case& one : extreme::cases()) names.insert(one.name());
+  EXPECT_EQ(names.size(), extreme::cases().size());
+  EXPECT_GE(short_cases().size(), 200u);
+}
+
+TEST(Extreme, FiniteAndNeverWorseThanStock) {
+  std::set<std::string> left = known();
+  for (const Case& one : short_cases()) {
+    const Outcome stock = run(one, engines::make_stock_joint).outcome,
+                  ours = run(one, engines::make_conditioned_joint).outcome;
+    const bool good = ours <= stock && ours != Outcome::non_finite;
+    if (left.erase(one.name()) > 0) {
+      EXPECT_FALSE(good) << one.name() << " is good now: no longer a known failure";
+    } else {
+      EXPECT_TRUE(good) << one.name() << ": stock " << name(stock) << ", ours " << name(ours);
+    }
+  }
+  for (const std::string& name : left)
+    ADD_FAILURE() << name << " is known, but there is no such case";
+}
+
+}  // namespace

@@ -1,0 +1,68 @@
+// Scenes are what they say: their joints hold at the start, and every contender builds them alike.
+#include <gtest/gtest.h>
+#include <measures/run.h>
+#include <scenes/catalog.h>
+
+namespace {
+
+using scenes::Scene;
+
+class Scenes : public testing::TestWithParam<Scene> {};
+
+std::vector<engines::State> start(const Scene& scene, const engines::Engine& engine) {
+  std::vector<engines::State> states;
+  for (size_t i = 0; i < scene.bodies.size(); ++i) states.push_back(engine.state(int(i)));
+  return states;
+}
+
+TEST_P(Scenes, JointsHoldAtTheStart) {
+  const Scene& scene = GetParam();
+  for (const engines::Contender& contender : engines::contenders()) {
+    const auto engine = contender.make(scene, 10);
+    if (!engine) continue;
+    const std::vector<engines::State> states = start(scene, *engine);
+    for (const scenes::Joint& joint : scene.joints) {
+      const measures::JointErrors errors =
+          measures::joint_errors(joint, states[size_t(joint.a)], states[size_t(joint.b)]);
+      EXPECT_LT(errors.gap, 1e-5) << contender.name;
+      EXPECT_LT(errors.axis, 1e-5) << contender.name;
+    }
+  }
+}
+
+TEST_P(Scenes, ContendersStartWithTheSameEnergyAndMomentum) {
+  const Scene& scene = GetParam();
+  const auto stock = engines::contenders().front().make(scene, 10);
+  ASSERT_TRUE(stock);
+  const std::vector<engines::State> expected = start(scene, *stock);
+  const double scale = std::max(1., std::abs(measures::energy(scene, expected)));
+  for (const engines::Contender& contender : engines::contenders()) {
+    const auto engine = contender.make(scene, 10);
+    if (!engine) continue;
+    const std::vector<engines::State> states = start(scene, *engine);
+    EXPECT_NEAR(measures::energy(scene, states), measures::energy(scene, expected), 1e-4 * scale)
+        << contender.name;
+    EXPECT_NEAR(
+        (measures::angular_momentum(scene, states) - measures::angular_momentum(scene, expected))
+            .norm(),
+        0, 1e-4 * scale)
+        << contender.name;
+  }
+}
+
+TEST_P(Scenes, ARunRepeatsExactly) {
+  Scene scene = GetParam();
+  scene.seconds = std::min(scene.seconds, 0.5);
+  scene.horizon = std::min(scene.horizon, scene.seconds);
+  const engines::Contender& pintle = *engines::find_contender("pintle");
+  const measures::Outcome first = measures::run(scene, *pintle.make(scene, 10), 1. / 60),
+                          second = measures::run(scene, *pintle.make(scene, 10), 1. / 60);
+  EXPECT_TRUE(first.finite);
+  EXPECT_EQ(first.errors, second.errors);
+  EXPECT_GT(first.rows, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Scenes, testing::ValuesIn(scenes::catalog()),
+                         [](const auto& test) { return test.param.name; });
+
+}  // namespace
