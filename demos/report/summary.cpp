@@ -193,6 +193,12 @@ void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
   }
 }
 
+bool is_rounding(const std::vector<Point>& points, const std::string& precision) {
+  return std::all_of(points.begin(), points.end(), [&](const Point& point) {
+    return point.error <= rounding(precision);
+  });
+}
+
 // For plot.gp: the points of a contender, and after two empty lines its front.
 void write_data(const std::string& folder, const Report& report, const Scene& scene) {
   for (const std::string& precision : precisions) {
@@ -201,10 +207,9 @@ void write_data(const std::string& folder, const Report& report, const Scene& sc
         std::ofstream data(folder + "/" + precision + "_" + name(error) + "_" + who + ".dat");
         const auto points = report.points(precision, scene, error, who);
         // Reduced coordinates leave no gap at all: nothing to draw, and far below the others.
-        const bool exact = std::all_of(points.begin(), points.end(), [&](const Point& point) {
-          return point.error <= rounding(precision);
-        });
-        if (exact && who == "multibody") continue;
+        if (is_rounding(points, precision) &&
+            !is_rounding(report.points(precision, scene, error, "stock"), precision))
+          continue;
         for (const Point& point : points) {
           if (std::isfinite(point.error)) data << point.time << ' ' << point.error << '\n';
         }
