@@ -10,8 +10,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tests/setup.sh
 
 build() {  # targets
-  cmake --preset release
-  cmake --build --preset release --parallel "$(nproc)" --target "$@"
+  cmake --preset release >&2
+  cmake --build --preset release --parallel "$(nproc)" --target "$@" >&2
 }
 
 case "${1-}" in

@@ -2,29 +2,11 @@
 
 namespace engines {
 
-using scenes::Isometry3d;
 using scenes::Scene;
-using scenes::to_bullet;
-
-btTransform to_bullet(const Isometry3d& pose) {
-  return btTransform(scenes::matrix_to_bullet(pose.linear()), to_bullet(pose.translation().eval()));
-}
 
 BulletEngine::BulletEngine(const Scene& scene, int iterations,
                            const scenes::SolverFactory& make_solver)
-    : world_(scene.gravity, iterations, make_solver) {
-  for (const scenes::Body& from : scene.bodies) {
-    btRigidBody& body = world_.add_box(from.mass, to_bullet(from.half_extents),
-                                       engines::to_bullet(from.pose), from.collides);
-    bodies_.push_back(&body);
-    if (from.mass == 0) continue;
-    body.setMassProps(btScalar(from.mass), to_bullet(from.inertia));
-    body.updateInertiaTensor();
-    body.setDamping(btScalar(from.damping), btScalar(from.damping));
-    body.setLinearVelocity(to_bullet(from.velocity));
-    body.setAngularVelocity(to_bullet(from.angular_velocity));
-  }
-}
+    : world_(scene.gravity, iterations, make_solver), bodies_(world_.add_bodies(scene)) {}
 
 bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
   BulletJoint joint = make_joint(from, body(from.a), body(from.b));

@@ -20,8 +20,6 @@ BulletJoint make_stock_joint(const scenes::Joint&, btRigidBody& a, btRigidBody& 
 BulletJoint make_document_joint(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
 BulletJoint make_conditioned_joint(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
 
-btTransform to_bullet(const scenes::Isometry3d& pose);
-
 class BulletEngine : public Engine {
  public:
   // The scene's bodies; its joints are added one by one.

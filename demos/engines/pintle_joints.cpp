@@ -16,6 +16,7 @@ namespace {
 
 using scenes::Joint;
 using scenes::Kind;
+using scenes::to_bullet;
 
 BulletJoint hinge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
                   const btTransform& in_b) {

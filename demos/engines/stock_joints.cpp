@@ -15,6 +15,7 @@ namespace {
 
 using scenes::Joint;
 using scenes::Kind;
+using scenes::to_bullet;
 
 BulletJoint hinge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
                   const btTransform& in_b) {

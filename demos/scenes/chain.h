@@ -19,6 +19,7 @@
 #include <cmath>
 #include <vector>
 
+#include "catalog.h"
 #include "world.h"
 
 namespace scenes {
@@ -79,19 +80,12 @@ inline ChainErrors chain_errors(const std::vector<btRigidBody*>& links) {
 template <class Hinge, class Configure = AsConstructed>
 ChainResult chain(const ChainSettings& settings, Configure configure = {}) {
   World world(standard_gravity, settings.iterations, settings.make_solver);
-  const btVector3 front(btScalar(-0.5), 0, 0), back(btScalar(0.5), 0, 0);
-  std::vector<btRigidBody*> links;
-  for (int i = 0; i < settings.links; ++i) {
-    const double mass = i + 1 == settings.links ? settings.ratio : 1;
-    const btVector3 half_extents(btScalar(0.5), btScalar(0.1), btScalar(0.1));
-    links.push_back(&world.add_box(mass, half_extents, pose_at({btScalar(i + 0.5), 0, 0})));
-    const btVector3 axis = to_bullet(chain_axis(i));
-    // With two bodies, A is the link nearer to the origin.
-    if (i == 0) {
-      configure(world.add_joint<Hinge>(*links[0], front, axis));
-    } else {
-      configure(world.add_joint<Hinge>(*links[i - 1], *links[i], back, front, axis, axis));
-    }
+  const Scene scene = chain_scene(settings.links, settings.ratio);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  const std::vector<btRigidBody*> links(bodies.begin() + 1, bodies.end());
+  for (const Joint& joint : scene.joints) {
+    configure(world.add_joint<Hinge>(*bodies[size_t(joint.a)], *bodies[size_t(joint.b)],
+                                     to_bullet(joint.in_a), to_bullet(joint.in_b)));
   }
 
   const auto total_energy = [&links] {

@@ -5,14 +5,14 @@
 
 namespace scenes {
 
-Scene cone_shoulder_scene() {
+Scene cone_shoulder_scene(const Spans& spans, const Vector3d& throw_spin) {
   const double arm = 0.3;
   Scene scene{"cone_shoulder", "limb thrown at an elliptic cone and a twist limit"};
   Body limb = box(3, {arm, 0.06, 0.08}, {arm, 0, 0});
   limb.damping = 0.6;
-  spin(limb, {3, 6, -5}, {0, 0, 0});
+  spin(limb, throw_spin, {0, 0, 0});
   const int moving = scene.add(limb);
-  scene.connect(Kind::cone_twist, 0, moving, at({0, 0, 0})).spans = {0.8, 0.6, 0.5};
+  scene.connect(Kind::cone_twist, 0, moving, at({0, 0, 0})).spans = spans;
   scene.errors = {Error::overshoot, Error::gap};
   return scene;
 }

@@ -1,5 +1,5 @@
-// A motor turns a shaft at 300 rpm, and a universal or constant velocity joint turns a second one
-// at 30 degrees to it. Both shafts turn on hinges to the ground and meet in the origin.
+// A motor turns a shaft, and a universal or constant velocity joint turns a second one at an angle to
+// it. Both shafts turn on hinges to the ground and meet in the origin.
 //
 // A constant velocity joint has out = th. A universal joint with axis 1 normal to both shafts at
 // first has out = atan2(cos b sin th, cos th), bend b.
@@ -8,16 +8,17 @@
 
 namespace scenes {
 
-Scene drive_shaft_scene(Kind coupling) {
+Scene drive_shaft_scene(Kind coupling, double bend, double rpm) {
   const bool universal = coupling == Kind::universal;
-  const double bend = radians(30), speed = 10 * pi;  // rad/s
+  const double speed = rpm * 2 * pi / 60;  // rad/s
   const Isometry3d bent(Eigen::AngleAxisd(bend, Vector3d::UnitZ()));
   const Vector3d along_first(1, 0, 0), along_second = bent * along_first;
 
   Scene scene;
   scene.name = universal ? "drive_shaft" : "constant_velocity";
-  scene.title = universal ? "universal joint at 30 degrees, 300 rpm"
-                          : "constant velocity joint at 30 degrees, 300 rpm";
+  scene.title = std::string(universal ? "universal" : "constant velocity") + " joint at " +
+                std::to_string(int(std::lround(degrees(bend)))) + " degrees, " +
+                std::to_string(int(std::lround(rpm))) + " rpm";
   scene.gravity = 0;
   Body first_shaft = box(1, {0.5, 0.1, 0.1}, -0.5 * along_first);
   Body second_shaft =

@@ -27,6 +27,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "catalog.h"
 #include "world.h"
 
 namespace scenes {
@@ -74,21 +75,24 @@ template <class Joint>
 DriveShaftResult drive_shaft(const DriveShaftSettings& settings) {
   World world(0, settings.iterations, settings.make_solver);
   const double W = settings.rpm * 2 * pi / 60, b = settings.bend;
-  const btVector3 half_extents(btScalar(0.5), btScalar(0.1), btScalar(0.1));
+  constexpr bool constant = std::is_same_v<Joint, pintle::ConstantVelocityJoint>;
+  const Scene scene =
+      drive_shaft_scene(constant ? Kind::constant_velocity : Kind::universal, b, settings.rpm);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  btRigidBody &ground = *bodies[0], &first = *bodies[1], &second = *bodies[2];
   const Eigen::Vector3d x_first(1, 0, 0), x_second(std::cos(b), std::sin(b), 0);
-  const btQuaternion turn(btVector3(0, 0, 1), btScalar(b));
-  btRigidBody& first = world.add_box(1, half_extents, pose_at(to_bullet(-0.5 * x_first)));
-  btRigidBody& second =
-      world.add_box(1, half_extents, btTransform(turn, to_bullet(0.5 * x_second)));
 
-  const btVector3 centre(0, 0, 0), x(1, 0, 0);
-  auto& motor = world.add_joint<pintle::QuaternionHinge>(first, centre, x);
-  world.add_joint<pintle::QuaternionHinge>(second, centre, x);
+  const auto add_bearing = [&](const scenes::Joint& bearing, btRigidBody& shaft) -> auto& {
+    return world.add_joint<pintle::QuaternionHinge>(ground, shaft, to_bullet(bearing.in_a),
+                                                    to_bullet(bearing.in_b), true);
+  };
+  auto& motor = add_bearing(scene.joints[0], first);
+  add_bearing(scene.joints[1], second);
   motor.enableAngularMotor(true, btScalar(W), btScalar(1e6));
   couple<Joint>(world, first, second, settings);
-  if (!settings.from_rest) {
-    first.setAngularVelocity(to_bullet(W * x_first));
-    second.setAngularVelocity(to_bullet(W * x_second));
+  if (settings.from_rest) {
+    first.setAngularVelocity(btVector3(0, 0, 0));
+    second.setAngularVelocity(btVector3(0, 0, 0));
   }
 
   // How far a shaft has turned, by its y axis, which was in the shafts' plane at first.

@@ -1,12 +1,11 @@
-// A box hangs by its end on a hinge whose axis is tilted out of the level by 30 degrees, and swings
-// from 120 degrees.
+// A box hangs by its end on a hinge whose axis is tilted out of the level, and swings.
 
 #include "catalog.h"
 
 namespace scenes {
 
-Scene pendulum_scene() {
-  const double arm = 0.5, tilt = radians(30), amplitude = radians(120);
+Scene pendulum_scene(double amplitude, double tilt) {
+  const double arm = 0.5;
   const Vector3d axis(0, std::cos(tilt), std::sin(tilt));
   const Vector3d lowest(0, std::sin(tilt), -std::cos(tilt));
   Eigen::Matrix3d hanging;  // x down, y along the axis

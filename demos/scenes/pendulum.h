@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "catalog.h"
 #include "world.h"
 
 namespace scenes {
@@ -72,14 +73,11 @@ PendulumResult pendulum(const PendulumSettings& settings, Configure configure = 
   const Eigen::Vector3d axis(0, std::cos(settings.tilt), std::sin(settings.tilt));
   const Eigen::Vector3d down(0, std::sin(settings.tilt), -std::cos(settings.tilt));
   const Eigen::Vector3d side = axis.cross(down);
-  Eigen::Matrix3d lowest;  // the box's rotation in its lowest position: x down, y along the axis
-  lowest << down, axis, down.cross(axis);
-  const Eigen::Matrix3d start = Eigen::AngleAxisd(settings.amplitude, axis) * lowest;
 
   World world(standard_gravity, settings.iterations, settings.make_solver);
-  const btVector3 half_extents(btScalar(arm), btScalar(0.1), btScalar(0.1));
-  btRigidBody& box = world.add_box(
-      1, half_extents, btTransform(matrix_to_bullet(start), to_bullet(-(start * anchor))));
+  const Scene scene = pendulum_scene(settings.amplitude, settings.tilt);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  btRigidBody& box = *bodies[1];
   configure(world.add_joint<Hinge>(box, to_bullet(anchor), to_bullet(hinge_axis)));
 
   const double inertia = double(box.getLocalInertia().y()) + arm * arm;

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "catalog.h"
 #include "directions.h"
 #include "world.h"
 
@@ -59,16 +60,13 @@ struct ShoulderResult {
 template <class Joint, class Configure = AsConstructed>
 ShoulderResult shoulder(const ShoulderSettings& settings, Configure configure = {}) {
   World world(settings.gravity, settings.iterations, settings.make_solver);
-  const btVector3 arm(btScalar(0.3), 0, 0);
-  btRigidBody& body = world.add_box(0, btVector3(1, 1, 1), btTransform::getIdentity());
-  btRigidBody& limb =
-      world.add_box(3, btVector3(btScalar(0.3), btScalar(0.06), btScalar(0.08)), pose_at(arm));
-  limb.setDamping(btScalar(settings.damping), btScalar(settings.damping));
-  const btVector3 spin = to_bullet(settings.spin);
-  limb.setAngularVelocity(spin);
-  limb.setLinearVelocity(spin.cross(arm));
-
-  const btTransform in_limb = pose_at(-arm), in_body = btTransform::getIdentity();
+  Scene scene =
+      cone_shoulder_scene({settings.span_1, settings.span_2, settings.twist_span}, settings.spin);
+  scene.bodies[1].damping = settings.damping;
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  btRigidBody &body = *bodies[0], &limb = *bodies[1];
+  const btTransform in_body = to_bullet(scene.joints[0].in_a),
+                    in_limb = to_bullet(scene.joints[0].in_b);
   Joint& joint = world.add_joint<Joint>(limb, body, in_limb, in_body);
   joint.setLimit(btScalar(settings.span_1), btScalar(settings.span_2),
                  btScalar(settings.twist_span));
@@ -90,7 +88,8 @@ ShoulderResult shoulder(const ShoulderSettings& settings, Configure configure = 
     result.twist_beyond = std::max(result.twist_beyond, result.end_twist_beyond);
     result.top_speed = std::max(result.top_speed, speed);
     if (step >= last_second) result.rest_speed = std::max(result.rest_speed, speed);
-    result.max_gap = std::max(result.max_gap, point_in_world(limb, to_eigen(-arm)).norm());
+    result.max_gap =
+        std::max(result.max_gap, point_in_world(limb, to_eigen(in_limb.getOrigin())).norm());
   }
   result.microseconds_per_step = world.microseconds_per_step();
   return result;

@@ -8,11 +8,10 @@
 
 namespace scenes {
 
-Scene slider_crank_scene() {
-  const double r = 0.3, l = 0.9, w = 2 * pi;  // m, m, rad/s
+Scene slider_crank_scene(double w, double r, double l) {
   const auto bar = [](double length) { return Vector3d(length / 2, 0.03, 0.03); };
 
-  Scene scene{"slider_crank", "piston driven at 1 turn/s"};
+  Scene scene{"slider_crank", "motor, crank, rod and piston"};
   // The crank turns from x to z, that is about -y.
   Body crank_body = box(1, bar(r), {r / 2, 0, 0});
   spin(crank_body, {0, -w, 0}, {0, 0, 0});

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "catalog.h"
 #include "world.h"
 
 namespace scenes {
@@ -45,35 +46,24 @@ struct SliderCrankResult {
 
 inline double slider_crank_position(const SliderCrankSettings& settings, double angle) {
   const double across = settings.crank * std::sin(angle);
-  return settings.crank * std::cos(angle) + std::sqrt(settings.rod * settings.rod - across * across);
+  return settings.crank * std::cos(angle) +
+         std::sqrt(settings.rod * settings.rod - across * across);
 }
 
 template <class Hinge, class Ball, class Slider>
 SliderCrankResult slider_crank(const SliderCrankSettings& settings) {
   const double r = settings.crank, l = settings.rod, w = settings.speed;
-  const auto at = [](double x) { return pose_at(to_bullet({x, 0, 0})); };
-  const auto bar = [](double length) { return to_bullet({length / 2, 0.03, 0.03}); };
-
   World world(standard_gravity, settings.iterations, settings.make_solver);
-  btRigidBody& ground = world.add_box(0, to_bullet({0.1, 0.1, 0.1}), at(0));
-  btRigidBody& crank = world.add_box(1, bar(r), at(r / 2));
-  btRigidBody& rod = world.add_box(1, bar(l), at(r + l / 2));
-  btRigidBody& piston = world.add_box(2, to_bullet({0.1, 0.1, 0.1}), at(r + l));
-
-  // The crank turns from x to z, that is about -y; the hinge's axis is z of its frames.
-  const btQuaternion to_y(btVector3(1, 0, 0), btScalar(pi / 2));
-  Hinge& hinge = world.add_joint<Hinge>(ground, crank, btTransform(to_y, btVector3(0, 0, 0)),
-                                        btTransform(to_y, to_bullet({-r / 2, 0, 0})), true);
+  const Scene scene = slider_crank_scene(w, r, l);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  btRigidBody &ground = *bodies[0], &crank = *bodies[1], &rod = *bodies[2], &piston = *bodies[3];
+  const auto frame_a = [&](int joint) { return to_bullet(scene.joints[size_t(joint)].in_a); };
+  const auto frame_b = [&](int joint) { return to_bullet(scene.joints[size_t(joint)].in_b); };
+  Hinge& hinge = world.add_joint<Hinge>(ground, crank, frame_a(0), frame_b(0), true);
   hinge.enableAngularMotor(true, btScalar(w), btScalar(1000));
-  world.add_joint<Ball>(crank, rod, to_bullet({r / 2, 0, 0}), to_bullet({-l / 2, 0, 0}));
-  world.add_joint<Ball>(rod, piston, to_bullet({l / 2, 0, 0}), btVector3(0, 0, 0));
-  Slider& slider = world.add_joint<Slider>(ground, piston, btTransform::getIdentity(),
-                                           btTransform::getIdentity(), true);
-
-  crank.setAngularVelocity(to_bullet({0, -w, 0}));
-  crank.setLinearVelocity(to_bullet({0, 0, w * r / 2}));
-  rod.setAngularVelocity(to_bullet({0, w * r / l, 0}));
-  rod.setLinearVelocity(to_bullet({0, 0, w * r / 2}));
+  world.add_joint<Ball>(crank, rod, frame_a(1).getOrigin(), frame_b(1).getOrigin());
+  world.add_joint<Ball>(rod, piston, frame_a(2).getOrigin(), frame_b(2).getOrigin());
+  Slider& slider = world.add_joint<Slider>(ground, piston, frame_a(3), frame_b(3), true);
 
   SliderCrankResult result;
   Unwrap unwrap(0);

@@ -28,7 +28,7 @@
 #include <utility>
 #include <vector>
 
-#include "angles.h"
+#include "scene.h"
 
 namespace scenes {
 
@@ -93,6 +93,9 @@ class World {
     return body;
   }
 
+  // All bodies of a scene, by its indices.
+  std::vector<btRigidBody*> add_bodies(const Scene& scene);
+
   // Constructs a joint in place from its constructor's arguments, and adds it.
   template <class Joint, class... Arguments>
   Joint& add_joint(Arguments&&... arguments) {
@@ -146,6 +149,26 @@ inline btMatrix3x3 matrix_to_bullet(const Eigen::Matrix3d& m) {
   btMatrix3x3 result;
   for (int i = 0; i < 3; ++i) result[i] = to_bullet(m.row(i).transpose());
   return result;
+}
+
+inline btTransform to_bullet(const Isometry3d& pose) {
+  return btTransform(matrix_to_bullet(pose.linear()), to_bullet(pose.translation().eval()));
+}
+
+inline std::vector<btRigidBody*> World::add_bodies(const Scene& scene) {
+  std::vector<btRigidBody*> added;
+  for (const Body& from : scene.bodies) {
+    added.push_back(
+        &add_box(from.mass, to_bullet(from.half_extents), to_bullet(from.pose), from.collides));
+    btRigidBody& body = *added.back();
+    if (from.mass == 0) continue;
+    body.setMassProps(btScalar(from.mass), to_bullet(from.inertia));
+    body.updateInertiaTensor();
+    body.setDamping(btScalar(from.damping), btScalar(from.damping));
+    body.setLinearVelocity(to_bullet(from.velocity));
+    body.setAngularVelocity(to_bullet(from.angular_velocity));
+  }
+  return added;
 }
 
 inline btTransform pose_at(const btVector3& position) {
