@@ -57,7 +57,7 @@ report_plots() {  # folder, program
 report_publish() {  # folder
   local folder=$1 scene
   mkdir -p demos/results
-  for scene in chain slider_crank ragdoll; do cp "$folder/$scene.svg" "$folder/$scene.png" demos/results/; done
+  for scene in chain slider_crank ragdoll; do cp "$folder/$scene.png" demos/results/; done
   cp "$folder/summary.md" demos/results/
   sed -i -e "/<!-- report begins -->/,/<!-- report ends -->/{/<!-- report ends -->/!{/<!-- report begins -->/!d}}" \
     -e "/<!-- report begins -->/r $folder/brief.md" README.md

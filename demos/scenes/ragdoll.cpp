@@ -48,7 +48,8 @@ Scene ragdoll_scene() {
     bend(thigh, shin, up(0, side * 0.1, 0.46), y);
   }
   scene.seconds = 3;
-  scene.errors = {Error::gap, Error::overshoot, Error::axis};
+  scene.errors = {Error::gap, Error::overshoot, Error::axis, Error::gained};
+  scene.energy_scale = 70 * standard_gravity;
   return scene;
 }
 

@@ -23,7 +23,7 @@ Scene slider_crank_scene(double w, double r, double l) {
       [w](double) { return w; }, 6e4};
   scene.connect(Kind::ball, crank, rod, at({r, 0, 0}));
   scene.connect(Kind::ball, rod, piston, at({r + l, 0, 0}));
-  scene.connect(Kind::slider, 0, piston, at({0, 0, 0}));
+  scene.connect(Kind::slider, 0, piston, at({0, 0, 0})).in_b.setIdentity();  // its position is x
   scene.errors = {Error::trajectory, Error::gap};
   scene.probe_body = piston;
   scene.horizon = scene.seconds;
