@@ -96,7 +96,7 @@ report() {
   done
   [ -n "$quick" ] || report_instructions ${programs}_single "$folder/instructions.txt"
   build/release/demos/pintle_summary "$folder" "$folder/instructions.txt" "$folder"/{single,double}.csv
-  report_plots "$folder" ${programs}_single
+  report_plots "$folder" ${programs}_double  # which knows the peers
   [ -z "$publish" ] || report_publish "$folder"
   cat "$folder/brief.md"
   echo "All tables and plots: $folder"
