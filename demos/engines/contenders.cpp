@@ -32,19 +32,19 @@ Contender with(const char* name, const char* what, const char* colour, MakeJoint
 
 const std::vector<Contender>& contenders() {
   static const std::vector<Contender> list = {
-      // A Bullet solver of one's own: with("name", "what", "#rrggbb", make_conditioned_joint, make<Solver>),
-      with("stock", "Bullet's joints", "#808080", make_stock_joint),
-      with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
-      with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
-      with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
-           make<DantzigSolver>, false),
-      {"multibody", "btMultiBody", "#009e73", false,
-       [](const scenes::Scene& scene, int) { return make_multibody(scene); }},
+    // A Bullet solver of one's own: with("name", "what", "#rrggbb", make_conditioned_joint, make<Solver>),
+    with("stock", "Bullet's joints", "#808080", make_stock_joint),
+    with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
+    with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
+    with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
+         make<DantzigSolver>, false),
+    {"multibody", "btMultiBody", "#009e73", false,
+     [](const scenes::Scene& scene, int) { return make_multibody(scene); }},
 #if defined(PINTLE_ODE) && defined(BT_USE_DOUBLE_PRECISION)
-      {"ode", "ODE's iterative solver", "#56b4e9", true, make_ode},
+    {"ode", "ODE's iterative solver", "#56b4e9", true, make_ode},
 #endif
 #if defined(PINTLE_MUJOCO) && defined(BT_USE_DOUBLE_PRECISION)
-      {"mujoco", "MuJoCo", "#d55e00", true, make_mujoco},
+    {"mujoco", "MuJoCo", "#d55e00", true, make_mujoco},
 #endif
   };
   return list;

@@ -17,12 +17,11 @@ using scenes::Vector3d;
 
 bool is_known(const Scene& scene) {
   return !scene.contacts() &&
-         std::none_of(
-             scene.joints.begin(), scene.joints.end(),
-             [](const Joint& joint) {
-               return joint.kind == Kind::cone_twist || joint.kind == Kind::constant_velocity ||
-                      joint.kind == Kind::wedge;
-             }) &&
+         std::none_of(scene.joints.begin(), scene.joints.end(),
+                      [](const Joint& joint) {
+                        return joint.kind == Kind::cone_twist ||
+                               joint.kind == Kind::constant_velocity || joint.kind == Kind::wedge;
+                      }) &&
          std::none_of(scene.bodies.begin(), scene.bodies.end(),
                       [](const scenes::Body& body) { return body.damping != 0; });
 }
@@ -70,7 +69,9 @@ class OdeEngine : public Engine {
 
  private:
   double reduced_mass(const Joint& joint) const {
-    const auto inverse = [&](int body) { return body == 0 ? 0 : 1 / scene_.bodies[size_t(body)].mass; };
+    const auto inverse = [&](int body) {
+      return body == 0 ? 0 : 1 / scene_.bodies[size_t(body)].mass;
+    };
     return 1 / (inverse(joint.a) + inverse(joint.b));
   }
 

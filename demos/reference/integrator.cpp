@@ -1,7 +1,6 @@
 #include "integrator.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -190,7 +189,7 @@ class System {
     }
   }
 
-  // W = M^-1 J^T, and J W factorized. Redundant constraints have a least-squares solution.
+  // W = M^-1 J^T, and J W factorized.
   void factorize() {
     W_ = gradient_.transpose();
     for (size_t i = 1; i < bodies_.size(); ++i) {
@@ -198,16 +197,14 @@ class System {
       W_.middleRows(6 * Eigen::Index(i) + 3, 3) =
           inverse_inertia(i) * W_.middleRows(6 * Eigen::Index(i) + 3, 3).eval();
     }
-    const MatrixXd K = gradient_ * W_;
-    cholesky_.compute(K);
-    // The pivots' spread tells redundant rows.
-    const VectorXd pivots = cholesky_.vectorD().cwiseAbs();
-    redundant_ = pivots.minCoeff() < 1e-10 * pivots.maxCoeff();
-    if (redundant_) orthogonal_.setThreshold(1e-10).compute(K);
-  }
-  VectorXd solve_impulses(const VectorXd& right) const {
-    if (redundant_) return orthogonal_.solve(right);
-    return cholesky_.solve(right);
+    MatrixXd K = gradient_ * W_;
+    factor_.compute(K);
+    // Redundant constraints leave pivots of nothing but rounding. Which of them carries the load
+    // means nothing: a little compliance decides.
+    const VectorXd pivots = factor_.vectorD().cwiseAbs();
+    if (pivots.minCoeff() > 1e-10 * pivots.maxCoeff()) return;
+    K.diagonal().array() += 1e-12 * pivots.maxCoeff();
+    factor_.compute(K);
   }
 
   std::vector<Slope> slope() {
@@ -223,7 +220,7 @@ class System {
     if (rows_ > 0) {
       evaluate();
       factorize();
-      a -= W_ * solve_impulses(gradient_ * a + curvature_);
+      a -= W_ * factor_.solve(gradient_ * a + curvature_);
     }
     std::vector<Slope> k(bodies_.size());
     for (size_t i = 1; i < bodies_.size(); ++i) {
@@ -262,7 +259,7 @@ class System {
     if (rows_ == 0) return;
     evaluate();
     factorize();
-    const VectorXd shift = -W_ * solve_impulses(value_);
+    const VectorXd shift = -W_ * factor_.solve(value_);
     for (size_t i = 1; i < bodies_.size(); ++i) {
       bodies_[i].x += shift.segment<3>(6 * Eigen::Index(i));
       const Vector3d turn = shift.segment<3>(6 * Eigen::Index(i) + 3);
@@ -274,7 +271,7 @@ class System {
       v.segment<3>(6 * Eigen::Index(i)) = bodies_[i].v;
       v.segment<3>(6 * Eigen::Index(i) + 3) = bodies_[i].w;
     }
-    v -= W_ * solve_impulses(gradient_ * v);
+    v -= W_ * factor_.solve(gradient_ * v);
     for (size_t i = 1; i < bodies_.size(); ++i) {
       bodies_[i].v = v.segment<3>(6 * Eigen::Index(i));
       bodies_[i].w = v.segment<3>(6 * Eigen::Index(i) + 3);
@@ -286,9 +283,7 @@ class System {
   int rows_ = 0;
   VectorXd value_, curvature_;
   MatrixXd gradient_, W_;
-  Eigen::LDLT<MatrixXd> cholesky_;
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> orthogonal_;
-  bool redundant_ = false;
+  Eigen::LDLT<MatrixXd> factor_;
 };
 
 }  // namespace

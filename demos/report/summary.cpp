@@ -194,9 +194,8 @@ void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
 }
 
 bool is_rounding(const std::vector<Point>& points, const std::string& precision) {
-  return std::all_of(points.begin(), points.end(), [&](const Point& point) {
-    return point.error <= rounding(precision);
-  });
+  return std::all_of(points.begin(), points.end(),
+                     [&](const Point& point) { return point.error <= rounding(precision); });
 }
 
 // For plot.gp: the points of a contender, and after two empty lines its front.
