@@ -10,6 +10,10 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+namespace {
+constexpr int most_stiffenings = 6;
+}
+
 // What an island is solved with.
 struct ExactJointSolver::Island {
   JointSystem joints;
@@ -55,6 +59,13 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   joints.factorise();
   joints.read(m_tmpSolverBodyPool);
   joints.solve();
+  // The force of the joints depends on the stiffness, which depends on the force.
+  for (int i = 0; i < most_stiffenings; ++i) {
+    if (!joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool,
+                        infoGlobal.m_timeStep))
+      break;
+    joints.solve();
+  }
   joints.write(m_tmpSolverBodyPool);
   EndOfStep& end = m_island->end;
   for (int i = 0; i < m_position_iterations; ++i) {

@@ -1,5 +1,7 @@
 #include <pintle/solver/joint_system.h>
 
+#include <pintle/body_pair.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +20,15 @@ bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded && row.m_jacDiagABInv > 0;
 }
 
-double dot3(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
+
+// (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
+// is stable to 4. Beyond the second, nothing of the swing is left to be resolved in steps of h: half
+// of what a body turns otherwise than its neighbours is taken away in each.
+constexpr double stiff = 1, unresolved = 16;
+
+// A change of 1 + mu by this factor is worth another solution.
+constexpr double same_stiffness = 1.25;
 
 }  // namespace
 
@@ -91,31 +101,33 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
       A[i][k] = double(of.m_angularFactor[i]) * double(I[i][k]) * double(of.m_angularFactor[k]);
   }
   // Cholesky; an axis about which the body cannot turn has no column.
-  double(&S)[3][3] = body.angular;
-  double(&inverse)[3][3] = body.inverse;
+  Matrix3d &S = body.angular, &inverse = body.inverse;
   for (int k = 0; k < 3; ++k) {
     const double pivot = A[k][k];
     const double root = pivot > 0 ? std::sqrt(pivot) : 0, reciprocal = root > 0 ? 1 / root : 0;
-    for (int i = 0; i < 3; ++i) S[k][i] = i < k ? 0 : A[i][k] * reciprocal;
+    for (int i = 0; i < 3; ++i) S(i, k) = i < k ? 0 : A[i][k] * reciprocal;
     for (int i = k + 1; i < 3; ++i)
-      for (int j = k + 1; j < 3; ++j) A[i][j] -= S[k][i] * S[k][j];
-    for (int j = 0; j < 3; ++j) inverse[j][k] = j == k ? reciprocal : 0;
+      for (int j = k + 1; j < 3; ++j) A[i][j] -= S(i, k) * S(j, k);
+    for (int j = 0; j < 3; ++j) inverse(k, j) = j == k ? reciprocal : 0;
     for (int j = 0; j < k; ++j) {
       double sum = 0;
-      for (int i = j; i < k; ++i) sum -= S[i][k] * inverse[j][i];
-      inverse[j][k] = sum * reciprocal;
+      for (int i = j; i < k; ++i) sum -= S(k, i) * inverse(i, j);
+      inverse(k, j) = sum * reciprocal;
     }
   }
+  body.stiffening = Stiffening();
+  body.stiff_angular = S;
+  body.stiff_inverse = inverse;
 }
 
 void JointSystem::setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const {
   const Body& body = m_bodies[size_t(block.body[side])];
   const btVector3& linear = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
   const btVector3& angular = side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal;
-  const double w[3] = {double(angular[0]), double(angular[1]), double(angular[2])};
+  const Vector3d w = inDouble(angular);
   for (int k = 0; k < 3; ++k) {
     block.J[side][k][r] = double(linear[k]) * body.linear[k];
-    block.J[side][3 + k][r] = dot3(body.angular[k], w);
+    block.J[side][3 + k][r] = body.angular.col(k).dot(w);
   }
 }
 
@@ -154,6 +166,91 @@ void JointSystem::factorise() {
   m_factor.factorise(dependent_row);
 }
 
+void JointSystem::addLevers(const btConstraintArray& rows) {
+  for (Body& body : m_bodies) body.stiffness.setZero();
+  for (const JointBlock& block : m_blocks) {
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0) continue;
+      // A point that is held in all directions: the sum of L x (r x L) is 2 r.
+      Vector3d p = Vector3d::Zero(), r = Vector3d::Zero();
+      int held = 0;
+      for (int i = 0; i < block.rows; ++i) {
+        const btSolverConstraint& row = rows[block.row[i]];
+        const Vector3d L = inDouble(side == 0 ? row.m_contactNormal1 : row.m_contactNormal2);
+        if (L.isZero()) continue;
+        ++held;
+        p += block.impulse[i] * L;
+        r += cross(L, inDouble(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
+      }
+      if (held == 3) m_bodies[size_t(block.body[side])].stiffness += leverStiffness(p, r);
+    }
+  }
+}
+
+void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies) {
+  for (Body& body : m_bodies) {
+    body.omega.setZero();
+    body.neighbours = 0;
+  }
+  for (const JointBlock& block : m_blocks) {
+    if (block.body[0] < 0 || block.body[1] < 0) continue;
+    for (int side = 0; side < 2; ++side) {
+      const btSolverBody& other = bodies[block.body[1 - side]];
+      Body& body = m_bodies[size_t(block.body[side])];
+      body.omega += inDouble(other.m_angularVelocity + other.m_externalTorqueImpulse);
+      ++body.neighbours;
+    }
+  }
+}
+
+bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
+                          const btConstraintArray& rows, Scalar dt) {
+  addLevers(rows);
+  bool changed = false;
+  for (Body& body : m_bodies) {
+    const Matrix3d relative =
+        double(dt) * body.angular.transpose() * body.stiffness * body.angular;
+    // The norm is no less than the largest eigenvalue.
+    Stiffening& next = body.next_stiffening;
+    next = relative.norm() > stiff ? Stiffening(relative) : Stiffening();
+    if (!(next.most() > stiff)) next = Stiffening();
+    const double ratio = (1 + next.most()) / (1 + body.stiffening.most());
+    changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
+  }
+  if (!changed) return false;
+
+  for (Body& body : m_bodies) {
+    body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();
+    body.stiffening = body.next_stiffening;
+    body.stiff_angular = body.angular * body.stiffening.root();
+    body.stiff_inverse = body.stiffening.inverseRoot() * body.inverse;
+  }
+  for (JointBlock& block : m_blocks) {
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0) continue;
+      Eigen::Map<Eigen::Matrix<double, block_rows, 3>> J(block.J[side][3]);
+      J *= m_bodies[size_t(block.body[side])].turn;
+    }
+    column(block.impulse).setZero();
+  }
+  read(bodies);
+  addNeighbours(bodies);
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    const Body& body = m_bodies[i];
+    if (body.neighbours == 0 || !(body.stiffening.most() > unresolved)) continue;
+    const btSolverBody& of = bodies[int(i)];
+    const Vector3d behind = body.omega / body.neighbours -
+                            inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
+    const auto part = [](double mu) {
+      return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
+    };
+    Eigen::Map<Vector3d>(&m_u[6 * i + 3]) +=
+        body.stiffening.matrix(part) * (body.inverse * behind);
+  }
+  factorise();
+  return true;
+}
+
 void JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
   for (size_t i = 0; i < m_bodies.size(); ++i) {
     const btSolverBody& from = bodies[int(i)];
@@ -163,8 +260,8 @@ void JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
     const btVector3 &v = from.m_deltaLinearVelocity, &w = from.m_deltaAngularVelocity;
     for (int k = 0; k < 3; ++k) {
       u[k] = body.linear[k] > 0 ? double(v[k]) / body.linear[k] : 0;
-      u[3 + k] = body.inverse[0][k] * double(w[0]) + body.inverse[1][k] * double(w[1]) +
-                 body.inverse[2][k] * double(w[2]);
+      u[3 + k] = body.stiff_inverse(k, 0) * double(w[0]) + body.stiff_inverse(k, 1) * double(w[1]) +
+                 body.stiff_inverse(k, 2) * double(w[2]);
     }
   }
 }
@@ -177,8 +274,9 @@ void JointSystem::write(btAlignedObjectArray<btSolverBody>& bodies) const {
     const double* u = &m_u[6 * i];
     for (int k = 0; k < 3; ++k) {
       to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
-      to.m_deltaAngularVelocity[k] = btScalar(body.angular[0][k] * u[3] + body.angular[1][k] * u[4] +
-                                              body.angular[2][k] * u[5]);
+      to.m_deltaAngularVelocity[k] = btScalar(body.stiff_angular(k, 0) * u[3] +
+                                              body.stiff_angular(k, 1) * u[4] +
+                                              body.stiff_angular(k, 2) * u[5]);
     }
   }
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <pintle/solver/block_factor.h>
+#include <pintle/solver/geometric_stiffness.h>
 #include <pintle/solver/topology.h>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -31,6 +32,11 @@ class JointSystem {
   bool gather(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows);
   /// K and its factor.
   void factorise();
+  /// Adds the geometric stiffness of the impulses that the joints have now to the inertia of each body
+  /// that needs it. Returns whether it has changed: then K is another one, and the joints are to be
+  /// solved anew.
+  bool stiffen(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
+               Scalar dt);
 
   /// Bullet's changes of velocity, to u and back.
   void read(const btAlignedObjectArray<btSolverBody>& bodies);
@@ -50,11 +56,18 @@ class JointSystem {
  private:
   struct Body {
     double linear[3];
-    double angular[3][3];  ///< S, by column
-    double inverse[3][3];  ///< of it
+    Matrix3d angular, inverse;  ///< S of the body alone, and its inverse
+    Stiffening stiffening, next_stiffening;
+    Matrix3d turn;  ///< from the coordinates u with the one to those with the next
+    Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
+    Matrix3d stiffness;                     ///< of the levers of its joints, N m s
+    Vector3d omega;                         ///< sum of its neighbours', rad/s
+    int neighbours;
   };
 
   void scale(Body& body, const btSolverBody& of) const;
+  void addLevers(const btConstraintArray& rows);
+  void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
 
   Topologies m_topologies;
