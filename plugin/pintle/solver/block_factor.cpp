@@ -17,6 +17,11 @@ void BlockFactor::resize(const Elimination& elimination, const std::vector<int>&
 
 void BlockFactor::clear() { std::fill(m_blocks.begin(), m_blocks.end(), 0.); }
 
+void BlockFactor::regularise(double part) {
+  for (int c = 0; c < m_elimination->columns(); ++c)
+    for (int p = 0; p < m_rows[size_t(c)]; ++p) block(c)[p * (block_rows + 1)] *= 1 + part;
+}
+
 // Unit lower triangular, its diagonal and what is above it zero.
 void BlockFactor::factoriseDiagonal(int c, double tolerance) {
   double* A = block(c);

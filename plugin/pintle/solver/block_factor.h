@@ -28,6 +28,8 @@ class BlockFactor {
   /// lower triangle is used.
   void clear();
   double* block(int i) { return &m_blocks[size_t(i) * size]; }
+  /// Adds this part of itself to the diagonal.
+  void regularise(double part);
 
   /// K becomes its factor. A pivot of less than `tolerance` of its diagonal element is what rounding
   /// left of a row that says what others say already: it gets no impulse.

@@ -133,6 +133,18 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   }
 }
 
+double EndOfStep::errors(const std::vector<JointBlock>& blocks, const btConstraintArray& rows,
+                         std::vector<double>& error) {
+  error.assign(block_rows * blocks.size(), 0.);
+  double largest = 0;
+  for (size_t c = 0; c < blocks.size(); ++c) {
+    double* of = &error[block_rows * c];
+    errors(blocks[c], rows, of);
+    for (int r = 0; r < blocks[c].rows; ++r) largest = std::max(largest, std::abs(of[r]));
+  }
+  return largest;
+}
+
 void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error) {
   const btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
   Speeds end, most;

@@ -11,11 +11,14 @@ class EndOfStep {
   /// The poses that Bullet integrates to from the velocities that the bodies have now.
   void predict(const btAlignedObjectArray<btSolverBody>& bodies, const btContactSolverInfo& info);
 
-  /// Of each row of the block, the change of its velocity (m/s, rad/s) that makes it hold at the end
+  /// Of each row of each block, the change of its velocity (m/s, rad/s) that makes it hold at the end
   /// of the step, as far as a step is to go; 0 for rows that are soft or no matter of position.
-  void errors(const JointBlock& block, const btConstraintArray& rows, double* error);
+  /// Returns the largest.
+  double errors(const std::vector<JointBlock>& blocks, const btConstraintArray& rows,
+                std::vector<double>& error);
 
  private:
+  void errors(const JointBlock& block, const btConstraintArray& rows, double* error);
   const btTransform& pose(const btRigidBody& body, int solver_body) const {
     return solver_body < 0 ? body.getCenterOfMassTransform() : m_poses[size_t(solver_body)];
   }

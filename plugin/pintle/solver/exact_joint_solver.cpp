@@ -18,6 +18,7 @@ constexpr int most_stiffenings = 6;
 struct ExactJointSolver::Island {
   JointSystem joints;
   EndOfStep end;
+  std::vector<double> error;  ///< of all rows, by block
   std::vector<Joint*> plain;  ///< joints whose rows are plain for this step
 };
 
@@ -56,26 +57,40 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
         bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, infoGlobal,
         debugDrawer);
+  solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifoldPtr, numManifolds,
+                                                constraints, numConstraints, infoGlobal,
+                                                debugDrawer);
   joints.factorise();
-  joints.read(m_tmpSolverBodyPool);
-  joints.solve();
+  joints.begin(m_tmpSolverBodyPool);
   // The force of the joints depends on the stiffness, which depends on the force.
   for (int i = 0; i < most_stiffenings; ++i) {
     if (!joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool,
                         infoGlobal.m_timeStep))
       break;
-    joints.solve();
+    joints.begin(m_tmpSolverBodyPool);
   }
+  joints.settle();
   joints.write(m_tmpSolverBodyPool);
+
+  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest.
+  if (!joints.all() || m_tmpSolverContactConstraintPool.size() > 0) {
+    const int iterations = btMax(infoGlobal.m_numIterations, m_maxOverrideNumSolverIterations);
+    for (int i = 0; i < iterations; ++i) {
+      m_leastSquaresResidual =
+          solveSingleIteration(i, bodies, numBodies, manifoldPtr, numManifolds, constraints,
+                               numConstraints, infoGlobal, debugDrawer);
+      joints.read(m_tmpSolverBodyPool);
+      joints.solve();
+      joints.write(m_tmpSolverBodyPool);
+      if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
+    }
+  }
+
   EndOfStep& end = m_island->end;
   for (int i = 0; i < m_position_iterations; ++i) {
     end.predict(m_tmpSolverBodyPool, infoGlobal);
-    for (JointBlock& block : joints.blocks()) {
-      double error[block_rows];
-      end.errors(block, m_tmpSolverNonContactConstraintPool, error);
-      for (int r = 0; r < block.rows; ++r) block.deficit[r] += error[r];
-    }
-    joints.solve();
+    end.errors(joints.blocks(), m_tmpSolverNonContactConstraintPool, m_island->error);
+    joints.correct(m_island->error);
     joints.write(m_tmpSolverBodyPool);
   }
   joints.writeImpulses(m_tmpSolverNonContactConstraintPool);

@@ -16,11 +16,24 @@ constexpr Scalar unbounded = Scalar(BT_LARGE_FLOAT);
 // single precision, of what two of them that say the same differ by, squared.
 constexpr double dependent_row = 1e-12;
 
+// Joints of a loop depend on each other, or nearly so. Impulses that nobody feels stay small by the
+// first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
+// velocities of 1 / d of it; the second bounds that: 1 / (2 sqrt(part)).
+constexpr double least_impulses = 1e-10, damped_correction = 1e-4;
+
+Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
+
+double freeVelocity(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+  const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
+  return inDouble(row.m_contactNormal1).dot(inDouble(a.m_linearVelocity + a.m_externalForceImpulse)) +
+         inDouble(row.m_relpos1CrossNormal).dot(inDouble(a.m_angularVelocity + a.m_externalTorqueImpulse)) +
+         inDouble(row.m_contactNormal2).dot(inDouble(b.m_linearVelocity + b.m_externalForceImpulse)) +
+         inDouble(row.m_relpos2CrossNormal).dot(inDouble(b.m_angularVelocity + b.m_externalTorqueImpulse));
+}
+
 bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded && row.m_jacDiagABInv > 0;
 }
-
-Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
 // is stable to 4. Beyond the second, nothing of the swing is left to be resolved in steps of h: half
@@ -33,26 +46,27 @@ constexpr double same_stiffness = 1.25;
 }  // namespace
 
 bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
-                         const btConstraintArray& rows) {
+                         btConstraintArray& rows) {
   m_gathered.clear();
   m_joints.clear();
+  m_all = true;
   const auto moving = [&](int body) { return bodies[body].internalGetInvMass().isZero() ? -1 : body; };
   const btTypedConstraint* last = nullptr;
   int index = 0;
   for (int i = 0; i < rows.size(); ++i, ++index) {
-    const btSolverConstraint& row = rows[i];
+    btSolverConstraint& row = rows[i];
     auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
-    const bool next = joint != last;
-    if (next) index = 0;
+    if (joint != last) index = 0;
+    last = joint;
     if (!isBilateral(row)) {
-      if (next) last = nullptr;
+      m_all = false;
       continue;
     }
-    if (joint != last || m_joints.back().rows == block_rows) {
+    row.m_overrideNumSolverIterations = 0;
+    if (m_joints.empty() || m_gathered.back().joint != joint || m_joints.back().rows == block_rows) {
       m_gathered.push_back({joint, {}, {}});
       m_joints.push_back({0, {moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
     }
-    last = joint;
     const int r = m_joints.back().rows++;
     m_gathered.back().row[r] = i;
     m_gathered.back().index[r] = index;
@@ -83,6 +97,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
         if (block.body[side] >= 0) setRow(block, side, row, r);
       const double K = 1 / double(row.m_jacDiagABInv);
       block.deficit[r] = double(row.m_rhs) * K;
+      block.rest[r] = -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
     }
   }
@@ -116,6 +131,7 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
     }
   }
   body.stiffening = Stiffening();
+  body.kick.setZero();
   body.stiff_angular = S;
   body.stiff_inverse = inverse;
 }
@@ -162,6 +178,12 @@ void JointSystem::factorise() {
         }
       }
     }
+  }
+  if (loops()) {
+    m_damped = m_factor;
+    m_damped.regularise(damped_correction);
+    m_damped.factorise(dependent_row);
+    m_factor.regularise(least_impulses);
   }
   m_factor.factorise(dependent_row);
 }
@@ -231,12 +253,11 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
       Eigen::Map<Eigen::Matrix<double, block_rows, 3>> J(block.J[side][3]);
       J *= m_bodies[size_t(block.body[side])].turn;
     }
-    column(block.impulse).setZero();
   }
-  read(bodies);
   addNeighbours(bodies);
   for (size_t i = 0; i < m_bodies.size(); ++i) {
-    const Body& body = m_bodies[i];
+    Body& body = m_bodies[i];
+    body.kick.setZero();
     if (body.neighbours == 0 || !(body.stiffening.most() > unresolved)) continue;
     const btSolverBody& of = bodies[int(i)];
     const Vector3d behind = body.omega / body.neighbours -
@@ -244,8 +265,7 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
     const auto part = [](double mu) {
       return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
     };
-    Eigen::Map<Vector3d>(&m_u[6 * i + 3]) +=
-        body.stiffening.matrix(part) * (body.inverse * behind);
+    body.kick = body.stiffening.matrix(part) * (body.inverse * behind);
   }
   factorise();
   return true;
@@ -287,21 +307,23 @@ void JointSystem::writeImpulses(btConstraintArray& rows) const {
       rows[block.row[r]].m_appliedImpulse = btScalar(block.impulse[r]);
 }
 
-double JointSystem::solve() {
-  double largest = 0;
-  for (size_t c = 0; c < m_blocks.size(); ++c) {
-    const JointBlock& block = m_blocks[c];
-    BlockColumn x = column(block.deficit) -
-                    column(block.softness).cwiseProduct(column(block.impulse));
-    for (int side = 0; side < 2; ++side) {
-      if (block.body[side] < 0) continue;
-      const double* u = &m_u[6 * size_t(block.body[side])];
-      for (int k = 0; k < 6; ++k) x -= u[k] * column(block.J[side][k]);
-    }
-    largest = std::max(largest, x.lpNorm<Eigen::Infinity>());
-    column(m_x.data(), int(c)) = x;
+BlockColumn JointSystem::velocity(const JointBlock& block) const {
+  BlockColumn x = BlockColumn::Zero();
+  for (int side = 0; side < 2; ++side) {
+    if (block.body[side] < 0) continue;
+    const double* u = &m_u[6 * size_t(block.body[side])];
+    for (int k = 0; k < 6; ++k) x += u[k] * column(block.J[side][k]);
   }
-  m_factor.solve(m_x.data());
+  return x;
+}
+
+BlockColumn JointSystem::residual(const JointBlock& block) const {
+  return column(block.deficit) - column(block.softness).cwiseProduct(column(block.impulse)) -
+         velocity(block);
+}
+
+void JointSystem::apply(const BlockFactor& factor) {
+  factor.solve(m_x.data());
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     JointBlock& block = m_blocks[c];
     const BlockColumn x = column(m_x.data(), int(c));
@@ -312,7 +334,48 @@ double JointSystem::solve() {
       for (int k = 0; k < 6; ++k) u[k] += x.dot(column(block.J[side][k]));
     }
   }
-  return largest;
+}
+
+void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
+  read(bodies);
+  for (size_t i = 0; i < m_bodies.size(); ++i)
+    for (int k = 0; k < 3; ++k) m_u[6 * i + 3 + size_t(k)] += m_bodies[i].kick[k];
+  for (JointBlock& block : m_blocks) column(block.impulse).setZero();
+  if (!loops()) {
+    solve();
+    return;
+  }
+  // Rest is what all rows can be brought to, whatever they are.
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_x.data(), int(c)) = column(m_blocks[c].rest) - velocity(m_blocks[c]);
+  apply(m_factor);
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_x.data(), int(c)) = column(m_blocks[c].deficit) - column(m_blocks[c].rest);
+  apply(m_damped);
+}
+
+void JointSystem::settle() {
+  if (!loops()) return;
+  for (JointBlock& block : m_blocks)
+    column(block.deficit) += -residual(block);
+}
+
+void JointSystem::solve() {
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_x.data(), int(c)) = residual(m_blocks[c]);
+  apply(m_factor);
+}
+
+void JointSystem::correct(const std::vector<double>& change) {
+  if (loops()) {
+    m_x = change;
+    apply(m_damped);
+    settle();
+    return;
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_blocks[c].deficit) += column(change.data(), int(c));
+  solve();
 }
 
 size_t JointSystem::bytes() const {

@@ -21,15 +21,19 @@ struct JointBlock {
   int index[block_rows];         ///< among the rows of the joint
   int body[2];                   ///< among Bullet's solver bodies; -1: does not move
   double J[2][6][block_rows];    ///< J S of each body, by coordinate: linear, then angular
-  double deficit[block_rows];    ///< what the velocity lacks before any impulse: target - J v
+  double deficit[block_rows];    ///< what J v lacks before any impulse
+  double rest[block_rows];       ///< the part of it that brings the row to rest: -J v
   double softness[block_rows];   ///< Sigma
   double impulse[block_rows];    ///< lambda
 };
 
 class JointSystem {
  public:
-  /// Takes the bilateral rows out of Bullet's. Returns whether there are any.
-  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows);
+  /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on. Returns
+  /// whether there are any.
+  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
+  /// Whether they are all the joints' rows that there are.
+  bool all() const { return m_all; }
   /// K and its factor.
   void factorise();
   /// Adds the geometric stiffness of the impulses that the joints have now to the inertia of each body
@@ -43,9 +47,16 @@ class JointSystem {
   void write(btAlignedObjectArray<btSolverBody>& bodies) const;
   void writeImpulses(btConstraintArray& rows) const;
 
-  /// One exact solution: all rows meet their targets at what velocity the bodies have now. Returns
-  /// the largest change of velocity that a row asked for, m/s or rad/s.
-  double solve();
+  /// All rows meet their targets, from the velocities that Bullet's bodies have.
+  void begin(const btAlignedObjectArray<btSolverBody>& bodies);
+  /// From now on the targets are the velocities that there are: those that rows of a loop cannot meet
+  /// together are not asked for again.
+  void settle();
+  /// All rows are brought back to their targets, whatever others did to the bodies.
+  void solve();
+  /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
+  /// loop cannot do together is left undone.
+  void correct(const std::vector<double>& change);
 
   std::vector<JointBlock>& blocks() { return m_blocks; }
   /// How many rows say what others say already.
@@ -63,9 +74,17 @@ class JointSystem {
     Matrix3d stiffness;                     ///< of the levers of its joints, N m s
     Vector3d omega;                         ///< sum of its neighbours', rad/s
     int neighbours;
+    Vector3d kick;  ///< towards them, of u
   };
 
   void scale(Body& body, const btSolverBody& of) const;
+  bool loops() const { return m_topology->loops; }
+  /// What the row lacks now.
+  BlockColumn residual(const JointBlock& block) const;
+  /// J u
+  BlockColumn velocity(const JointBlock& block) const;
+  /// Applies the impulses that change the velocities of the rows by m_x.
+  void apply(const BlockFactor& factor);
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
@@ -83,6 +102,8 @@ class JointSystem {
   std::vector<double> m_u;       ///< 6 a body
   std::vector<double> m_x;       ///< block_rows a block
   BlockFactor m_factor;
+  BlockFactor m_damped;          ///< of loops: for what need not be consistent
+  bool m_all = true;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -10,6 +10,25 @@ namespace {
 // over, is gone.
 constexpr unsigned long long rounds_kept = 8;
 
+// Joints that connect what is connected already.
+bool hasLoops(const std::vector<Topology::Joint>& joints) {
+  int bodies = 0;
+  for (const auto& joint : joints) bodies = std::max({bodies, joint.body[0] + 1, joint.body[1] + 1});
+  std::vector<int> leader(static_cast<size_t>(bodies) + 1);  // the last one is the ground
+  for (size_t i = 0; i < leader.size(); ++i) leader[i] = int(i);
+  const auto find = [&](int body) {
+    int i = body < 0 ? bodies : body;
+    while (leader[size_t(i)] != i) i = leader[size_t(i)] = leader[size_t(leader[size_t(i)])];
+    return i;
+  };
+  for (const auto& joint : joints) {
+    const int a = find(joint.body[0]), b = find(joint.body[1]);
+    if (a == b) return true;
+    leader[size_t(a)] = b;
+  }
+  return false;
+}
+
 void analyse(Topology& topology) {
   std::vector<std::pair<int, int>> at;  // body, joint
   const auto& joints = topology.joints;
@@ -22,6 +41,7 @@ void analyse(Topology& topology) {
     for (size_t k = i + 1; k < at.size() && at[k].first == at[i].first; ++k)
       if (at[k].second != at[i].second) edges.emplace_back(at[i].second, at[k].second);
   topology.elimination.analyse(int(joints.size()), edges);
+  topology.loops = hasLoops(joints);
   topology.rows.clear();
   for (int c = 0; c < topology.elimination.columns(); ++c)
     topology.rows.push_back(joints[size_t(topology.elimination.node(c))].rows);

@@ -20,6 +20,9 @@ struct Topology {
   std::vector<Joint> joints;
   Elimination elimination;
   std::vector<int> rows;  ///< in the order of elimination
+  /// Whether some joints close a loop, which may be by the ground: then some of them may say again
+  /// what the others do.
+  bool loops = false;
   unsigned long long last_use = 0;
 };
 
