@@ -62,18 +62,36 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
                                                 debugDrawer);
   joints.factorise();
   joints.begin(m_tmpSolverBodyPool);
+  const bool bounded = !joints.all() || m_tmpSolverContactConstraintPool.size() > 0;
   // The force of the joints depends on the stiffness, which depends on the force.
-  for (int i = 0; i < most_stiffenings; ++i) {
-    if (!joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool,
+  int stiffenings = 0;
+  const auto stiffen = [&] {
+    if (stiffenings == most_stiffenings ||
+        !joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool,
                         infoGlobal.m_timeStep))
-      break;
+      return false;
+    ++stiffenings;
+    if (bounded) {
+      for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
+        m_tmpSolverBodyPool[i].internalGetDeltaLinearVelocity().setZero();
+        m_tmpSolverBodyPool[i].internalGetDeltaAngularVelocity().setZero();
+      }
+      joints.stiffenRows(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, false);
+      for (btConstraintArray* rows :
+           {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
+            &m_tmpSolverContactRollingFrictionConstraintPool})
+        joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
+    }
     joints.begin(m_tmpSolverBodyPool);
+    return true;
+  };
+  while (stiffen()) {
   }
   joints.settle();
   joints.write(m_tmpSolverBodyPool);
 
   // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest.
-  if (!joints.all() || m_tmpSolverContactConstraintPool.size() > 0) {
+  if (bounded) {
     const int iterations = btMax(infoGlobal.m_numIterations, m_maxOverrideNumSolverIterations);
     for (int i = 0; i < iterations; ++i) {
       m_leastSquaresResidual =
@@ -81,6 +99,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
                                numConstraints, infoGlobal, debugDrawer);
       joints.read(m_tmpSolverBodyPool);
       joints.solve();
+      if (stiffen()) joints.settle();
       joints.write(m_tmpSolverBodyPool);
       if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
     }

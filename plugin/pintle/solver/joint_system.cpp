@@ -271,6 +271,38 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
   return true;
 }
 
+void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+                              bool of_contacts) const {
+  for (int i = 0; i < rows.size(); ++i) {
+    btSolverConstraint& row = rows[i];
+    if (!of_contacts && row.m_overrideNumSolverIterations == 0) continue;
+    const auto stiffened = [&](int id, const btVector3& J, btVector3& component) {
+      const btSolverBody& of = bodies[id];
+      if (of.internalGetInvMass().isZero()) return Scalar(0);
+      const Body& body = m_bodies[size_t(id)];
+      const Vector3d w = body.stiff_angular * (body.stiff_angular.transpose() * inDouble(J));
+      const Scalar before = J.dot(component);
+      component.setValue(btScalar(w[0]), btScalar(w[1]), btScalar(w[2]));
+      return J.dot(component) - before;
+    };
+    const Scalar change =
+        stiffened(row.m_solverBodyIdA, row.m_relpos1CrossNormal, row.m_angularComponentA) +
+        stiffened(row.m_solverBodyIdB, row.m_relpos2CrossNormal, row.m_angularComponentB);
+    if (row.m_jacDiagABInv > 0) {
+      const Scalar K = 1 / row.m_jacDiagABInv, factor = K / (K + change);
+      row.m_jacDiagABInv *= factor;
+      row.m_rhs *= factor;
+      row.m_rhsPenetration *= factor;
+      if (of_contacts) row.m_cfm *= factor;
+    }
+    btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
+    a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
+                           row.m_appliedImpulse);
+    b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
+                           row.m_appliedImpulse);
+  }
+}
+
 void JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
   for (size_t i = 0; i < m_bodies.size(); ++i) {
     const btSolverBody& from = bodies[int(i)];

@@ -41,6 +41,11 @@ class JointSystem {
   /// solved anew.
   bool stiffen(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
                Scalar dt);
+  /// Writes the inertia that the bodies have now into rows that Bullet iterates, and makes what these
+  /// have done so far the change of the bodies' velocities. `of_contacts`: whether cfm counts in the
+  /// rows' own K, as it does in contacts.
+  void stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+                   bool of_contacts) const;
 
   /// Bullet's changes of velocity, to u and back.
   void read(const btAlignedObjectArray<btSolverBody>& bodies);
