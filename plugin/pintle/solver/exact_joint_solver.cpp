@@ -48,6 +48,16 @@ void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numCon
   for (Joint* joint : plain) joint->setBlockRows(true);
 }
 
+btScalar ExactJointSolver::solveGroupCacheFriendlySetup(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifoldPtr, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& infoGlobal,
+    btIDebugDraw* debugDrawer) {
+  btContactSolverInfo info = infoGlobal;
+  if (numConstraints > 0) info.m_warmstartingFactor = 1;
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
+      bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, info, debugDrawer);
+}
+
 btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     btCollisionObject** bodies, int numBodies, btPersistentManifold** manifoldPtr, int numManifolds,
     btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& infoGlobal,
@@ -99,7 +109,9 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
                                numConstraints, infoGlobal, debugDrawer);
       joints.read(m_tmpSolverBodyPool);
       joints.solve();
-      if (stiffen()) joints.settle();
+      // What the contacts load the joints with grows with the iterations, less and less.
+      const bool look = (i & (i + 1)) == 0;
+      if (look && stiffen()) joints.settle();
       joints.write(m_tmpSolverBodyPool);
       if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
     }

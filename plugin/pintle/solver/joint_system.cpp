@@ -50,6 +50,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   m_gathered.clear();
   m_joints.clear();
   m_all = true;
+  m_stiff = false;
   const auto moving = [&](int body) { return bodies[body].internalGetInvMass().isZero() ? -1 : body; };
   const btTypedConstraint* last = nullptr;
   int index = 0;
@@ -77,8 +78,13 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   const Elimination& elimination = m_topology->elimination;
   const size_t n = m_joints.size();
   m_bodies.resize(size_t(bodies.size()));
-  for (int i = 0; i < bodies.size(); ++i)
-    if (moving(i) >= 0) scale(m_bodies[size_t(i)], bodies[i]);
+  for (int i = 0; i < bodies.size(); ++i) {
+    Body& body = m_bodies[size_t(i)];
+    body.stiffening = Stiffening();
+    body.load = 0;
+    body.kick.setZero();
+    if (moving(i) >= 0) scale(body, bodies[i]);
+  }
   m_blocks.resize(n);
   for (size_t c = 0; c < n; ++c) {
     const int node = elimination.node(int(c));
@@ -100,6 +106,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
       block.rest[r] = -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
     }
+    findPoint(block, rows);
   }
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
@@ -130,8 +137,6 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
       inverse(k, j) = sum * reciprocal;
     }
   }
-  body.stiffening = Stiffening();
-  body.kick.setZero();
   body.stiff_angular = S;
   body.stiff_inverse = inverse;
 }
@@ -188,23 +193,56 @@ void JointSystem::factorise() {
   m_factor.factorise(dependent_row);
 }
 
+// The sum of L x (r x L) of three directions is 2 r.
+void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
+  block.point[0] = -1;
+  int found = 0;
+  for (int i = 0; i < block.rows && found < 3; ++i)
+    if (!rows[block.row[i]].m_contactNormal1.isZero()) block.point[found++] = i;
+  if (found < 3) {
+    block.point[0] = -1;
+    return;
+  }
+  for (int side = 0; side < 2; ++side) {
+    Vector3d r = Vector3d::Zero();
+    double swing = 0;
+    for (const int i : block.point) {
+      const btSolverConstraint& row = rows[block.row[i]];
+      const btVector3& L = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
+      r += inDouble(L.cross(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
+      for (int k = 3; k < 6; ++k) swing += block.J[side][k][i] * block.J[side][k][i];
+    }
+    const double length = r.norm();
+    for (int k = 0; k < 3; ++k) block.lever[side][k] = r[k];
+    block.swing[side] = length > 0 ? swing / length : 0;
+  }
+}
+
+void JointSystem::addLoads(double dt) {
+  for (Body& body : m_bodies) body.load = 0;
+  for (const JointBlock& block : m_blocks) {
+    if (block.point[0] < 0) continue;
+    double p = 0;
+    for (const int i : block.point) p += block.impulse[i] * block.impulse[i];
+    p = dt * std::sqrt(p);
+    for (int side = 0; side < 2; ++side)
+      if (block.body[side] >= 0) m_bodies[size_t(block.body[side])].load += p * block.swing[side];
+  }
+}
+
 void JointSystem::addLevers(const btConstraintArray& rows) {
   for (Body& body : m_bodies) body.stiffness.setZero();
   for (const JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
-      if (block.body[side] < 0) continue;
-      // A point that is held in all directions: the sum of L x (r x L) is 2 r.
-      Vector3d p = Vector3d::Zero(), r = Vector3d::Zero();
-      int held = 0;
-      for (int i = 0; i < block.rows; ++i) {
+      if (block.body[side] < 0 || block.point[0] < 0) continue;
+      Body& body = m_bodies[size_t(block.body[side])];
+      if (!(body.load > stiff)) continue;
+      Vector3d p = Vector3d::Zero();
+      for (const int i : block.point) {
         const btSolverConstraint& row = rows[block.row[i]];
-        const Vector3d L = inDouble(side == 0 ? row.m_contactNormal1 : row.m_contactNormal2);
-        if (L.isZero()) continue;
-        ++held;
-        p += block.impulse[i] * L;
-        r += cross(L, inDouble(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
+        p += block.impulse[i] * inDouble(side == 0 ? row.m_contactNormal1 : row.m_contactNormal2);
       }
-      if (held == 3) m_bodies[size_t(block.body[side])].stiffness += leverStiffness(p, r);
+      body.stiffness += leverStiffness(p, Eigen::Map<const Vector3d>(block.lever[side]));
     }
   }
 }
@@ -227,19 +265,24 @@ void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies
 
 bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
                           const btConstraintArray& rows, Scalar dt) {
+  addLoads(double(dt));
+  if (!m_stiff && std::none_of(m_bodies.begin(), m_bodies.end(),
+                               [](const Body& body) { return body.load > stiff; }))
+    return false;
   addLevers(rows);
   bool changed = false;
   for (Body& body : m_bodies) {
-    const Matrix3d relative =
-        double(dt) * body.angular.transpose() * body.stiffness * body.angular;
-    // The norm is no less than the largest eigenvalue.
     Stiffening& next = body.next_stiffening;
-    next = relative.norm() > stiff ? Stiffening(relative) : Stiffening();
-    if (!(next.most() > stiff)) next = Stiffening();
+    next = Stiffening();
+    if (body.load > stiff) {
+      next = Stiffening(double(dt) * body.angular.transpose() * body.stiffness * body.angular);
+      if (!(next.most() > stiff)) next = Stiffening();
+    }
     const double ratio = (1 + next.most()) / (1 + body.stiffening.most());
     changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
   }
   if (!changed) return false;
+  m_stiff = true;
 
   for (Body& body : m_bodies) {
     body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();

@@ -25,6 +25,9 @@ struct JointBlock {
   double rest[block_rows];       ///< the part of it that brings the row to rest: -J v
   double softness[block_rows];   ///< Sigma
   double impulse[block_rows];    ///< lambda
+  int point[3];                  ///< three rows that hold a point in all directions; -1: none do
+  double lever[2][3];            ///< of the point, from each body's centre
+  double swing[2];               ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
 };
 
 class JointSystem {
@@ -76,7 +79,8 @@ class JointSystem {
     Stiffening stiffening, next_stiffening;
     Matrix3d turn;  ///< from the coordinates u with the one to those with the next
     Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
-    Matrix3d stiffness;                     ///< of the levers of its joints, N m s
+    double load;  ///< more than (omega h)^2 of its swing under the joints' impulses
+    Matrix3d stiffness;  ///< of the levers of its joints, N m s
     Vector3d omega;                         ///< sum of its neighbours', rad/s
     int neighbours;
     Vector3d kick;  ///< towards them, of u
@@ -90,6 +94,8 @@ class JointSystem {
   BlockColumn velocity(const JointBlock& block) const;
   /// Applies the impulses that change the velocities of the rows by m_x.
   void apply(const BlockFactor& factor);
+  static void findPoint(JointBlock& block, const btConstraintArray& rows);
+  void addLoads(double dt);
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
@@ -108,7 +114,7 @@ class JointSystem {
   std::vector<double> m_x;       ///< block_rows a block
   BlockFactor m_factor;
   BlockFactor m_damped;          ///< of loops: for what need not be consistent
-  bool m_all = true;
+  bool m_all = true, m_stiff = false;
 };
 
 }  // namespace PINTLE_PRECISION
