@@ -1,9 +1,26 @@
 #include <pintle/solver/block_factor.h>
 
 #include <algorithm>
+#include <type_traits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+namespace {
+
+// Calls f with the number as a constant, which the compiler then unrolls loops by.
+template <class Function>
+inline void withConstant(int rows, const Function& f) {
+  switch (rows) {
+    case 1: return f(std::integral_constant<int, 1>());
+    case 2: return f(std::integral_constant<int, 2>());
+    case 3: return f(std::integral_constant<int, 3>());
+    case 4: return f(std::integral_constant<int, 4>());
+    case 5: return f(std::integral_constant<int, 5>());
+    default: return f(std::integral_constant<int, 6>());
+  }
+}
+
+}  // namespace
 void BlockFactor::resize(const Elimination& elimination, const std::vector<int>& rows) {
   m_elimination = &elimination;
   m_rows = rows;
@@ -26,22 +43,22 @@ void BlockFactor::regularise(double part) {
 void BlockFactor::factoriseDiagonal(int c, double tolerance) {
   double* A = block(c);
   double* inverse = &m_inverse[size_t(c) * block_rows];
-  const int n = m_rows[size_t(c)];
-  BlockColumn diagonal = BlockColumn::Zero();
-  for (int p = 0; p < n; ++p) diagonal[p] = inverse[p];
-  for (int p = 0; p < n; ++p) {
-    const double pivot = A[p * block_rows + p];
-    if (pivot > tolerance * diagonal[p]) {
-      inverse[p] = 1 / pivot;
-    } else {
-      inverse[p] = 0;
-      ++m_dependent;
+  withConstant(m_rows[size_t(c)], [&](auto n) {
+    const BlockColumn diagonal = column(inverse);
+    for (int p = 0; p < n; ++p) {
+      const double pivot = A[p * block_rows + p];
+      if (pivot > tolerance * diagonal[p]) {
+        inverse[p] = 1 / pivot;
+      } else {
+        inverse[p] = 0;
+        ++m_dependent;
+      }
+      const BlockColumn L = inverse[p] * column(A, p);
+      for (int q = p + 1; q < n; ++q) column(A, q) -= A[p * block_rows + q] * L;
+      column(A, p) = L;
+      std::fill_n(A + p * block_rows, p + 1, 0.);
     }
-    const BlockColumn L = inverse[p] * column(A, p);
-    for (int q = p + 1; q < n; ++q) column(A, q) -= A[p * block_rows + q] * L;
-    column(A, p) = L;
-    std::fill_n(A + p * block_rows, p + 1, 0.);
-  }
+  });
 }
 
 void BlockFactor::factorise(double tolerance) {
@@ -59,29 +76,31 @@ void BlockFactor::factorise(double tolerance) {
     const double* inverse = &m_inverse[size_t(c) * block_rows];
     const int n = m_rows[size_t(c)], begin = e.first(c), end = e.first(c + 1);
     const int* target = e.targets(c);
-    for (int i = begin; i < end; ++i) {
-      double* A = block(i);
-      double* LD = &m_scratch[size_t(i - begin) * size];
-      for (int p = 0; p < n; ++p) {
-        BlockColumn sum = column(A, p);
-        for (int q = 0; q < p; ++q) sum -= L[q * block_rows + p] * column(LD, q);
-        column(LD, p) = sum;
-        column(A, p) = inverse[p] * sum;
-      }
-    }
-    for (int i = begin; i < end; ++i) {
-      const double* LD = &m_scratch[size_t(i - begin) * size];
-      const int width = m_rows[size_t(e.row(i))];
-      for (int j = i; j < end; ++j) {
-        const double* A = block(j);
-        double* to = block(*target++);
-        for (int q = 0; q < width; ++q) {
-          BlockColumn sum = column(to, q);
-          for (int p = 0; p < n; ++p) sum -= LD[p * block_rows + q] * column(A, p);
-          column(to, q) = sum;
+    withConstant(n, [&](auto N) {
+      for (int i = begin; i < end; ++i) {
+        double* A = block(i);
+        double* LD = &m_scratch[size_t(i - begin) * size];
+        for (int p = 0; p < N; ++p) {
+          BlockColumn sum = column(A, p);
+          for (int q = 0; q < p; ++q) sum -= L[q * block_rows + p] * column(LD, q);
+          column(LD, p) = sum;
+          column(A, p) = inverse[p] * sum;
         }
       }
-    }
+      for (int i = begin; i < end; ++i) {
+        const double* LD = &m_scratch[size_t(i - begin) * size];
+        const int width = m_rows[size_t(e.row(i))];
+        for (int j = i; j < end; ++j) {
+          const double* A = block(j);
+          double* to = block(*target++);
+          for (int q = 0; q < width; ++q) {
+            BlockColumn sum = column(to, q);
+            for (int p = 0; p < N; ++p) sum -= LD[p * block_rows + q] * column(A, p);
+            column(to, q) = sum;
+          }
+        }
+      }
+    });
   }
 }
 
@@ -90,30 +109,31 @@ void BlockFactor::solve(double* x) const {
   const int columns = e.columns();
   const auto blockAt = [this](int i) { return &m_blocks[size_t(i) * size]; };
   for (int c = 0; c < columns; ++c) {
-    const int n = m_rows[size_t(c)];
-    BlockColumnView at = column(x, c);
-    BlockColumn y = at;
-    const double* L = blockAt(c);
-    for (int p = 0; p + 1 < n; ++p) y -= y[p] * column(L, p);
-    at = y;
-    for (int i = e.first(c); i < e.first(c + 1); ++i) {
-      const double* A = blockAt(i);
-      BlockColumn sum = column(x, e.row(i));
-      for (int p = 0; p < n; ++p) sum -= y[p] * column(A, p);
-      column(x, e.row(i)) = sum;
-    }
+    withConstant(m_rows[size_t(c)], [&](auto n) {
+      BlockColumn y = column(x, c);
+      const double* L = blockAt(c);
+      for (int p = 0; p + 1 < n; ++p) y -= y[p] * column(L, p);
+      column(x, c) = y;
+      for (int i = e.first(c); i < e.first(c + 1); ++i) {
+        const double* A = blockAt(i);
+        BlockColumn sum = column(x, e.row(i));
+        for (int p = 0; p < n; ++p) sum -= y[p] * column(A, p);
+        column(x, e.row(i)) = sum;
+      }
+    });
   }
   for (int c = columns - 1; c >= 0; --c) {
-    const int n = m_rows[size_t(c)];
-    BlockColumn y = column(x, c).cwiseProduct(column(m_inverse.data(), c));
-    for (int i = e.first(c); i < e.first(c + 1); ++i) {
-      const double* A = blockAt(i);
-      const BlockColumn z = column(x, e.row(i));
-      for (int p = 0; p < n; ++p) y[p] -= column(A, p).dot(z);
-    }
-    const double* L = blockAt(c);
-    for (int p = n - 2; p >= 0; --p) y[p] -= column(L, p).dot(y);
-    column(x, c) = y;
+    withConstant(m_rows[size_t(c)], [&](auto n) {
+      BlockColumn y = column(x, c).cwiseProduct(column(m_inverse.data(), c));
+      for (int i = e.first(c); i < e.first(c + 1); ++i) {
+        const double* A = blockAt(i);
+        const BlockColumn z = column(x, e.row(i));
+        for (int p = 0; p < n; ++p) y[p] -= column(A, p).dot(z);
+      }
+      const double* L = blockAt(c);
+      for (int p = n - 2; p >= 0; --p) y[p] -= column(L, p).dot(y);
+      column(x, c) = y;
+    });
   }
 }
 

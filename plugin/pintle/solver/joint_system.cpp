@@ -187,7 +187,7 @@ void JointSystem::factorise() {
   if (loops()) {
     m_damped = m_factor;
     m_damped.regularise(damped_correction);
-    m_damped.factorise(dependent_row);
+    m_damped_is_factor = false;
     m_factor.regularise(least_impulses);
   }
   m_factor.factorise(dependent_row);
@@ -424,15 +424,21 @@ void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
   for (size_t c = 0; c < m_blocks.size(); ++c)
     column(m_x.data(), int(c)) = column(m_blocks[c].rest) - velocity(m_blocks[c]);
   apply(m_factor);
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_x.data(), int(c)) = column(m_blocks[c].deficit) - column(m_blocks[c].rest);
-  apply(m_damped);
 }
 
 void JointSystem::settle() {
   if (!loops()) return;
-  for (JointBlock& block : m_blocks)
-    column(block.deficit) += -residual(block);
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_x.data(), int(c)) = column(m_blocks[c].deficit) - column(m_blocks[c].rest);
+  applyDamped();
+}
+
+// Rows keep of their targets what they have reached.
+void JointSystem::applyDamped() {
+  if (!m_damped_is_factor) m_damped.factorise(dependent_row);
+  m_damped_is_factor = true;
+  apply(m_damped);
+  for (JointBlock& block : m_blocks) column(block.deficit) -= residual(block);
 }
 
 void JointSystem::solve() {
@@ -444,8 +450,7 @@ void JointSystem::solve() {
 void JointSystem::correct(const std::vector<double>& change) {
   if (loops()) {
     m_x = change;
-    apply(m_damped);
-    settle();
+    applyDamped();
     return;
   }
   for (size_t c = 0; c < m_blocks.size(); ++c)

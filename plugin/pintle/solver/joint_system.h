@@ -55,10 +55,11 @@ class JointSystem {
   void write(btAlignedObjectArray<btSolverBody>& bodies) const;
   void writeImpulses(btConstraintArray& rows) const;
 
-  /// All rows meet their targets, from the velocities that Bullet's bodies have.
+  /// All rows meet their targets, from the velocities that Bullet's bodies have; in a loop, they come
+  /// to rest.
   void begin(const btAlignedObjectArray<btSolverBody>& bodies);
-  /// From now on the targets are the velocities that there are: those that rows of a loop cannot meet
-  /// together are not asked for again.
+  /// The rows of a loop meet their targets as far as they can do together. These are their targets from
+  /// now on.
   void settle();
   /// All rows are brought back to their targets, whatever others did to the bodies.
   void solve();
@@ -94,6 +95,7 @@ class JointSystem {
   BlockColumn velocity(const JointBlock& block) const;
   /// Applies the impulses that change the velocities of the rows by m_x.
   void apply(const BlockFactor& factor);
+  void applyDamped();
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
   void addLevers(const btConstraintArray& rows);
@@ -113,8 +115,8 @@ class JointSystem {
   std::vector<double> m_u;       ///< 6 a body
   std::vector<double> m_x;       ///< block_rows a block
   BlockFactor m_factor;
-  BlockFactor m_damped;          ///< of loops: for what need not be consistent
-  bool m_all = true, m_stiff = false;
+  BlockFactor m_damped;          ///< of loops: for what need not be consistent; made when it is asked for
+  bool m_all = true, m_stiff = false, m_damped_is_factor = false;
 };
 
 }  // namespace PINTLE_PRECISION
