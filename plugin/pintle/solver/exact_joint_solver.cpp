@@ -110,7 +110,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
       joints.read(m_tmpSolverBodyPool);
       joints.solve();
       // What the contacts load the joints with grows with the iterations, less and less.
-      if (i % 4 == 1 && stiffen()) joints.settle();
+      if (i == 1 && stiffen()) joints.settle();
       joints.write(m_tmpSolverBodyPool);
       if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
     }

@@ -41,7 +41,7 @@ bool isBilateral(const btSolverConstraint& row) {
 constexpr double stiff = 1, unresolved = 16;
 
 // A change of 1 + mu by this factor is worth another solution.
-constexpr double same_stiffness = 1.25;
+constexpr double same_stiffness = 1.5;
 
 }  // namespace
 
