@@ -133,16 +133,20 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   }
 }
 
-double EndOfStep::errors(const std::vector<JointBlock>& blocks, const btConstraintArray& rows,
-                         std::vector<double>& error) {
+void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
+                       std::vector<double>& error, std::vector<double>& largest) {
+  const std::vector<JointBlock>& blocks = joints.blocks();
   error.assign(block_rows * blocks.size(), 0.);
-  double largest = 0;
+  largest.assign(size_t(joints.topology().components), 0.);
   for (size_t c = 0; c < blocks.size(); ++c) {
     double* of = &error[block_rows * c];
     errors(blocks[c], rows, of);
-    for (int r = 0; r < blocks[c].rows; ++r) largest = std::max(largest, std::abs(of[r]));
+    double& most = largest[size_t(joints.topology().component[c])];
+    for (int r = 0; r < blocks[c].rows; ++r) {
+      const double size = double(m_dt) * std::abs(of[r]);
+      if (!(size <= most)) most = size;  // also NaN
+    }
   }
-  return largest;
 }
 
 void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error) {

@@ -13,9 +13,9 @@ class EndOfStep {
 
   /// Of each row of each block, the change of its velocity (m/s, rad/s) that makes it hold at the end
   /// of the step, as far as a step is to go; 0 for rows that are soft or no matter of position.
-  /// Returns the largest.
-  double errors(const std::vector<JointBlock>& blocks, const btConstraintArray& rows,
-                std::vector<double>& error);
+  /// The largest one of each component of the topology, times the step, is `largest`.
+  void errors(const JointSystem& joints, const btConstraintArray& rows, std::vector<double>& error,
+              std::vector<double>& largest);
 
  private:
   void errors(const JointBlock& block, const btConstraintArray& rows, double* error);

@@ -31,8 +31,13 @@ double freeVelocity(const btSolverConstraint& row, const btAlignedObjectArray<bt
          inDouble(row.m_relpos2CrossNormal).dot(inDouble(b.m_angularVelocity + b.m_externalTorqueImpulse));
 }
 
+// Nobody can move: both bodies are static, or hold NaN.
+bool isVoid(const btSolverConstraint& row) {
+  return !(row.m_jacDiagABInv > 0) || !BodyPair::is_finite(row.m_rhs);
+}
+
 bool isBilateral(const btSolverConstraint& row) {
-  return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded && row.m_jacDiagABInv > 0;
+  return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded;
 }
 
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
@@ -59,6 +64,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
     if (joint != last) index = 0;
     last = joint;
+    if (isVoid(row)) {
+      row.m_overrideNumSolverIterations = 0;
+      continue;
+    }
     if (!isBilateral(row)) {
       m_all = false;
       continue;
@@ -458,10 +467,52 @@ void JointSystem::correct(const std::vector<double>& change) {
   solve();
 }
 
+void JointSystem::keep() {
+  m_kept_u = m_u;
+  m_kept_rows.clear();
+  for (const JointBlock& block : m_blocks) {
+    m_kept_rows.insert(m_kept_rows.end(), block.impulse, block.impulse + block_rows);
+    m_kept_rows.insert(m_kept_rows.end(), block.deficit, block.deficit + block_rows);
+  }
+}
+
+void JointSystem::goBack(double part, const std::vector<char>& components) {
+  const auto go = [part](double& now, double kept) {
+    now = part > 0 ? kept + part * (now - kept) : kept;
+  };
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    const int component = m_topology->body_component[i];
+    if (component < 0 || !components[size_t(component)]) continue;
+    for (size_t k = 6 * i; k < 6 * i + 6; ++k) go(m_u[k], m_kept_u[k]);
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    if (!components[size_t(m_topology->component[c])]) continue;
+    const double* kept = &m_kept_rows[2 * block_rows * c];
+    for (double& impulse : m_blocks[c].impulse) go(impulse, *kept++);
+    for (double& deficit : m_blocks[c].deficit) go(deficit, *kept++);
+  }
+}
+
+bool JointSystem::finite() const {
+  double sum = 0;
+  for (const double u : m_u) sum += u;
+  return sum - sum == 0;
+}
+
+void JointSystem::release(btConstraintArray& rows, int iterations) const {
+  for (const JointBlock& block : m_blocks) {
+    for (int r = 0; r < block.rows; ++r) {
+      rows[block.row[r]].m_overrideNumSolverIterations = iterations;
+      rows[block.row[r]].m_appliedImpulse = 0;
+    }
+  }
+}
+
 size_t JointSystem::bytes() const {
-  return m_topologies.bytes() + m_factor.bytes() + m_blocks.capacity() * sizeof(JointBlock) +
+  return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() + m_blocks.capacity() * sizeof(JointBlock) +
          m_gathered.capacity() * sizeof(Gathered) + m_joints.capacity() * sizeof(Topology::Joint) +
-         m_bodies.capacity() * sizeof(Body) + (m_u.capacity() + m_x.capacity()) * sizeof(double);
+         m_bodies.capacity() * sizeof(Body) + (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity()) *
+             sizeof(double);
 }
 
 }  // namespace PINTLE_PRECISION

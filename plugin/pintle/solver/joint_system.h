@@ -67,7 +67,19 @@ class JointSystem {
   /// loop cannot do together is left undone.
   void correct(const std::vector<double>& change);
 
-  std::vector<JointBlock>& blocks() { return m_blocks; }
+  /// Keeps velocities, impulses and targets, to come back to.
+  void keep();
+  /// Goes back, in the components that are marked, from what there is now to what was kept, but for
+  /// `part` of the way.
+  void goBack(double part, const std::vector<char>& components);
+  const Topology& topology() const { return *m_topology; }
+
+  /// False if a velocity holds NaN or infinity.
+  bool finite() const;
+  /// Leaves the rows to Bullet's iteration, as if they had never been taken.
+  void release(btConstraintArray& rows, int iterations) const;
+
+  const std::vector<JointBlock>& blocks() const { return m_blocks; }
   /// How many rows say what others say already.
   int dependent() const { return m_factor.dependent(); }
   /// Bytes held, of which an island needs its share.
@@ -114,6 +126,7 @@ class JointSystem {
   std::vector<Body> m_bodies;
   std::vector<double> m_u;       ///< 6 a body
   std::vector<double> m_x;       ///< block_rows a block
+  std::vector<double> m_kept_u, m_kept_rows;
   BlockFactor m_factor;
   BlockFactor m_damped;          ///< of loops: for what need not be consistent; made when it is asked for
   bool m_all = true, m_stiff = false, m_damped_is_factor = false;

@@ -1,6 +1,7 @@
 #include <pintle/solver/topology.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -10,23 +11,52 @@ namespace {
 // over, is gone.
 constexpr unsigned long long rounds_kept = 8;
 
-// Joints that connect what is connected already.
-bool hasLoops(const std::vector<Topology::Joint>& joints) {
+// Bodies that belong together, found as they are joined.
+class Sets {
+ public:
+  explicit Sets(int size) : m_leader(static_cast<size_t>(size)) {
+    std::iota(m_leader.begin(), m_leader.end(), 0);
+  }
+  int find(int i) {
+    while (m_leader[size_t(i)] != i) i = m_leader[size_t(i)] = m_leader[size_t(m_leader[size_t(i)])];
+    return i;
+  }
+  /// False if they are together already.
+  bool join(int a, int b) {
+    a = find(a);
+    b = find(b);
+    m_leader[size_t(a)] = b;
+    return a != b;
+  }
+
+ private:
+  std::vector<int> m_leader;
+};
+
+void findComponents(Topology& topology) {
+  const auto& joints = topology.joints;
   int bodies = 0;
   for (const auto& joint : joints) bodies = std::max({bodies, joint.body[0] + 1, joint.body[1] + 1});
-  std::vector<int> leader(static_cast<size_t>(bodies) + 1);  // the last one is the ground
-  for (size_t i = 0; i < leader.size(); ++i) leader[i] = int(i);
-  const auto find = [&](int body) {
-    int i = body < 0 ? bodies : body;
-    while (leader[size_t(i)] != i) i = leader[size_t(i)] = leader[size_t(leader[size_t(i)])];
-    return i;
-  };
+  Sets with_ground(bodies + 1), without(bodies);
+  topology.loops = false;
   for (const auto& joint : joints) {
-    const int a = find(joint.body[0]), b = find(joint.body[1]);
-    if (a == b) return true;
-    leader[size_t(a)] = b;
+    const int a = joint.body[0], b = joint.body[1];
+    if (!with_ground.join(a < 0 ? bodies : a, b < 0 ? bodies : b)) topology.loops = true;
+    if (a >= 0 && b >= 0) without.join(a, b);
   }
-  return false;
+  std::vector<int> number(size_t(bodies), -1);
+  topology.body_component.assign(size_t(bodies), -1);
+  topology.component.clear();
+  topology.components = 0;
+  for (int c = 0; c < topology.elimination.columns(); ++c) {
+    const auto& joint = joints[size_t(topology.elimination.node(c))];
+    const int any = joint.body[0] >= 0 ? joint.body[0] : joint.body[1];
+    int& component = number[size_t(without.find(any))];
+    if (component < 0) component = topology.components++;
+    topology.component.push_back(component);
+    for (const int body : joint.body)
+      if (body >= 0) topology.body_component[size_t(body)] = component;
+  }
 }
 
 void analyse(Topology& topology) {
@@ -41,7 +71,7 @@ void analyse(Topology& topology) {
     for (size_t k = i + 1; k < at.size() && at[k].first == at[i].first; ++k)
       if (at[k].second != at[i].second) edges.emplace_back(at[i].second, at[k].second);
   topology.elimination.analyse(int(joints.size()), edges);
-  topology.loops = hasLoops(joints);
+  findComponents(topology);
   topology.rows.clear();
   for (int c = 0; c < topology.elimination.columns(); ++c)
     topology.rows.push_back(joints[size_t(topology.elimination.node(c))].rows);
@@ -73,7 +103,9 @@ size_t Topologies::bytes() const {
   for (const auto& known : m_known)
     sum += sizeof(Topology) + known->elimination.bytes() +
            known->joints.capacity() * sizeof(Topology::Joint) +
-           known->rows.capacity() * sizeof(int);
+           (known->rows.capacity() + known->component.capacity() +
+            known->body_component.capacity()) *
+               sizeof(int);
   return sum;
 }
 

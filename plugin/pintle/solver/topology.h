@@ -23,6 +23,10 @@ struct Topology {
   /// Whether some joints close a loop, which may be by the ground: then some of them may say again
   /// what the others do.
   bool loops = false;
+  /// What joints connect, the ground apart: numbers of the component of each joint, in the order of
+  /// elimination, and of each body; -1 for a body that has none.
+  std::vector<int> component, body_component;
+  int components = 0;
   unsigned long long last_use = 0;
 };
 
