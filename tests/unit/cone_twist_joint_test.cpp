@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "joint_kinds.h"
+#include "drawing.h"
 #include "support.h"
 
 namespace {
@@ -1301,34 +1302,12 @@ TEST(ContractOfTheConeTwist, RefusesBadSettingsAndStaysAsItWas) {
 
 // --- drawing -------------------------------------------------------------------------------------
 
-class Lines : public btIDebugDraw {
- public:
-  int count = 0, mode = 0;
-  bool finite = true;
-  void drawLine(const btVector3& from, const btVector3& to, const btVector3&) override {
-    ++count;
-    finite = finite && support::is_finite(from) && support::is_finite(to);
-  }
-  void drawContactPoint(const btVector3&, const btVector3&, btScalar, int,
-                        const btVector3&) override {}
-  void reportErrorWarning(const char*) override {}
-  void draw3dText(const btVector3&, const char*) override {}
-  void setDebugMode(int debug_mode) override { mode = debug_mode; }
-  int getDebugMode() const override { return mode; }
-};
-
 TEST(ConeTwistDrawing, DrawsWhatIsAskedFor) {
   Random random(18);
   for (const bool limited : {false, true}) {
     Limb<Ours> limb(random);
     if (limited) limb.joint->setLimit(scalar(0.5), scalar(0.9), scalar(0.4));
-    const auto lines = [&](int mode) {
-      Lines drawn;
-      drawn.setDebugMode(mode);
-      limb.joint->drawJoint(drawn);
-      EXPECT_TRUE(drawn.finite);
-      return drawn.count;
-    };
+    const auto lines = [&](int mode) { return drawing::linesOf(*limb.joint, mode); };
     EXPECT_EQ(lines(0), 0);
     EXPECT_EQ(lines(btIDebugDraw::DBG_DrawConstraints), 6);
     const int limits = lines(btIDebugDraw::DBG_DrawConstraintLimits);

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "line_counter.h"
+#include "drawing.h"
 #include "support.h"
 
 namespace {
@@ -505,11 +505,11 @@ TEST(ConstantVelocity, RefusesBadSettingsAndStaysAsItWas) {
 TEST(ConstantVelocity, DrawsFramesAndItsConeAsTheModeSays) {
   Rig rig;
   rig.joint().setDbgDrawSize(1);
-  EXPECT_EQ(support::linesDrawn(rig.joint(), btIDebugDraw::DBG_NoDebug), 0);
-  EXPECT_EQ(support::linesDrawn(rig.joint(), btIDebugDraw::DBG_DrawConstraints), 6);
-  EXPECT_EQ(support::linesDrawn(rig.joint(), btIDebugDraw::DBG_DrawConstraintLimits), 0);
+  EXPECT_EQ(drawing::linesOf(rig.joint(), btIDebugDraw::DBG_NoDebug), 0);
+  EXPECT_EQ(drawing::linesOf(rig.joint(), btIDebugDraw::DBG_DrawConstraints), 6);
+  EXPECT_EQ(drawing::linesOf(rig.joint(), btIDebugDraw::DBG_DrawConstraintLimits), 0);
   rig.joint().setBendLimit(scalar(0.5));
-  EXPECT_EQ(support::linesDrawn(rig.joint(), btIDebugDraw::DBG_DrawConstraintLimits), 40);
+  EXPECT_EQ(drawing::linesOf(rig.joint(), btIDebugDraw::DBG_DrawConstraintLimits), 40);
 }
 
 }  // namespace

@@ -64,6 +64,7 @@ using scenes::pi;
 using support::infinite;
 using support::nan_value;
 using support::Random;
+using support::refusal;
 using support::scalar;
 using support::SolverRows;
 using support::StepInfo;
@@ -830,16 +831,6 @@ TEST(ContractOfTheHinge, ALimitHoldsInTwoDimensions) {
 }
 
 // --- settings that are refused -------------------------------------------------------------------
-
-template <class Call>
-std::string refusal(Call call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 std::string text(double value) {
   std::ostringstream out;

@@ -1,9 +1,12 @@
 // A debug drawer that keeps the lines.
 #pragma once
 
-#include <LinearMath/btIDebugDraw.h>
+#include <gtest/gtest.h>
+#include <pintle/joints/joint.h>
 
 #include <vector>
+
+#include "support.h"
 
 namespace drawing {
 
@@ -30,5 +33,14 @@ class Recorder : public btIDebugDraw {
  private:
   int m_mode;
 };
+
+/// How many lines a joint draws in a mode, all of them from somewhere to somewhere.
+inline int linesOf(const pintle::Joint& joint, int mode) {
+  Recorder recorder(mode);
+  joint.drawJoint(recorder);
+  for (const Line& line : recorder.lines)
+    EXPECT_TRUE(support::is_finite(line.from) && support::is_finite(line.to));
+  return int(recorder.lines.size());
+}
 
 }  // namespace drawing

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "drawn_lines.h"
+#include "drawing.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -440,8 +440,8 @@ TEST(FixedJoint, RefusesBadSettingsAndStaysAsItWas) {
 
 TEST(FixedJoint, IsDrawnAsItsTwoFrames) {
   Rig<FixedJoint> rig(true);
-  EXPECT_EQ(support::linesOf(rig.joint, 0), 0);
-  EXPECT_EQ(support::linesOf(rig.joint, btIDebugDraw::DBG_DrawConstraints), 6);
+  EXPECT_EQ(drawing::linesOf(rig.joint, 0), 0);
+  EXPECT_EQ(drawing::linesOf(rig.joint, btIDebugDraw::DBG_DrawConstraints), 6);
 }
 
 // --- rows ----------------------------------------------------------------------------------------

@@ -1,19 +1,20 @@
 // Shared by the tests of the joints that Bullet has none of: worlds of small cubes, settings that
-// are refused, and a drawer that counts.
+// are refused, and what is drawn.
 #pragma once
 
 #include <gtest/gtest.h>
 #include <pintle/joints/joint.h>
 
 #include <sstream>
-#include <stdexcept>
 
+#include "drawing.h"
 #include "support.h"
 
 namespace free_joints {
 
 using scenes::pi;
 using support::nan_value;
+using support::refusal;
 using support::scalar;
 using support::vec;
 
@@ -25,16 +26,6 @@ constexpr double rounding(double in_single, double in_double) {
 /// A cube of 0.1 m: the same inertia about every axis, m (0.1 m)^2 / 6.
 inline btRigidBody& addCube(scenes::World& world, double mass, const btVector3& position) {
   return world.add_box(mass, vec(0.05, 0.05, 0.05), scenes::pose_at(position));
-}
-
-template <class Call>
-std::string refusal(Call call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 inline void expectRefusal(const std::string& message, const std::string& joint,
@@ -85,36 +76,9 @@ void expectChecked(const std::vector<Setting<J>>& settings, Make make) {
   }
 }
 
-/// Counts what a joint draws, and sees that it is finite.
-class Recorder : public btIDebugDraw {
- public:
-  explicit Recorder(int mode) : m_mode(mode) {}
-  void drawLine(const btVector3& from, const btVector3& to, const btVector3&) override {
-    ++lines;
-    finite = finite && support::is_finite(from) && support::is_finite(to);
-  }
-  void drawContactPoint(const btVector3&, const btVector3&, btScalar, int,
-                        const btVector3&) override {}
-  void reportErrorWarning(const char*) override {}
-  void draw3dText(const btVector3&, const char*) override {}
-  void setDebugMode(int mode) override { m_mode = mode; }
-  int getDebugMode() const override { return m_mode; }
-
-  int lines = 0;
-  bool finite = true;
-
- private:
-  int m_mode;
-};
-
 /// Frames only, limits only, both, nothing.
 inline void expectDrawn(const pintle::Joint& joint, int frame_lines, bool has_limit) {
-  const auto lines = [&](int mode) {
-    Recorder recorder(mode);
-    joint.drawJoint(recorder);
-    EXPECT_TRUE(recorder.finite);
-    return recorder.lines;
-  };
+  const auto lines = [&](int mode) { return drawing::linesOf(joint, mode); };
   const int frames = btIDebugDraw::DBG_DrawConstraints,
             limits = btIDebugDraw::DBG_DrawConstraintLimits;
   EXPECT_EQ(lines(btIDebugDraw::DBG_NoDebug), 0);

@@ -9,7 +9,7 @@
 #include <scenes/recovery.h>
 #include <scenes/unstable.h>
 
-#include "drawn_lines.h"
+#include "drawing.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -355,15 +355,15 @@ TEST(OtherHinges, AreDrawnAsTheHingeAndTwoPointsMore) {
   QuaternionHinge hinge(*a, *b, frame, frame);
   DotHinge dot(*a, *b, frame, frame);
   TwoPointHinge two(*a, *b, frame, frame);
-  EXPECT_EQ(support::linesOf(two, 0), 0);
+  EXPECT_EQ(drawing::linesOf(two, 0), 0);
   const int frames = btIDebugDraw::DBG_DrawConstraints;
   const int limits = btIDebugDraw::DBG_DrawConstraintLimits;
-  EXPECT_EQ(support::linesOf(hinge, frames), 6);
-  EXPECT_EQ(support::linesOf(dot, frames), 6);
-  EXPECT_EQ(support::linesOf(two, frames), 6 + 12);
-  EXPECT_GT(support::linesOf(hinge, limits), 0);
-  EXPECT_EQ(support::linesOf(dot, limits), support::linesOf(hinge, limits));
-  EXPECT_EQ(support::linesOf(two, limits), support::linesOf(hinge, limits));
+  EXPECT_EQ(drawing::linesOf(hinge, frames), 6);
+  EXPECT_EQ(drawing::linesOf(dot, frames), 6);
+  EXPECT_EQ(drawing::linesOf(two, frames), 6 + 12);
+  EXPECT_GT(drawing::linesOf(hinge, limits), 0);
+  EXPECT_EQ(drawing::linesOf(dot, limits), drawing::linesOf(hinge, limits));
+  EXPECT_EQ(drawing::linesOf(two, limits), drawing::linesOf(hinge, limits));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "drawing.h"
 #include "support.h"
 
 namespace {
@@ -1211,32 +1212,9 @@ TEST(Slider, ASliderCrankFollowsItsClosedForm) {
 
 // --- drawing -------------------------------------------------------------------------------------
 
-class Recorder : public btIDebugDraw {
- public:
-  int lines = 0;
-  bool finite = true;
-  int mode = 0;
-  void drawLine(const btVector3& from, const btVector3& to, const btVector3&) override {
-    ++lines;
-    finite = finite && support::is_finite(from) && support::is_finite(to);
-  }
-  void drawContactPoint(const btVector3&, const btVector3&, btScalar, int,
-                        const btVector3&) override {}
-  void reportErrorWarning(const char*) override {}
-  void draw3dText(const btVector3&, const char*) override {}
-  void setDebugMode(int m) override { mode = m; }
-  int getDebugMode() const override { return mode; }
-};
-
 TEST(Slider, DrawsItsFramesAndLimits) {
   Rig<Ours> rig({});
-  const auto lines = [&](int mode) {
-    Recorder recorder;
-    recorder.mode = mode;
-    rig.joint->drawJoint(recorder);
-    EXPECT_TRUE(recorder.finite);
-    return recorder.lines;
-  };
+  const auto lines = [&](int mode) { return drawing::linesOf(*rig.joint, mode); };
   const int frames = btIDebugDraw::DBG_DrawConstraints;
   const int limits = btIDebugDraw::DBG_DrawConstraintLimits;
   EXPECT_EQ(lines(0), 0);

@@ -13,6 +13,7 @@
 #include <memory>
 #include <ostream>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 namespace support {
@@ -196,6 +197,17 @@ int stepOfBreaking(Rig& rig, const btTypedConstraint& joint, const btVector3& fo
     if (!joint.isEnabled()) return i;
   }
   return -1;
+}
+
+/// What a call that must be refused says.
+template <class Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
 }
 
 }  // namespace support

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "line_counter.h"
+#include "drawing.h"
 #include "support.h"
 
 namespace {
@@ -21,6 +21,7 @@ using support::infinite;
 using support::is_double;
 using support::nan_value;
 using support::Random;
+using support::refusal;
 using support::scalar;
 using support::vec;
 using Stock = btUniversalConstraint;
@@ -238,16 +239,6 @@ TEST(DropInUniversal, SettersAndGettersGiveStocksAnswers) {
   ASSERT_EQ(stock.size(), ours.size());
   // Stock's margin of the limits is a float.
   for (size_t i = 0; i < stock.size(); ++i) EXPECT_NEAR(stock[i], ours[i], 1e-6) << i;
-}
-
-template <class Call>
-std::string refusal(Call call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(Universal, RefusesBadSettingsAndStaysAsItWas) {
@@ -743,16 +734,16 @@ TEST(Universal, DrawsFramesAndRangesAsTheModeSays) {
   Pair pair = randomPair(random);
   Ours joint(*pair.a, *pair.b, vec(0, 0, 0), vec(0, 0, 1), vec(0, 1, 0));
   joint.setDbgDrawSize(1);
-  EXPECT_EQ(support::linesDrawn(joint, btIDebugDraw::DBG_NoDebug), 0);
-  EXPECT_EQ(support::linesDrawn(joint, btIDebugDraw::DBG_DrawConstraints), 6);
-  const int ranges = support::linesDrawn(joint, btIDebugDraw::DBG_DrawConstraintLimits);
+  EXPECT_EQ(drawing::linesOf(joint, btIDebugDraw::DBG_NoDebug), 0);
+  EXPECT_EQ(drawing::linesOf(joint, btIDebugDraw::DBG_DrawConstraints), 6);
+  const int ranges = drawing::linesOf(joint, btIDebugDraw::DBG_DrawConstraintLimits);
   EXPECT_GT(ranges, 20);
   joint.setLimit(5, 0, 0);
-  const int one = support::linesDrawn(joint, btIDebugDraw::DBG_DrawConstraintLimits);
+  const int one = drawing::linesOf(joint, btIDebugDraw::DBG_DrawConstraintLimits);
   EXPECT_GT(one, 5);
   EXPECT_LT(one, ranges);
   joint.setLimit(4, -infinite, infinite);
-  EXPECT_GT(support::linesDrawn(joint, btIDebugDraw::DBG_DrawConstraintLimits), 5);
+  EXPECT_GT(drawing::linesOf(joint, btIDebugDraw::DBG_DrawConstraintLimits), 5);
 }
 
 // --- speed over a turn ---------------------------------------------------------------------------

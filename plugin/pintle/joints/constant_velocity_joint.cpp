@@ -25,16 +25,9 @@ struct ConstantVelocityJoint::Frames {
   Frame a, b;
   Vec3 x_a = a.a(), x_b = b.a();
 
-  Mat3 F() const {
-    Mat3 F;
-    F << x_a, a.b(), a.c();
-    return F;
-  }
-  // Of b against a.
+  // Of b against a, F the axes of a.
   Quaternion<Scalar> turn(const Mat3& F) const {
-    Mat3 R;
-    R << F.transpose() * x_b, F.transpose() * b.b(), F.transpose() * b.c();
-    return equations::quaternion(R);
+    return equations::quaternion(Mat3(F.transpose() * b.axes()));
   }
 };
 
@@ -90,8 +83,7 @@ inline void ConstantVelocityJoint::look(const Frames& at, UnwrappedAngle& shaft)
   const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);
   if (!(to.x * to.x + to.y * to.y > Scalar(1e-6))) return;
   const Scalar dt = timeStep();
-  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
-      m_rbB.isStaticOrKinematicObject())
+  if (turnIsNearest(m_rbA, m_rbB, dt, angularSpeed()))
     shaft.update(to.x, to.y);
   else
     shaft.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
@@ -111,7 +103,7 @@ btScalar ConstantVelocityJoint::getBend() const {
 
 btScalar ConstantVelocityJoint::getTwist() const {
   const Frames at = frames({m_rbA, m_rbB});
-  const Mat3 F = at.F();
+  const Mat3 F = at.a.axes();
   return equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX()).C;
 }
 
@@ -188,7 +180,7 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
                                            const UnwrappedAngle& shaft, Rows& rows) const {
   const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
   const bool document = getFormulation() == Formulation::document;
-  const Mat3 F = at.F();
+  const Mat3 F = at.a.axes();
   const auto row =
       document
           ? equations::constant_velocity_dot_row<Scalar>({at.a.b(), at.a.c()}, {at.b.b(), at.b.c()})

@@ -13,7 +13,7 @@ namespace {
 btMatrix3x3 basisWithZ(const btVector3& z) {
   btVector3 x, y;
   btPlaneSpace1(z, x, y);
-  return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
+  return columns(x, y, z);
 }
 
 }  // namespace

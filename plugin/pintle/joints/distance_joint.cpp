@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/equations/distance.h>
+#include <pintle/equations/impulse_reaction.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
 
@@ -139,7 +140,7 @@ inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows&
   const auto J = equations::position_row(at.d.n, at.r_a, at.r_b);
   const Scalar bend = curvature(pair, at);
   const Scalar speed =
-      J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) + J.A_b.dot(pair.w_b());
+      equations::row_velocity<Scalar>(J, {pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()});
   const Reach reach = linearReach(pair, J.A_a, J.A_b, speed, bend, timeStep()).of(m_axis);
   const bool limit = m_axis.limited() && reach.reaches(m_axis, at.d.length);
   if (!limit && !m_axis.driven()) return;

@@ -36,14 +36,6 @@ btScalar FixedJoint::getParam(int num, int axis) const {
 
 // --- readings ------------------------------------------------------------------------------------
 
-btTransform FixedJoint::getCalculatedTransformA() const {
-  return m_rbA.getCenterOfMassTransform() * m_frame_a;
-}
-
-btTransform FixedJoint::getCalculatedTransformB() const {
-  return m_rbB.getCenterOfMassTransform() * m_frame_b;
-}
-
 btScalar FixedJoint::getRelativePivotPosition(int axis_index) const {
   return getCalculatedTransformA().invXform(getCalculatedTransformB().getOrigin())[axis_index];
 }

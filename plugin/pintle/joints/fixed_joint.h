@@ -32,9 +32,6 @@ class FixedJoint : public FrameJoint {
 
   // --- how far off it is, of the bodies as they are now -------------------------------------------
   void calculateTransforms() {}  ///< not needed here
-  /// The frames in the world.
-  btTransform getCalculatedTransformA() const;
-  btTransform getCalculatedTransformB() const;
   /// Origin of b's frame along axis 0 to 2 of a's (m).
   btScalar getRelativePivotPosition(int axis_index) const;
   /// Euler angle 0 to 2 (x, y, z) of the frames (rad), in Bullet's sense: positive where a is turned

@@ -46,8 +46,8 @@ void FrameJoint::addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3&
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {
   if (!drawsFrames(drawer)) return;
-  drawer.drawTransform(m_rbA.getCenterOfMassTransform() * m_frame_a, m_dbgDrawSize);
-  drawer.drawTransform(m_rbB.getCenterOfMassTransform() * m_frame_b, m_dbgDrawSize);
+  drawer.drawTransform(getCalculatedTransformA(), m_dbgDrawSize);
+  drawer.drawTransform(getCalculatedTransformB(), m_dbgDrawSize);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -8,6 +8,11 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// The matrix of these columns.
+inline btMatrix3x3 columns(const btVector3& x, const btVector3& y, const btVector3& z) {
+  return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
+}
+
 class FrameJoint : public Joint {
  public:
   // --- as Bullet's joints have it ----------------------------------------------------------------
@@ -15,6 +20,13 @@ class FrameJoint : public Joint {
   btTransform& getFrameOffsetB() { return m_frame_b; }
   const btTransform& getFrameOffsetA() const { return m_frame_a; }
   const btTransform& getFrameOffsetB() const { return m_frame_b; }
+  /// The joint frames in the world, at the bodies' poses of now.
+  btTransform getCalculatedTransformA() const {
+    return m_rbA.getCenterOfMassTransform() * m_frame_a;
+  }
+  btTransform getCalculatedTransformB() const {
+    return m_rbB.getCenterOfMassTransform() * m_frame_b;
+  }
   /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
   void setFrames(const btTransform& frameInA, const btTransform& frameInB);
 
@@ -37,8 +49,7 @@ class FrameJoint : public Joint {
 
   /// A right-handed basis of two unit vectors at right angles.
   static btMatrix3x3 basisOf(const btVector3& x, const btVector3& y) {
-    const btVector3 z = x.cross(y);
-    return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
+    return columns(x, y, x.cross(y));
   }
   /// The frame of b that lies where that of a is now.
   btTransform coincident(const btTransform& frameInA) const {

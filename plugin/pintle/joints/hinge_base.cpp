@@ -9,10 +9,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-btMatrix3x3 columns(const btVector3& x, const btVector3& y, const btVector3& z) {
-  return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
-}
-
 btVector3 tangent(const btVector3& axis) {
   btVector3 x(0, 0, 0), y(0, 0, 0);
   btPlaneSpace1(axis, x, y);
@@ -148,10 +144,8 @@ void HingeBase::setLimit(btScalar low, btScalar high, btScalar softness, btScala
 
   limitChanged();
 
-  if (moved && !m_turn_given && m_axis.limited() && high - low < SIMD_2_PI) {
-    const Scalar middle = (low + high) / 2, now = angle();
-    m_twist.set(m_sign * (now + SIMD_2_PI * std::round((middle - now) / SIMD_2_PI)));
-  }
+  if (moved && !m_turn_given && m_axis.limited() && high - low < SIMD_2_PI)
+    m_twist.turnTowards(m_sign * (low + high) / 2);
 }
 
 void HingeBase::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -211,24 +205,15 @@ void HingeBase::setFriction(btScalar max_torque) { setAxisFriction(m_axis, max_t
 
 void HingeBase::setParam(int num, btScalar value, int axis) {
   if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
-  switch (num) {
-    case BT_CONSTRAINT_ERP: m_erp = {notNegative("ERP", value), true}; break;
-    case BT_CONSTRAINT_CFM: m_motor_cfm = {notNegative("CFM", value), true}; break;
-    case BT_CONSTRAINT_STOP_ERP: m_limit_erp = {notNegative("STOP_ERP", value), true}; break;
-    case BT_CONSTRAINT_STOP_CFM: m_limit_cfm = {notNegative("STOP_CFM", value), true}; break;
-    default: reject("parameter", num, "no such parameter");
-  }
+  if (num == BT_CONSTRAINT_CFM)
+    m_motor_cfm = {notNegative("CFM", value), true};
+  else
+    FrameJoint::setParam(num, value, axis);
 }
 
 btScalar HingeBase::getParam(int num, int axis) const {
   if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
-  switch (num) {
-    case BT_CONSTRAINT_ERP: return m_erp.value;
-    case BT_CONSTRAINT_CFM: return m_motor_cfm.value;
-    case BT_CONSTRAINT_STOP_ERP: return m_limit_erp.value;
-    case BT_CONSTRAINT_STOP_CFM: return m_limit_cfm.value;
-    default: reject("parameter", num, "no such parameter");
-  }
+  return num == BT_CONSTRAINT_CFM ? m_motor_cfm.value : FrameJoint::getParam(num, axis);
 }
 
 int HingeBase::getFlags() const {

@@ -76,14 +76,6 @@ void SliderJoint::testAngLimits() {
   m_seen = m_twist;
 }
 
-btTransform SliderJoint::getCalculatedTransformA() const {
-  return m_rbA.getCenterOfMassTransform() * m_frame_a;
-}
-
-btTransform SliderJoint::getCalculatedTransformB() const {
-  return m_rbB.getCenterOfMassTransform() * m_frame_b;
-}
-
 btVector3 SliderJoint::getAncorInA() const {
   const Scalar middle = (m_linear.low + m_linear.high) / 2;
   const Scalar along = BodyPair::is_finite(middle) ? middle : Scalar(0);
@@ -137,10 +129,8 @@ void SliderJoint::setUpperAngLimit(btScalar upperLimit) {
 void SliderJoint::setAngularLimits(Scalar low, Scalar high) {
   const bool moved = low != m_angular.low || high != m_angular.high;
   setAxisLimit(m_angular, low, high);
-  if (moved && !m_turn_given && m_angular.limited() && high - low < SIMD_2_PI) {
-    const Scalar middle = (low + high) / 2, now = m_twist.value();
-    m_twist.set(now + SIMD_2_PI * std::round((middle - now) / SIMD_2_PI));
-  }
+  if (moved && !m_turn_given && m_angular.limited() && high - low < SIMD_2_PI)
+    m_twist.turnTowards((low + high) / 2);
 }
 
 void SliderJoint::setSoftness(Feel& feel, Scalar softness) {

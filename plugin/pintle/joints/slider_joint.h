@@ -42,9 +42,6 @@ class SliderJoint : public FrameJoint {
   SliderJoint(btRigidBody& rbB, const btTransform& frameInB, bool useLinearReferenceFrameA = true);
 
   bool getUseLinearReferenceFrameA() const { return m_sign > 0; }
-  /// The joint frames in the world, where the bodies are now.
-  btTransform getCalculatedTransformA() const;
-  btTransform getCalculatedTransformB() const;
   /// m, in body a: its anchor, moved to the middle between the linear limits; that of b is fixed.
   btVector3 getAncorInA() const;
   btVector3 getAncorInB() const { return m_frame_b.getOrigin(); }

@@ -17,13 +17,10 @@ inline void followTwist(UnwrappedAngle& angle, const equations::Twist<Scalar>& t
   // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
   // the last one stands; nor in a frame that its owner has spoiled.
   if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
-  // Two fast bodies turn by up to two half turns a step: then not the nearest turn, but the one
-  // that their motion leads to. (A kinematic body goes where it is put.)
-  if (speed * dt < 1 || a.isStaticOrKinematicObject() || b.isStaticOrKinematicObject()) {
+  if (turnIsNearest(a, b, dt, speed))
     angle.update(twist.x, twist.y);
-    return;
-  }
-  angle.update(twist.x, twist.y, axes_sum.normalized().dot(turnOfStep(a, b, dt)));
+  else
+    angle.update(twist.x, twist.y, axes_sum.normalized().dot(turnOfStep(a, b, dt)));
 }
 
 }  // namespace PINTLE_PRECISION

@@ -104,8 +104,7 @@ inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
     if (rightWayUp()) angles.alpha = angles.beta = {};
   }
   const Scalar dt = timeStep();
-  if (angularSpeed() * dt < 1 || m_rbA.isStaticOrKinematicObject() ||
-      m_rbB.isStaticOrKinematicObject()) {
+  if (turnIsNearest(m_rbA, m_rbB, dt, angularSpeed())) {
     angles.alpha.update(to.alpha_x, to.alpha_y);
     angles.beta.update(to.beta_x, to.beta_y);
   } else {

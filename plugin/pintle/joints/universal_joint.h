@@ -59,13 +59,6 @@ class UniversalJoint : public FrameJoint {
   void setAxis(const btVector3& axis1, const btVector3& axis2);
 
   // --- btGeneric6DofConstraint -------------------------------------------------------------------
-  /// The joint frames in the world, where they are now.
-  btTransform getCalculatedTransformA() const {
-    return m_rbA.getCenterOfMassTransform() * m_frame_a;
-  }
-  btTransform getCalculatedTransformB() const {
-    return m_rbB.getCenterOfMassTransform() * m_frame_b;
-  }
   /// Nothing to do: readings are always those of now.
   void calculateTransforms() {}
   /// rad: 2 angle 1, 1 angle 2, in [-pi, pi]; 0 the error by which the axes are off their right

@@ -8,14 +8,19 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// A bound for what a torque of 1 N m about any axis gives a body, rad/s^2.
+inline Scalar inverseInertiaTrace(const btRigidBody& body) {
+  const btMatrix3x3& I_inv = body.getInvInertiaTensorWorld();
+  return I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
+}
+
 /// The first three lanes add up to a bound for the square of the angular acceleration (rad^2/s^4,
 /// about any axis) that the force and the torque on a body give it, wherever a joint holds it: a
-/// force F on the centre turns a body that is held at the distance r by at most F r / (r^2 + k^2) /
-/// m
-/// <= F / (2 k m), k its least radius of gyration; the trace of I^-1 is a bound for 1 / (m k^2).
+/// force F on the centre turns a body that is held at the distance r by at most
+/// F r / (r^2 + k^2) / m <= F / (2 k m), k its least radius of gyration; the trace of I^-1 is a bound
+/// for 1 / (m k^2).
 inline Lanes accelerationBound2(const btRigidBody& body) {
-  const btMatrix3x3& I_inv = body.getInvInertiaTensorWorld();
-  const Scalar trace = I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
+  const Scalar trace = inverseInertiaTrace(body);
   const LanesView F = lanes(body.getTotalForce()), T = lanes(body.getTotalTorque());
   // (x + y)^2 <= 2 (x^2 + y^2)
   return F * F * (Scalar(0.5) * trace * body.getInvMass()) + T * T * (2 * trace * trace);
@@ -55,11 +60,8 @@ inline Reach angularReach(const BodyPair& pair, const Vec3& h, Scalar dt, Scalar
 /// J of an acceleration a by forces is at most sqrt(J M^-1 J^T a^T M a).
 inline Reach linearReach(const BodyPair& pair, const Vec3& lever_a, const Vec3& lever_b,
                          Scalar speed, Scalar curvature, Scalar dt) {
-  const auto trace = [](const btMatrix3x3& I_inv) {
-    return I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
-  };
   const btRigidBody &a = pair.a(), &b = pair.b();
-  const Scalar I_a = trace(a.getInvInertiaTensorWorld()), I_b = trace(b.getInvInertiaTensorWorld());
+  const Scalar I_a = inverseInertiaTrace(a), I_b = inverseInertiaTrace(b);
   const LanesView F_a = lanes(a.getTotalForce()), F_b = lanes(b.getTotalForce());
   const LanesView T_a = lanes(a.getTotalTorque()), T_b = lanes(b.getTotalTorque());
   const Lanes aMa = F_a * F_a * pair.inv_mass_a() + F_b * F_b * pair.inv_mass_b() +

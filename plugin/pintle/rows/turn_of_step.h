@@ -15,6 +15,12 @@ inline Vec3 turnOfStep(const btVector3& w, Scalar dt) {
   return turn / angle * dt * view(w);
 }
 
+/// Whether the angle between two bodies moved the nearest way in a step. Two fast ones turn by up to
+/// two half turns: then it is turnOfStep that tells. (A kinematic body goes where it is put.)
+inline bool turnIsNearest(const btRigidBody& a, const btRigidBody& b, Scalar dt, Scalar speed) {
+  return speed * dt < 1 || a.isStaticOrKinematicObject() || b.isStaticOrKinematicObject();
+}
+
 /// Of b against a, in the last step.
 inline Vec3 turnOfStep(const btRigidBody& a, const btRigidBody& b, Scalar dt) {
   return turnOfStep(b.getInterpolationAngularVelocity(), dt) -
