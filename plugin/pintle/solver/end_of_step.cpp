@@ -17,7 +17,8 @@ namespace {
 // further off is brought together as ERP says.
 constexpr double free_correction = 1;
 
-constexpr int most_rows = 16;  // of a stock joint
+constexpr int most_joint_rows = 8;  // of a joint of Pintle's
+constexpr int most_rows = 16;       // of a stock joint
 
 // Bullet's rows of a stock joint, for any pose of its bodies.
 class StockRows {
@@ -46,16 +47,27 @@ class StockRows {
   btSolverConstraint m_rows[most_rows];
 };
 
-// A row of the same number is the same row, unless a limit came in before it.
+// A row of the same number is the same row, unless a limit came in before it, or its direction jumped.
+// Its error at the end of the step says something of its velocity at the start only if it is.
+bool isSame(double aa, double ab, double bb) { return ab > 0 && 2 * ab * ab > aa * bb; }
+
 bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
   const auto dot = [](const btSolverConstraint& x, const btSolverConstraint& y) {
-    return x.m_contactNormal1.dot(y.m_contactNormal1) +
-           x.m_relpos1CrossNormal.dot(y.m_relpos1CrossNormal) +
-           x.m_contactNormal2.dot(y.m_contactNormal2) +
-           x.m_relpos2CrossNormal.dot(y.m_relpos2CrossNormal);
+    return double(x.m_contactNormal1.dot(y.m_contactNormal1) +
+                  x.m_relpos1CrossNormal.dot(y.m_relpos1CrossNormal) +
+                  x.m_contactNormal2.dot(y.m_contactNormal2) +
+                  x.m_relpos2CrossNormal.dot(y.m_relpos2CrossNormal));
   };
-  const Scalar ab = dot(a, b);
-  return ab > 0 && 2 * ab * ab > dot(a, a) * dot(b, b);
+  return isSame(dot(a, a), dot(a, b), dot(b, b));
+}
+
+// Bullet's rows are the negative of the document's: J_1 = [L, A_a], J_2 = [-L, -A_b].
+bool isSameRow(const Row& a, const btSolverConstraint& b) {
+  const auto L = view(b.m_contactNormal1), A_a = view(b.m_relpos1CrossNormal),
+             A_b = view(b.m_relpos2CrossNormal);
+  return isSame(double(a.L.dot(a.L) + a.A_a.dot(a.A_a) + a.A_b.dot(a.A_b)),
+                double(a.L.dot(L) + a.A_a.dot(A_a) - a.A_b.dot(A_b)),
+                double(L.dot(L) + A_a.dot(A_a) + A_b.dot(A_b)));
 }
 
 class PoseGuard {
@@ -110,13 +122,13 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     most[r] = double(infinity);
   }
   if (const auto* joint = dynamic_cast<const Joint*>(block.joint)) {
-    RowMemory<8, 8> memory;
+    RowMemory<most_joint_rows, most_joint_rows> memory;
     Rows now(memory);
     joint->addRows(BodyPair(a, pose_a, b, pose_b), now);
     for (int r = 0; r < block.rows; ++r) {
       if (block.index[r] >= now.equalities()) continue;
       const Row& row = now[block.index[r]];
-      // Bullet's rows are the negative of the document's.
+      if (!isSameRow(row, rows[block.row[r]])) continue;
       speed[r] = double(fps) * double(row.position);
       most[r] = double(row.max_speed);
     }

@@ -26,6 +26,10 @@ bool isFar(const std::vector<double>& errors) {
   return std::any_of(errors.begin(), errors.end(), [](double e) { return !(e <= small_error); });
 }
 
+// By this a step may raise the energy of what joints connect, and by what it takes to move it at
+// this speed, m/s and rad/s.
+constexpr double most_gain = 1.5, correction_speed = 10;
+
 // What is larger is corrected again, up to so often.
 constexpr int most_extra_iterations = 2;
 
@@ -37,7 +41,8 @@ struct ExactJointSolver::Island {
   EndOfStep end;
   std::vector<double> error;  ///< of all rows at the end of the step, by block
   std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
-  std::vector<char> worse;    ///< whether it has grown
+  std::vector<double> free_energy, energy, unit_energy;  ///< of each (JointSystem::energies)
+  std::vector<char> worse;    ///< whether a large error has grown, or energy has
   std::vector<Joint*> plain;  ///< joints whose rows are plain for this step
   int stiffenings = 0;        ///< in this step
 };
@@ -103,16 +108,20 @@ bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
       !joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, info.m_timeStep))
     return false;
   ++m_island->stiffenings;
-  if (hasBounds()) {
-    resetVelocities();
-    joints.stiffenRows(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, false);
-    for (btConstraintArray* rows :
-         {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
-          &m_tmpSolverContactRollingFrictionConstraintPool})
-      joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
-  }
-  joints.begin(m_tmpSolverBodyPool);
+  restart();
   return true;
+}
+
+// Solves the joints anew, with the inertia that bodies have now, and what has been iterated so far.
+void ExactJointSolver::restart() {
+  JointSystem& joints = m_island->joints;
+  resetVelocities();
+  joints.stiffenRows(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, false);
+  for (btConstraintArray* rows :
+       {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
+        &m_tmpSolverContactRollingFrictionConstraintPool})
+    joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
+  joints.begin(m_tmpSolverBodyPool);
 }
 
 // The errors at the end of the step, and the largest of each component, m or rad.
@@ -123,16 +132,40 @@ void ExactJointSolver::lookAhead(const btContactSolverInfo& info, std::vector<do
   island.end.errors(island.joints, m_tmpSolverNonContactConstraintPool, island.error, largest);
 }
 
-void ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
-  if (m_position_iterations == 0) return;
+// Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
+// force would add energy without end: components that gain too much are brought to rest in their
+// joints, and close them later.
+void ExactJointSolver::calm() {
+  Island& island = *m_island;
+  JointSystem& joints = island.joints;
+  joints.write(m_tmpSolverBodyPool);
+  joints.energies(m_tmpSolverBodyPool, island.free_energy, island.energy, island.unit_energy);
+  bool any = false;
+  island.worse.resize(island.energy.size());
+  for (size_t i = 0; i < island.energy.size(); ++i) {
+    island.worse[i] = !(island.energy[i] <= most_gain * island.free_energy[i] +
+                                                correction_speed * correction_speed * island.unit_energy[i]);
+    any = any || island.worse[i];
+  }
+  if (!any) return;
+  joints.calm(m_tmpSolverBodyPool, island.worse);
+  restart();
+  joints.settle();
+}
+
+// Returns whether bodies may have been moved by more than is good for them.
+bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
+  if (m_position_iterations == 0) return true;
   Island& island = *m_island;
   JointSystem& joints = island.joints;
   lookAhead(info, island.largest);
+  bool any_far = false;
   for (int i = 1;; ++i) {
     const bool last = i >= m_position_iterations, far = isFar(island.largest);
+    any_far = any_far || far;
     if (far || !last) joints.keep();
     joints.correct(island.error);
-    if (!far && last) return;
+    if (!far && last) return any_far;
     // Components in which that has made it worse go half of the way, or else none.
     bool worse = false;
     for (const double part : {0.5, 0.}) {
@@ -143,7 +176,7 @@ void ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
     }
     const bool enough = worse || i >= m_position_iterations + most_extra_iterations ||
                         !isFar(island.next_largest);
-    if (last && enough) return;
+    if (last && enough) return any_far;
     lookAhead(info, island.largest);
   }
 }
@@ -202,7 +235,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   }
   if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
-  iteratePositions(infoGlobal);
+  if (iteratePositions(infoGlobal)) calm();
   if (!joints.finite()) {
     joints.release(m_tmpSolverNonContactConstraintPool, infoGlobal.m_numIterations);
     resetVelocities();

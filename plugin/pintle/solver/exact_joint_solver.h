@@ -74,8 +74,10 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   bool hasBounds() const;
   bool stiffen(const btContactSolverInfo& info);
   void resetVelocities();
+  void restart();
   bool findWorse();
-  void iteratePositions(const btContactSolverInfo& info);
+  void calm();
+  bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);
 
   std::unique_ptr<Island> m_island;

@@ -20,6 +20,8 @@ constexpr double dependent_row = 1e-12;
 // first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
 // velocities of 1 / d of it; the second bounds that: 1 / (2 sqrt(part)).
 constexpr double least_impulses = 1e-10, damped_correction = 1e-4;
+// Rows of one joint that depend on each other but for this part are treated as those of a loop.
+constexpr double nearly_dependent = 1e-6;
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
@@ -193,6 +195,7 @@ void JointSystem::factorise() {
       }
     }
   }
+  m_loops = m_topology->loops || dependsOnItself();
   if (loops()) {
     m_damped = m_factor;
     m_damped.regularise(damped_correction);
@@ -272,6 +275,23 @@ void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies
   }
 }
 
+// Whether a joint that holds all six freedoms, or says that it does, says some of them twice.
+bool JointSystem::dependsOnItself() {
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    if (m_blocks[c].rows < block_rows) continue;
+    double K[block_rows * block_rows];
+    std::copy_n(m_factor.block(int(c)), block_rows * block_rows, K);
+    for (int p = 0; p < block_rows; ++p) {
+      const double pivot = K[p * (block_rows + 1)];
+      const double whole = m_factor.block(int(c))[p * (block_rows + 1)];
+      if (!(pivot > nearly_dependent * whole)) return true;
+      for (int q = p + 1; q < block_rows; ++q)
+        column(K, q) -= K[p * block_rows + q] / pivot * column(K, p);
+    }
+  }
+  return false;
+}
+
 bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
                           const btConstraintArray& rows, Scalar dt) {
   addLoads(double(dt));
@@ -292,7 +312,12 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
   }
   if (!changed) return false;
   m_stiff = true;
+  changeInertia(bodies);
+  return true;
+}
 
+// To the next stiffening of each body.
+void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies) {
   for (Body& body : m_bodies) {
     body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();
     body.stiffening = body.next_stiffening;
@@ -320,7 +345,6 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
     body.kick = body.stiffening.matrix(part) * (body.inverse * behind);
   }
   factorise();
-  return true;
 }
 
 void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
@@ -491,6 +515,40 @@ void JointSystem::goBack(double part, const std::vector<char>& components) {
     for (double& impulse : m_blocks[c].impulse) go(impulse, *kept++);
     for (double& deficit : m_blocks[c].deficit) go(deficit, *kept++);
   }
+}
+
+void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
+                           std::vector<double>& free, std::vector<double>& now,
+                           std::vector<double>& unit) const {
+  free.assign(size_t(m_topology->components), 0.);
+  now = unit = free;
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    if (m_topology->body_component[i] < 0) continue;
+    const auto component = size_t(m_topology->body_component[i]);
+    const Body& body = m_bodies[i];
+    const btSolverBody& of = bodies[int(i)];
+    const auto energy = [&](const btVector3& v, const btVector3& w) {
+      double sum = (body.inverse * inDouble(w)).squaredNorm();
+      for (int k = 0; k < 3; ++k)
+        if (body.linear[k] > 0)
+          sum += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
+      return sum / 2;
+    };
+    const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse;
+    const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
+    free[component] += energy(v, w);
+    now[component] += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
+    unit[component] += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
+  }
+}
+
+void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
+                       const std::vector<char>& components) {
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    if (components[size_t(m_topology->component[c])])
+      column(m_blocks[c].deficit) = column(m_blocks[c].rest);
+  for (Body& body : m_bodies) body.next_stiffening = Stiffening();
+  changeInertia(bodies);
 }
 
 bool JointSystem::finite() const {

@@ -72,6 +72,13 @@ class JointSystem {
   /// Goes back, in the components that are marked, from what there is now to what was kept, but for
   /// `part` of the way.
   void goBack(double part, const std::vector<char>& components);
+  /// Kinetic energy (J) of each component, before any impulse of the step and now, and what it has at
+  /// 1 m/s and 1 rad/s.
+  void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<double>& free,
+                std::vector<double>& now, std::vector<double>& unit) const;
+  /// All rows of the marked components are to come to rest only, and no body is stiffened: what takes
+  /// energy, and adds none. The joints are to be solved anew.
+  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components);
   const Topology& topology() const { return *m_topology; }
 
   /// False if a velocity holds NaN or infinity.
@@ -100,7 +107,8 @@ class JointSystem {
   };
 
   void scale(Body& body, const btSolverBody& of) const;
-  bool loops() const { return m_topology->loops; }
+  bool dependsOnItself();
+  bool loops() const { return m_loops; }
   /// What the row lacks now.
   BlockColumn residual(const JointBlock& block) const;
   /// J u
@@ -108,6 +116,7 @@ class JointSystem {
   /// Applies the impulses that change the velocities of the rows by m_x.
   void apply(const BlockFactor& factor);
   void applyDamped();
+  void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
   void addLevers(const btConstraintArray& rows);
@@ -129,6 +138,7 @@ class JointSystem {
   std::vector<double> m_kept_u, m_kept_rows;
   BlockFactor m_factor;
   BlockFactor m_damped;          ///< of loops: for what need not be consistent; made when it is asked for
+  bool m_loops = false;  ///< whether rows may depend on each other
   bool m_all = true, m_stiff = false, m_damped_is_factor = false;
 };
 
