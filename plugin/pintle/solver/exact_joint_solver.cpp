@@ -28,7 +28,7 @@ bool isFar(const std::vector<double>& errors) {
 
 // By this a step may raise the energy of what joints connect, and by what it takes to move it at
 // this speed, m/s and rad/s.
-constexpr double most_gain = 1.5, correction_speed = 10;
+constexpr double most_gain = 1.1, correction_speed = 3;
 
 // What is larger is corrected again, up to so often.
 constexpr int most_extra_iterations = 2;
@@ -155,7 +155,7 @@ void ExactJointSolver::calm() {
 
 // Returns whether bodies may have been moved by more than is good for them.
 bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
-  if (m_position_iterations == 0) return true;
+  if (m_position_iterations == 0) return false;
   Island& island = *m_island;
   JointSystem& joints = island.joints;
   lookAhead(info, island.largest);
@@ -235,7 +235,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   }
   if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
-  if (iteratePositions(infoGlobal)) calm();
+  if (iteratePositions(infoGlobal) || joints.fastest() > correction_speed) calm();
   if (!joints.finite()) {
     joints.release(m_tmpSolverNonContactConstraintPool, infoGlobal.m_numIterations);
     resetVelocities();

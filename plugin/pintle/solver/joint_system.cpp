@@ -58,6 +58,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   m_joints.clear();
   m_all = true;
   m_stiff = false;
+  m_fastest = 0;
   const auto moving = [&](int body) { return bodies[body].internalGetInvMass().isZero() ? -1 : body; };
   const btTypedConstraint* last = nullptr;
   int index = 0;
@@ -116,6 +117,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
       block.deficit[r] = double(row.m_rhs) * K;
       block.rest[r] = -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
+      m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
     findPoint(block, rows);
   }

@@ -87,6 +87,8 @@ class JointSystem {
   void release(btConstraintArray& rows, int iterations) const;
 
   const std::vector<JointBlock>& blocks() const { return m_blocks; }
+  /// The largest velocity that a row is to have at its target, m/s or rad/s.
+  double fastest() const { return m_fastest; }
   /// How many rows say what others say already.
   int dependent() const { return m_factor.dependent(); }
   /// Bytes held, of which an island needs its share.
@@ -138,6 +140,7 @@ class JointSystem {
   std::vector<double> m_kept_u, m_kept_rows;
   BlockFactor m_factor;
   BlockFactor m_damped;          ///< of loops: for what need not be consistent; made when it is asked for
+  double m_fastest = 0;
   bool m_loops = false;  ///< whether rows may depend on each other
   bool m_all = true, m_stiff = false, m_damped_is_factor = false;
 };
