@@ -211,8 +211,12 @@ void JointSystem::factorise() {
 void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   block.point[0] = -1;
   int found = 0;
-  for (int i = 0; i < block.rows && found < 3; ++i)
-    if (!rows[block.row[i]].m_contactNormal1.isZero()) block.point[found++] = i;
+  for (int i = 0; i < block.rows; ++i) {
+    if (rows[block.row[i]].m_contactNormal1.isZero())
+      ++block.angular_rows;
+    else if (found < 3)
+      block.point[found++] = i;
+  }
   if (found < 3) {
     block.point[0] = -1;
     return;
@@ -277,17 +281,18 @@ void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies
   }
 }
 
-// Whether a joint that holds all six freedoms, or says that it does, says some of them twice.
+// Whether a joint that holds all of an orientation, or says that it does, says some of it twice.
 bool JointSystem::dependsOnItself() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
-    if (m_blocks[c].rows < block_rows) continue;
+    const int rows = m_blocks[c].rows;
+    if (m_blocks[c].angular_rows < 3) continue;
     double K[block_rows * block_rows];
     std::copy_n(m_factor.block(int(c)), block_rows * block_rows, K);
-    for (int p = 0; p < block_rows; ++p) {
+    for (int p = 0; p < rows; ++p) {
       const double pivot = K[p * (block_rows + 1)];
       const double whole = m_factor.block(int(c))[p * (block_rows + 1)];
       if (!(pivot > nearly_dependent * whole)) return true;
-      for (int q = p + 1; q < block_rows; ++q)
+      for (int q = p + 1; q < rows; ++q)
         column(K, q) -= K[p * block_rows + q] / pivot * column(K, p);
     }
   }

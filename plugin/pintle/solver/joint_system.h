@@ -25,6 +25,7 @@ struct JointBlock {
   double rest[block_rows];       ///< the part of it that brings the row to rest: -J v
   double softness[block_rows];   ///< Sigma
   double impulse[block_rows];    ///< lambda
+  int angular_rows;
   int point[3];                  ///< three rows that hold a point in all directions; -1: none do
   double lever[2][3];            ///< of the point, from each body's centre
   double swing[2];               ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
