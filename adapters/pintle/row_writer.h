@@ -30,15 +30,14 @@ class RowWriter {
   /// The world's default; Bullet hands it over in the first row only.
   Scalar cfm() const { return m_cfm; }
 
-  /// Writes every field of the next row, from vectors of four numbers of which the last means
-  /// nothing. `target` and the bounds are the document's (body b positive), cfm is Bullet's: a
+  /// Writes every field of the next row; the vectors' fourth lanes mean nothing. `target` and the bounds are the document's (body b positive), cfm is Bullet's: a
   /// fraction of the row's own K.
-  void write(const Scalar* L, const Scalar* A_a, const Scalar* A_b, Scalar target, Scalar cfm,
+  void write(const Lanes& L, const Lanes& A_a, const Lanes& A_b, Scalar target, Scalar cfm,
              Scalar lower, Scalar upper) {
     put(m_J1linear + m_at, L);
     put(m_J1angular + m_at, A_a);
-    putNegative(m_J2linear + m_at, L);
-    putNegative(m_J2angular + m_at, A_b);
+    put(m_J2linear + m_at, -L);
+    put(m_J2angular + m_at, -A_b);
     m_error[m_at] = -target;
     m_cfms[m_at] = cfm;
     m_lower[m_at] = -upper;
@@ -48,10 +47,9 @@ class RowWriter {
 
  private:
   // Three numbers: what follows them in Bullet's row is not ours.
-  static void put(Scalar* to, const Scalar* v) { std::memcpy(to, v, 3 * sizeof(Scalar)); }
-  static void putNegative(Scalar* to, const Scalar* v) {
-    const Lanes negative = -LanesView(v);
-    put(to, negative.data());
+  static void put(Scalar* to, const Lanes& v) {
+    std::memcpy(to, v.data(), 2 * sizeof(Scalar));
+    to[2] = v[2];
   }
 
   // Copies: a pointer in Bullet's structure would be read again after each number written.

@@ -19,6 +19,14 @@
 namespace support {
 
 constexpr bool is_double = sizeof(btScalar) == sizeof(double);
+// How many of `n` random trials are run. Sanitizers look at the memory, not at the numbers: the first ones
+// go through the code.
+#ifdef PINTLE_SANITIZED
+constexpr int trials(int n) { return (n + 19) / 20; }
+#else
+constexpr int trials(int n) { return n; }
+#endif
+
 constexpr btScalar nan_value = std::numeric_limits<btScalar>::quiet_NaN();
 constexpr btScalar infinite = std::numeric_limits<btScalar>::infinity();
 

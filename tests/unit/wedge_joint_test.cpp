@@ -412,6 +412,34 @@ TEST(WedgeJoint, FrictionHoldsTheAngleAndNothingElse) {
   EXPECT_NEAR(double(arm.joint.getAngle()), 0, 30 * dt * dt);
 }
 
+TEST(WedgeJoint, AMotorTurnsToTheLimitAndAServoHolds) {
+  Arm arm(degreeWedge(-60, 60), 0, pi / 2);
+  const double inertia = double(arm.cube.getLocalInertia().z()) + Arm::length * Arm::length;
+  arm.joint.enableAngularMotor(true, 2, 10);
+  arm.steps(1);
+  EXPECT_NEAR(double(arm.cube.getAngularVelocity().z()), 2, 1e-3);
+  EXPECT_NEAR(double(arm.joint.getMotorImpulse()), 2 * inertia, 1e-4);
+  arm.steps(70);
+  EXPECT_NEAR(double(arm.joint.getAngle()), radians(60), 1e-3);
+  EXPECT_NEAR(double(arm.cube.getAngularVelocity().z()), 0, 1e-3);
+  arm.joint.enableMotor(false);
+  EXPECT_FALSE(arm.joint.getEnableAngularMotor());
+
+  // The servo's sag is that of its stiffness, I w^2, of the arm about the pivot.
+  const double w = 2 * pi * 3, torque = 2;
+  arm.joint.setMotorServo(scalar(radians(-20)), 3, 1, infinite);
+  for (int i = 0; i < 300; ++i) {
+    arm.cube.applyTorque(vec(0, 0, torque));
+    arm.steps(1);
+  }
+  EXPECT_NEAR(double(arm.joint.getAngle()), radians(-20) + torque / inertia / (w * w), 1e-3);
+  EXPECT_NEAR(double(arm.joint.getMotorImpulse()), -torque * dt, 1e-4);
+  arm.joint.enableMotor(false);
+  EXPECT_EQ(SolverRows::ofStep(arm.joint).announced(), 3);
+  arm.joint.enableMotor(true);
+  EXPECT_EQ(SolverRows::ofStep(arm.joint).announced(), 4);
+}
+
 TEST(WedgeJoint, PartsOfTheImpulseAddUp) {
   Arm arm(degreeWedge(-60, 60), radians(59), pi / 2);
   arm.joint.setFriction(scalar(0.1));
@@ -496,6 +524,15 @@ TEST(WedgeJoint, RefusesBadSettingsAndStaysAsItWas) {
   };
   expectChecked<W>(
       {{"friction max torque", [](W& w, btScalar v) { w.setFriction(v); }, false, true, true},
+       {"motor target velocity", [](W& w, btScalar v) { w.enableAngularMotor(true, v, 1); }, true,
+        true, false},
+       {"max motor impulse", [](W& w, btScalar v) { w.enableAngularMotor(true, 1, v); }, false,
+        true, true},
+       {"servo target", [](W& w, btScalar v) { w.setMotorServo(v, 1, 1, 1); }, true, true, false},
+       {"servo frequency", [](W& w, btScalar v) { w.setMotorServo(0, v, 1, 1); }, false, false,
+        false},
+       {"servo max torque", [](W& w, btScalar v) { w.setMotorServo(0, 1, 1, v); }, false, true,
+        true},
        {"spring frequency", [](W& w, btScalar v) { w.setLimitSpring(v, 1); }, false, true, false},
        {"damping ratio", [](W& w, btScalar v) { w.setLimitSpring(1, v); }, false, true, false}},
       make);

@@ -140,7 +140,7 @@ inline void AngularLimit::addRows(const BodyPair& pair, const Directions& at,
   const Scalar coordinate = angle.value();
   if (m_axis.limited()) {
     // The angle gains as much more by forces as its row is longer than a unit vector.
-    Reach reach = angularReach(pair, J_b, timeStep());
+    Reach reach = AngularReach(pair, timeStep()).about(J_b);
     reach.gained /= at.to.length;
     limit = reach.of(m_axis).reaches(m_axis, coordinate);
   }

@@ -33,9 +33,9 @@ void BallJoint::setParam(int num, btScalar value, int axis) {
   if (axis != -1) reject("parameter axis", axis, "a ball joint has none (-1)");
   switch (num) {
     case BT_CONSTRAINT_ERP:
-    case BT_CONSTRAINT_STOP_ERP: m_erp = {notNegative("ERP", value), true}; break;
+    case BT_CONSTRAINT_STOP_ERP: m_erp = notNegative("ERP", value); break;
     case BT_CONSTRAINT_CFM:
-    case BT_CONSTRAINT_STOP_CFM: m_cfm = {notNegative("CFM", value), true}; break;
+    case BT_CONSTRAINT_STOP_CFM: m_cfm = notNegative("CFM", value); break;
     default: reject("parameter", num, "no such parameter");
   }
 }
@@ -44,9 +44,9 @@ btScalar BallJoint::getParam(int num, int axis) const {
   if (axis != -1) reject("parameter axis", axis, "a ball joint has none (-1)");
   switch (num) {
     case BT_CONSTRAINT_ERP:
-    case BT_CONSTRAINT_STOP_ERP: return m_erp.value;
+    case BT_CONSTRAINT_STOP_ERP: return m_erp.orElse(0);
     case BT_CONSTRAINT_CFM:
-    case BT_CONSTRAINT_STOP_CFM: return m_cfm.value;
+    case BT_CONSTRAINT_STOP_CFM: return m_cfm.orElse(0);
     default: reject("parameter", num, "no such parameter");
   }
 }

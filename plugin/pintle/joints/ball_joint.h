@@ -41,7 +41,7 @@ class BallJoint : public Joint {
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_P2P_FLAGS_* of the parameters that were set.
   int getFlags() const {
-    return (m_erp.is_set ? BT_P2P_FLAGS_ERP : 0) | (m_cfm.is_set ? BT_P2P_FLAGS_CFM : 0);
+    return (m_erp.isSet() ? BT_P2P_FLAGS_ERP : 0) | (m_cfm.isSet() ? BT_P2P_FLAGS_CFM : 0);
   }
 
   /// The two pivots.

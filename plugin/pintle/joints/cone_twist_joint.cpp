@@ -64,6 +64,15 @@ struct ConeTwistJoint::At {
   equations::Swing<Scalar> swing() const { return equations::swing(x_b, x_a); }
 };
 
+// How the bodies may turn against each other in this step: by themselves, and (rad) by the motor.
+struct ConeTwistJoint::Turning {
+  AngularReach reach;
+  Scalar driven;
+  Scalar most = reach.most() + driven;
+
+  Scalar gained() const { return reach.gained() + driven; }
+};
+
 // Unit vectors about which the bodies do not turn against each other.
 struct ConeTwistJoint::Locks {
   int count = 0;
@@ -84,8 +93,7 @@ ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, const btTransform& rbAFrame)
 void ConeTwistJoint::setUp(const btTransform& frame_a, const btTransform& frame_b) {
   setFrames(frame_a, frame_b);
   m_swing.relaxation = m_twist.relaxation = 0;  // no rebound
-  m_rotation.max_motor_impulse = infinity;
-  m_limit_erp = {Scalar(0.3f), true};
+  m_limit_erp = Scalar(0.3f);
   limitsChanged();
 }
 
@@ -105,7 +113,7 @@ void ConeTwistJoint::setLimit(btScalar swingSpan1, btScalar swingSpan2, btScalar
   notNegative("bias factor", biasFactor);
   m_relaxation = finite("relaxation factor", relaxationFactor);
   m_softness = softness;
-  m_limit_erp = {biasFactor, true};
+  m_limit_erp = biasFactor;
   m_min_1 = -(m_max_1 = span_1);
   m_min_2 = -(m_max_2 = span_2);
   m_twist_low = -(m_twist_high = twist_span);
@@ -182,9 +190,9 @@ equations::SwingSpans<Scalar> ConeTwistJoint::spans(Scalar softness) const {
 void ConeTwistJoint::limitsChanged() {
   // Bullet's rows, scaled by the square of the relaxation, are none at 0.
   const bool off = m_relaxation == 0;
-  const Scalar bias = m_limit_erp.value, divisor = m_relaxation * m_relaxation;
-  m_rotation.motor_gain = bias < divisor ? bias / divisor : Scalar(1);
-  m_swing.bias = m_twist.bias = bias > 0 ? m_rotation.motor_gain / bias : Scalar(0);
+  const Scalar bias = m_limit_erp.orElse(0), divisor = m_relaxation * m_relaxation;
+  const Scalar gain = bias < divisor ? bias / divisor : Scalar(1);
+  m_swing.bias = m_twist.bias = bias > 0 ? gain / bias : Scalar(0);
 
   const bool locked_1 = getSwingSpan1() < m_fix_threshold;
   const bool locked_2 = getSwingSpan2() < m_fix_threshold;
@@ -203,7 +211,6 @@ void ConeTwistJoint::limitsChanged() {
     m_swings = Swings::cone;
     const auto e = spans(m_softness);
     m_inner_span = btMin(btMin(e.above_1, e.below_1), btMin(e.above_2, e.below_2));
-    m_far_out2 = (1 + far_out / m_inner_span) * (1 + far_out / m_inner_span);
     m_circular = btMax(btMax(e.above_1, e.below_1), btMax(e.above_2, e.below_2)) == m_inner_span;
     if (!off && m_inner_span < Scalar(pi)) {
       m_swing.low = -infinity;
@@ -212,7 +219,10 @@ void ConeTwistJoint::limitsChanged() {
   }
   const Scalar low = m_softness * m_twist_low, high = m_softness * m_twist_high;
   setRange(m_twist, off ? Scalar(1) : low, off ? Scalar(-1) : high);
-  m_reachable_target = limited(m_motor_target, m_softness);
+  if (m_rotation) {
+    m_rotation->axis.motor_gain = gain;
+    m_rotation->reachable_target = limited(m_rotation->target, m_softness);
+  }
 }
 
 void ConeTwistJoint::setParam(int num, btScalar value, int axis) {
@@ -221,12 +231,12 @@ void ConeTwistJoint::setParam(int num, btScalar value, int axis) {
   switch (num) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP:
-      (linear ? m_erp : m_limit_erp) = {notNegative("ERP", value), true};
+      (linear ? m_erp : m_limit_erp) = notNegative("ERP", value);
       limitsChanged();
       break;
     case BT_CONSTRAINT_CFM:
     case BT_CONSTRAINT_STOP_CFM:
-      (linear ? m_cfm : m_limit_cfm) = {notNegative("CFM", value), true};
+      (linear ? m_cfm : m_limit_cfm) = notNegative("CFM", value);
       if (!linear) m_motor_cfm = m_limit_cfm;
       break;
     default: reject("parameter", num, "no such parameter");
@@ -238,25 +248,49 @@ btScalar ConeTwistJoint::getParam(int num, int axis) const {
   const bool linear = axis >= 0 && axis < 3;
   switch (num) {
     case BT_CONSTRAINT_ERP:
-    case BT_CONSTRAINT_STOP_ERP: return linear ? m_erp.orElse(Scalar(0.7f)) : m_limit_erp.value;
+    case BT_CONSTRAINT_STOP_ERP: return linear ? m_erp.orElse(Scalar(0.7f)) : m_limit_erp.orElse(0);
     case BT_CONSTRAINT_CFM:
-    case BT_CONSTRAINT_STOP_CFM: return linear ? m_cfm.value : m_limit_cfm.value;
+    case BT_CONSTRAINT_STOP_CFM: return linear ? m_cfm.orElse(0) : m_limit_cfm.orElse(0);
     default: reject("parameter", num, "no such parameter");
   }
 }
 
 int ConeTwistJoint::getFlags() const {
-  return (m_cfm.is_set ? BT_CONETWIST_FLAGS_LIN_CFM : 0) |
-         (m_erp.is_set ? BT_CONETWIST_FLAGS_LIN_ERP : 0) |
-         (m_limit_cfm.is_set ? BT_CONETWIST_FLAGS_ANG_CFM : 0);
+  return (m_cfm.isSet() ? BT_CONETWIST_FLAGS_LIN_CFM : 0) |
+         (m_erp.isSet() ? BT_CONETWIST_FLAGS_LIN_ERP : 0) |
+         (m_limit_cfm.isSet() ? BT_CONETWIST_FLAGS_ANG_CFM : 0);
 }
 
 // --- motor ---------------------------------------------------------------------------------------
 
 void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
   m_max_motor_impulse = span("max motor impulse", most);
-  m_rotation.max_motor_impulse = most < 0 ? infinity : btMin(most, infinity);
-  m_rotation.normalized_motor = normalized;
+  m_normalized_motor = normalized;
+  if (m_rotation) rotation();
+}
+
+// The settings of motor and friction, as they are now.
+Axis& ConeTwistJoint::rotation() {
+  if (!m_rotation) {
+    m_rotation = std::make_unique<Rotation>();
+    setRows(m_rotation->memory);
+    limitsChanged();
+  }
+  Axis& axis = m_rotation->axis;
+  axis.max_motor_impulse =
+      m_max_motor_impulse < 0 ? infinity : btMin(m_max_motor_impulse, infinity);
+  axis.normalized_motor = m_normalized_motor;
+  return axis;
+}
+
+void ConeTwistJoint::enableMotor(bool b) {
+  if (b || m_rotation) rotation().drive = b ? Axis::Drive::pose : Axis::Drive::off;
+}
+
+void ConeTwistJoint::setFriction(btScalar max_torque) {
+  Axis friction;
+  setAxisFriction(friction, max_torque);
+  if (friction.max_friction > 0 || m_rotation) rotation().max_friction = friction.max_friction;
 }
 
 void ConeTwistJoint::setMotorTarget(const btQuaternion& q) {
@@ -269,8 +303,9 @@ void ConeTwistJoint::setMotorTargetInConstraintSpace(const btQuaternion& q) {
   const Scalar length = q.length();
   if (!(length > SIMD_EPSILON && length < infinity))
     reject("motor target", length, "must have a length");
-  m_motor_target = limited(q / length, 1);
-  m_reachable_target = limited(m_motor_target, m_softness);
+  rotation();
+  m_rotation->target = limited(q / length, 1);
+  m_rotation->reachable_target = limited(m_rotation->target, m_softness);
 }
 
 // Along a swing in the direction (about_1, about_2), not 0, the angle at which the cone ends.
@@ -315,11 +350,11 @@ btQuaternion ConeTwistJoint::limited(const btQuaternion& q, Scalar softness) con
 
 btVector3 ConeTwistJoint::rotationImpulse(Axis::Part part) const {
   Vec3 sum = Vec3::Zero();
-  for (int i = rotation_axis; i < swing_axis; ++i) {
+  for (int i = rotation_axis; m_rotation && i < axis_count; ++i) {
     const Scalar impulse = axisImpulse(i, part);
     if (impulse == 0) continue;
     // Rows of older steps may lie behind those of this one.
-    const Row* row = m_row_memory.rows;
+    const Row* row = m_rotation->memory.rows;
     while (row->axis != i) ++row;
     sum -= impulse * row->A_b;
   }
@@ -396,12 +431,13 @@ PINTLE_FLATTEN void ConeTwistJoint::addRows(const BodyPair& pair, Rows& rows) co
   if (!BodyPair::is_finite(d.sum() + here.dots[0] + here.dots[1] + here.dots[2])) return;
   const Locks locks = m_swings == Swings::cone ? Locks() : addLocks(here, rows);
   addPivotRows(pair, here.a.r(), here.b.r(), d, rows);
-  Scalar gained = m_rotation.driven() ? addRotation(here, locks, rows) : Scalar(0);
+  const Scalar driven =
+      m_rotation && m_rotation->axis.driven() ? addRotation(here, locks, rows) : Scalar(0);
   if (!m_swing.limited() && !m_twist.limited()) return;
-  gained += angularReach(pair, here.x_a, timeStep()).gained;
+  const Turning turning{AngularReach(pair, timeStep()), driven};
   if (m_swing.limited())
-    isCone(m_swing) ? addConeLimit(here, gained, rows) : addOneSwingLimit(here, gained, rows);
-  if (m_twist.limited()) addTwistLimit(here, gained, rows);
+    isCone(m_swing) ? addConeLimit(here, turning, rows) : addOneSwingLimit(here, turning, rows);
+  if (m_twist.limited()) addTwistLimit(here, turning, rows);
 }
 
 ConeTwistJoint::Locks ConeTwistJoint::addLocks(const At& at, Rows& rows) const {
@@ -433,7 +469,7 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
   Vec3 error = Vec3::Zero(), along = at.x_b, across = at.b.b();
   Scalar angle = 0;
   if (isMotorEnabled()) {
-    const btMatrix3x3 target(m_reachable_target);
+    const btMatrix3x3 target(m_rotation->reachable_target);
     const Mat3 F_a = at.pair.R_a() * view(m_frame_a.getBasis());
     const Mat3 F_b = at.pair.R_b() * view(m_frame_b.getBasis());
     error = equations::orientation_error<Scalar>(F_a, F_b * view(target));
@@ -445,11 +481,11 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
   }
   int index = rotation_axis;
   const auto add = [&](const Vec3& u) {
-    rows.addAngularAxis(index++, u, error.dot(u), m_rotation, false);
+    rows.addAngularAxis(index++, u, error.dot(u), m_rotation->axis, false);
   };
   if (locks.count == 2) {
     add(cross(locks.about[0], locks.about[1]));
-    return m_rotation.motor_gain * angle;
+    return m_rotation->axis.motor_gain * angle;
   }
   if (locks.count == 1) {
     across = locks.about[0];
@@ -461,7 +497,7 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
   }
   add(cross(along, across));
   add(along);
-  return m_rotation.motor_gain * angle;
+  return m_rotation->axis.motor_gain * angle;
 }
 
 // C > 0 outside, and J_a.
@@ -476,22 +512,25 @@ inline equations::AngularRow<Scalar> ConeTwistJoint::coneRow(
   return {-row.J_b, -row.C};
 }
 
-void ConeTwistJoint::addConeLimit(const At& at, Scalar gained, Rows& rows) const {
-  const Vec3 w = at.pair.w_a() - at.pair.w_b();
+inline void ConeTwistJoint::addConeLimit(const At& at, const Turning& turning, Rows& rows) const {
   // The edge is no nearer than the smallest span is: no more is asked of a swing that is well inside.
   const Scalar sine = btSqrt(btMax(Scalar(0), 1 - at.cosine * at.cosine));
-  const Scalar rough = UnwrappedAngle::rough(at.cosine, sine) - m_inner_span;
-  const Scalar turn = timeStep() * w.norm();
-  const bool spring = m_swing.limit_spring.angular_frequency > 0;
-  if (!Reach{turn, gained}.of(m_swing).reaches(m_swing, rough, UnwrappedAngle::rough_error)) return;
+  const Scalar rough = UnwrappedAngle::rough(at.cosine, sine);
+  if (m_inner_span - rough <= turning.most + UnwrappedAngle::rough_error)
+    addNearConeLimit(at, turning.gained(), rows);
+}
 
+void ConeTwistJoint::addNearConeLimit(const At& at, Scalar gained, Rows& rows) const {
+  const Vec3 w = at.pair.w_a() - at.pair.w_b();
+  const bool spring = m_swing.limit_spring.angular_frequency > 0;
   const auto s = at.swing();
   const Vec3 e_1 = at.b.c(), e_2 = at.b.b();
   const auto e = spans(m_softness);
   const bool document = m_circular && getFormulation() == Formulation::document;
+  const Scalar far = 1 + far_out / m_inner_span;
   const bool ahead =
       !spring && !document &&
-      equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < m_far_out2;
+      equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < far * far;
   const auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(s, at.x_b, e_1, e_2, e, w,
                                                                       timeStep() / 2, gained / 2)
                          : coneRow(at, s);
@@ -501,27 +540,33 @@ void ConeTwistJoint::addConeLimit(const At& at, Scalar gained, Rows& rows) const
 }
 
 // The one swing that is not locked, as body a sees it.
-void ConeTwistJoint::addOneSwingLimit(const At& at, Scalar gained, Rows& rows) const {
+void ConeTwistJoint::addOneSwingLimit(const At& at, const Turning& turning, Rows& rows) const {
   const Vec3 hinge = m_swings == Swings::only_1 ? at.a.c() : at.a.b();
   const auto to = equations::angle_about(hinge, at.x_a, at.x_b);
   if (!(to.length > near_target)) return;  // first the lock has to bring it back
   const Vec3 J_b = to.J_b();
   const Scalar angle = inTurnOf(m_swing, -to.angle());
-  const Reach reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained * J_b.norm()};
+  const Reach reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()),
+                    turning.gained() * J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, angle))
     rows.addAngularAxis(swing_axis, J_b, angle, m_swing, true, -1);
 }
 
-void ConeTwistJoint::addTwistLimit(const At& at, Scalar gained, Rows& rows) const {
+inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, Rows& rows) const {
   const Scalar length = 1 + at.cosine;
   if (!(length > least_twist)) return;
   const auto to = at.twist();
-  const Vec3 J_b = equations::twist_row(at.x_a, at.x_b);
-  // J_b is no longer than 2 / length.
-  const Reach reach =
-      Reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained * 2 / length}.of(m_twist);
   const Scalar rough = inTurnOf(m_twist, -UnwrappedAngle::rough(to.x, to.y));
-  if (!reach.reaches(m_twist, rough, UnwrappedAngle::rough_error)) return;
+  // J_b is no longer than 2 / length.
+  if ((m_twist.distance(rough) - UnwrappedAngle::rough_error) * length <= 2 * turning.most)
+    addNearTwistLimit(at, turning.gained() * 2 / length, rows);
+}
+
+void ConeTwistJoint::addNearTwistLimit(const At& at, Scalar gained, Rows& rows) const {
+  const auto to = at.twist();
+  const Vec3 J_b = equations::twist_row(at.x_a, at.x_b);
+  const Reach reach =
+      Reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained}.of(m_twist);
   const Scalar angle = inTurnOf(m_twist, -arctangent(to.y, to.x));
   if (reach.reaches(m_twist, angle)) rows.addAngularAxis(twist_axis, J_b, angle, m_twist, true, -1);
 }

@@ -6,6 +6,8 @@
 
 #include <LinearMath/btQuaternion.h>
 
+#include <memory>
+
 namespace pintle {
 namespace equations {
 template <class T>
@@ -59,7 +61,7 @@ class ConeTwistJoint : public FrameJoint {
   btScalar getSwingSpan2() const { return btMax(m_max_2, -m_min_2); }
   btScalar getTwistSpan() const { return btMax(m_twist_high, -m_twist_low); }
   btScalar getLimitSoftness() const { return m_softness; }
-  btScalar getBiasFactor() const { return m_limit_erp.value; }
+  btScalar getBiasFactor() const { return m_limit_erp.orElse(0); }
   btScalar getRelaxationFactor() const { return m_relaxation; }
 
   btScalar getFixThresh() { return m_fix_threshold; }
@@ -82,20 +84,22 @@ class ConeTwistJoint : public FrameJoint {
   /// up to the maximal impulse (N m s; below 0: any) along it, and as much against what turns the
   /// bodies out of the way. Normalized: the impulse that changes the spin of a alone by so much
   /// (rad/s). Unlike Bullet's it brakes, keeps to the limits, and normalizes.
-  void enableMotor(bool b) { m_rotation.drive = b ? Axis::Drive::pose : Axis::Drive::off; }
-  bool isMotorEnabled() const { return m_rotation.drive != Axis::Drive::off; }
+  void enableMotor(bool b);
+  bool isMotorEnabled() const { return m_rotation && m_rotation->axis.drive != Axis::Drive::off; }
   void setMaxMotorImpulse(btScalar maxMotorImpulse) { setMotorBound(maxMotorImpulse, false); }
   void setMaxMotorImpulseNormalized(btScalar maxMotorImpulse) {
     setMotorBound(maxMotorImpulse, true);
   }
   btScalar getMaxMotorImpulse() const { return m_max_motor_impulse; }
-  bool isMaxMotorImpulseNormalized() const { return m_rotation.normalized_motor; }
+  bool isMaxMotorImpulseNormalized() const { return m_normalized_motor; }
   /// q: the rotation of body a against body b (of any length but 0). What is beyond the limits is
   /// cut off.
   void setMotorTarget(const btQuaternion& q);
   /// The same, of the joint frames.
   void setMotorTargetInConstraintSpace(const btQuaternion& q);
-  const btQuaternion& getMotorTarget() const { return m_motor_target; }
+  const btQuaternion& getMotorTarget() const {
+    return m_rotation ? m_rotation->target : btQuaternion::getIdentity();
+  }
 
   /// A point of the cone's edge in the frame of b, `length` (m) from the pivot: where x of a would be
   /// after the largest swing about (0, cos(angle), -sin(angle)).
@@ -120,7 +124,7 @@ class ConeTwistJoint : public FrameJoint {
   void setSwingLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
   void setTwistLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) about each of the axes of frame b.
-  void setFriction(btScalar max_torque) { setAxisFriction(m_rotation, max_torque); }
+  void setFriction(btScalar max_torque);
 
   /// rad, of a against b now: the components of the swing about z and y of frame b, and the twist in
   /// (-pi, pi].
@@ -141,12 +145,28 @@ class ConeTwistJoint : public FrameJoint {
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  private:
-  enum AxisIndex { rotation_axis, swing_axis = rotation_axis + 3, twist_axis, axis_count };
+  enum AxisIndex {
+    swing_axis,
+    twist_axis,
+    limits,
+    rotation_axis = limits,
+    axis_count = limits + 3
+  };
   enum class Swings : unsigned char { cone, only_1, only_2, locked };
   struct At;
 
   struct Locks;
+  struct Turning;
+  // What motor and friction need, about three axes, beside what every cone-twist joint does: made when
+  // one of them is first set.
+  struct Rotation {
+    Axis axis;
+    btQuaternion target = btQuaternion::getIdentity();
+    btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
+    RowMemory<8, axis_count> memory;
+  };
 
+  Axis& rotation();
   void setUp(const btTransform& frame_a, const btTransform& frame_b);
   Scalar span(const char* field, Scalar value) const;
   void setMotorBound(Scalar most, bool normalized);
@@ -161,15 +181,18 @@ class ConeTwistJoint : public FrameJoint {
   Locks addLocks(const At& at, Rows& rows) const;
   Scalar addRotation(const At& at, const Locks& locks, Rows& rows) const;
   equations::AngularRow<Scalar> coneRow(const At& at, const equations::Swing<Scalar>& swing) const;
-  void addConeLimit(const At& at, Scalar gained, Rows& rows) const;
-  void addOneSwingLimit(const At& at, Scalar gained, Rows& rows) const;
-  void addTwistLimit(const At& at, Scalar gained, Rows& rows) const;
+  void addConeLimit(const At& at, const Turning& turning, Rows& rows) const;
+  void addNearConeLimit(const At& at, Scalar gained, Rows& rows) const;
+  void addOneSwingLimit(const At& at, const Turning& turning, Rows& rows) const;
+  void addTwistLimit(const At& at, const Turning& turning, Rows& rows) const;
+  void addNearTwistLimit(const At& at, Scalar gained, Rows& rows) const;
 
-  Axis m_rotation;  ///< motor and friction, about each of three axes
-  Axis m_swing;     ///< the limit; its coordinate is the distance out of the cone, or the one swing
-  Axis m_twist;     ///< the limit, of a against b
-  btQuaternion m_motor_target = btQuaternion::getIdentity();
-  btQuaternion m_reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
+  Swings m_swings = Swings::cone;
+  bool m_circular = true;
+  bool m_normalized_motor = false;
+  std::unique_ptr<Rotation> m_rotation;
+  Axis m_swing;  ///< the limit; its coordinate is the distance out of the cone, or the one swing
+  Axis m_twist;  ///< the limit, of a against b
   // As set.
   Scalar m_min_1 = -BT_LARGE_FLOAT, m_max_1 = BT_LARGE_FLOAT;
   Scalar m_min_2 = -BT_LARGE_FLOAT, m_max_2 = BT_LARGE_FLOAT;
@@ -179,10 +202,7 @@ class ConeTwistJoint : public FrameJoint {
   Scalar m_damping = Scalar(0.01);
   Scalar m_max_motor_impulse = -1;
   Scalar m_inner_span = infinity;  ///< the smallest
-  Scalar m_far_out2 = 1;           ///< cone_ratio2 of a swing that is far out of the cone
-  Swings m_swings = Swings::cone;
-  bool m_circular = true;
-  RowMemory<8, axis_count> m_row_memory;
+  RowMemory<6, limits> m_row_memory;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -173,7 +173,7 @@ inline bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair, const
   // At twice the speed of now, as the step may be longer than the last.
   const Vec3 next = now + 2 * moved;
   const Scalar chord = btSqrt(btMax(now.dot(now), next.dot(next)));
-  return chord + angularReach(pair, x_a, timeStep()).gained >= m_limit_chord;
+  return chord + AngularReach(pair, timeStep()).gained() >= m_limit_chord;
 }
 
 inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& at,

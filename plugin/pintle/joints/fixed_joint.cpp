@@ -31,7 +31,7 @@ btScalar FixedJoint::getParam(int num, int axis) const {
   if (num == BT_CONSTRAINT_STOP_ERP) num = BT_CONSTRAINT_ERP;
   if (num == BT_CONSTRAINT_STOP_CFM) num = BT_CONSTRAINT_CFM;
   const btScalar value = FrameJoint::getParam(num, axis);
-  return num == BT_CONSTRAINT_ERP && !m_erp.is_set ? btScalar(0.2f) : value;
+  return num == BT_CONSTRAINT_ERP && !m_erp.isSet() ? btScalar(0.2f) : value;
 }
 
 // --- readings ------------------------------------------------------------------------------------

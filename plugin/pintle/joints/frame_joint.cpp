@@ -16,10 +16,10 @@ void FrameJoint::setFrames(const btTransform& frameInA, const btTransform& frame
 void FrameJoint::setParam(int num, btScalar value, int axis) {
   if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
   switch (num) {
-    case BT_CONSTRAINT_ERP: m_erp = {notNegative("ERP", value), true}; break;
-    case BT_CONSTRAINT_CFM: m_cfm = {notNegative("CFM", value), true}; break;
-    case BT_CONSTRAINT_STOP_ERP: m_limit_erp = {notNegative("STOP_ERP", value), true}; break;
-    case BT_CONSTRAINT_STOP_CFM: m_limit_cfm = {notNegative("STOP_CFM", value), true}; break;
+    case BT_CONSTRAINT_ERP: m_erp = notNegative("ERP", value); break;
+    case BT_CONSTRAINT_CFM: m_cfm = notNegative("CFM", value); break;
+    case BT_CONSTRAINT_STOP_ERP: m_limit_erp = notNegative("STOP_ERP", value); break;
+    case BT_CONSTRAINT_STOP_CFM: m_limit_cfm = notNegative("STOP_CFM", value); break;
     default: reject("parameter", num, "no such parameter");
   }
 }
@@ -27,10 +27,10 @@ void FrameJoint::setParam(int num, btScalar value, int axis) {
 btScalar FrameJoint::getParam(int num, int axis) const {
   if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
   switch (num) {
-    case BT_CONSTRAINT_ERP: return m_erp.value;
-    case BT_CONSTRAINT_CFM: return m_cfm.value;
-    case BT_CONSTRAINT_STOP_ERP: return m_limit_erp.value;
-    case BT_CONSTRAINT_STOP_CFM: return m_limit_cfm.value;
+    case BT_CONSTRAINT_ERP: return m_erp.orElse(0);
+    case BT_CONSTRAINT_CFM: return m_cfm.orElse(0);
+    case BT_CONSTRAINT_STOP_ERP: return m_limit_erp.orElse(0);
+    case BT_CONSTRAINT_STOP_CFM: return m_limit_cfm.orElse(0);
     default: reject("parameter", num, "no such parameter");
   }
 }

@@ -206,21 +206,21 @@ void HingeBase::setFriction(btScalar max_torque) { setAxisFriction(m_axis, max_t
 void HingeBase::setParam(int num, btScalar value, int axis) {
   if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
   if (num == BT_CONSTRAINT_CFM)
-    m_motor_cfm = {notNegative("CFM", value), true};
+    m_motor_cfm = notNegative("CFM", value);
   else
     FrameJoint::setParam(num, value, axis);
 }
 
 btScalar HingeBase::getParam(int num, int axis) const {
   if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
-  return num == BT_CONSTRAINT_CFM ? m_motor_cfm.value : FrameJoint::getParam(num, axis);
+  return num == BT_CONSTRAINT_CFM ? m_motor_cfm.orElse(0) : FrameJoint::getParam(num, axis);
 }
 
 int HingeBase::getFlags() const {
-  return (m_erp.is_set ? BT_HINGE_FLAGS_ERP_NORM : 0) |
-         (m_motor_cfm.is_set ? BT_HINGE_FLAGS_CFM_NORM : 0) |
-         (m_limit_erp.is_set ? BT_HINGE_FLAGS_ERP_STOP : 0) |
-         (m_limit_cfm.is_set ? BT_HINGE_FLAGS_CFM_STOP : 0);
+  return (m_erp.isSet() ? BT_HINGE_FLAGS_ERP_NORM : 0) |
+         (m_motor_cfm.isSet() ? BT_HINGE_FLAGS_CFM_NORM : 0) |
+         (m_limit_erp.isSet() ? BT_HINGE_FLAGS_ERP_STOP : 0) |
+         (m_limit_cfm.isSet() ? BT_HINGE_FLAGS_CFM_STOP : 0);
 }
 
 void HingeBase::drawJoint(btIDebugDraw& drawer) const {

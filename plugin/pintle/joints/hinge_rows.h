@@ -39,8 +39,9 @@ inline void HingeBase::see(const Frames& at, UnwrappedAngle& angle) const {
 inline Acting HingeBase::acting(const BodyPair& pair, const UnwrappedAngle& twist,
                                 const equations::Swing<Scalar>& swing) const {
   // With c_a and c_b all but opposite the axis has no angle.
-  if (!(m_axis.driven() || m_axis.limited()) || !(swing.h_scale < Scalar(20))) return {};
-  return actingAngle(pair, m_axis, twist, swing.h, timeStep(), m_sign);
+  if (!(swing.h_scale < Scalar(20))) return {};
+  return actingAngle(m_axis, twist, swing.h, m_sign,
+                     [&] { return AngularReach(pair, timeStep()); });
 }
 
 inline void HingeBase::addAxisRow(const Acting& acting, const equations::Swing<Scalar>& swing,

@@ -17,12 +17,7 @@ namespace {
 // cast by type.
 constexpr auto pintle_type = btTypedConstraintType(15);
 
-constexpr int max_rows = 8;
 constexpr int max_firmness = 3;
-
-// A body that turns this far (rad) in a step has hardly the velocity that it had: the curvature is
-// left out from there on, and by degrees before, on the side of losing energy.
-constexpr Scalar max_curved_turn = Scalar(0.5);
 
 // Bullet starts every step from nothing, and leaves a joint with what the others did to it after
 // its last turn, the residual. A residual that lasts (the part in which two steps agree: a load,
@@ -53,8 +48,7 @@ bool isNeedle(const btRigidBody& body) {
 
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
-  const auto* linear = reinterpret_cast<const btVector3*>(info.m_J1linearAxis);
-  const auto* bytes = reinterpret_cast<const char*>(linear);
+  const auto* bytes = reinterpret_cast<const char*>(info.m_J1linearAxis);
   const auto* row = reinterpret_cast<const btSolverConstraint*>(
       bytes - offsetof(btSolverConstraint, m_contactNormal1));
   const bool same = info.rowskip * sizeof(btScalar) == sizeof(btSolverConstraint) &&
@@ -82,7 +76,7 @@ struct Joint::Step {
     rate[0] = limit_erp * fps;
     cfm[0] = joint.m_cfm.orElse(default_cfm);
     rigid = cfm[0] == 0;
-    if (joint.m_firmness != nullptr) setFirmness(joint, info, default_cfm);
+    if (joint.m_firmness_differs) setFirmness(joint, info, default_cfm);
     if (joint.m_foresees_curvature) return;
     // The curvature goes with the square of the angular velocity at the end of the step, which is
     // about as much more than that at its start as the last step added. Without this a pendulum
@@ -97,8 +91,9 @@ struct Joint::Step {
 
   void setFirmness(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
     rigid = true;
+    const Firmness* const all = joint.firmness();
     for (int i = 0; i < max_firmness; ++i) {
-      const Firmness& firmness = joint.m_firmness[i];
+      const Firmness& firmness = all[i];
       rate[i] = firmness.factor * firmness.erp.orElse(info.erp) * fps;
       cfm[i] = firmness.cfm.orElse(default_cfm);
       rigid = rigid && cfm[i] == 0;
@@ -116,11 +111,6 @@ struct Joint::Step {
     return btMax(-row.max_speed, btMin(speed, row.max_speed)) - gain(row);
   }
 };
-
-Scalar Joint::curvedPart() const {
-  const Scalar turn = m_angular_speed * m_time_step;
-  return btMax(Scalar(0), 1 - turn * turn / (max_curved_turn * max_curved_turn));
-}
 
 Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
     : btTypedConstraint(pintle_type, a, b), m_rows(rows) {}
@@ -154,14 +144,13 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   info->nub = 0;
 }
 
-// What acts along an axis in this step. `block` is its row after the elimination, whose target is
-// what the equalities' targets came to in it; null: as it stands.
-inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass* mass,
+// What acts along an axis in this step. `orthogonal` is its row after the elimination in `block`, whose
+// target is what the equalities' targets came to in it; both null: as it stands.
+inline AxisRow Joint::act(const Row& row, const BlockRow* orthogonal, const Block* block,
                           const Step& step) {
   AxisState& state = m_rows.axis(row.axis);
   const Axis& axis = *state.axis;
-  const Scalar sign = row.sign;
-  state.sign = row.sign;
+  const Scalar sign = state.sign;
   state.acted = true;
   state.clear();
   const BodyPair pair(m_rbA, m_rbB);
@@ -169,19 +158,23 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   motion.position = row.position;
   // All velocities of an axis are means over the step, and so is the target that comes of them.
   motion.gain = step.gain(row);
-  motion.velocity =
-      motion.gain +
-      sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
-                          : velocity(row, pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b()));
+  motion.velocity = motion.gain + sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
+                                                      : velocity(row, pair.v_b() - pair.v_a(),
+                                                                 pair.w_a(), pair.w_b()));
   motion.max_speed = btMin(row.angular ? m_max_correction_speed : infinity, row.max_speed);
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = step.fps;
-  motion.limit_erp = axis.limit_erp.orElse(m_limit_erp.orElse(step.limit_erp));
-  motion.motor_cfm = axis.motor_cfm.orElse(m_motor_cfm.value);
+  motion.limit_erp = m_limit_erp.orElse(step.limit_erp);
+  motion.motor_cfm = m_motor_cfm.orElse(0);
+  if (axis.own != nullptr) {
+    motion.limit_erp = axis.own->limit_erp.orElse(motion.limit_erp);
+    motion.motor_cfm = axis.own->motor_cfm.orElse(motion.motor_cfm);
+  }
   // As Bullet has it: the motor's unless the limit has its own.
-  motion.limit_cfm = axis.limit_cfm.orElse(
-      m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? 0 : motion.motor_cfm));
+  motion.limit_cfm =
+      m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? Scalar(0) : motion.motor_cfm);
+  if (axis.own != nullptr) motion.limit_cfm = axis.own->limit_cfm.orElse(motion.limit_cfm);
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
@@ -189,15 +182,15 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* block, const BlockMass
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   AxisRow result;
   if (!axis.isSimple(row.limit)) {
-    result = solveCompound(row, block, mass, motion);
+    result = solveCompound(row, orthogonal, block, motion);
   } else if (row.limit) {
-    state.active = Axis::limit;
+    state.rest = Axis::limit;
     result = limitPart(axis, motion, state.incoming).row;
   } else if (axis.drive != Axis::Drive::off) {
-    state.active = Axis::motor;
+    state.rest = Axis::motor;
     result = motorPart(axis, motion).row;
   } else {
-    state.active = Axis::friction;
+    state.rest = Axis::friction;
     result = frictionPart(axis, motion).row;
   }
   result.target -= motion.gain;
@@ -214,7 +207,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const Step step(*this, *info, out.cfm());
   const Scalar damped = damping();
   info->m_damping = damped;
-  const auto write_axis = [&](const Scalar* L, const Scalar* A_a, const Scalar* A_b, Scalar target,
+  const auto write_axis = [&](const Lanes& L, const Lanes& A_a, const Lanes& A_b, Scalar target,
                               const AxisRow& axis) {
     out.write(L, A_a, A_b, target + axis.target, axis.cfm, axis.lower, axis.upper);
   };
@@ -232,12 +225,12 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];
-      out.write(&row.L[0], &row.A_a[0], &row.A_b[0], step.target(row), step.cfm[row.firmness], -bound,
-                bound);
+      out.write(row.lanesL(), row.lanesA_a(), row.lanesA_b(), step.target(row),
+                step.cfm[row.firmness], -bound, bound);
     }
     for (int i = equalities; i < n; ++i) {
       const Row& row = m_rows[i];
-      write_axis(&row.L[0], &row.A_a[0], &row.A_b[0], 0, act(row, nullptr, nullptr, step));
+      write_axis(row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, act(row, nullptr, nullptr, step));
     }
     return;
   }
@@ -248,41 +241,37 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   m_iterations_left = feed ? info->m_numIterations : 0;
   if (!feed) m_residuals_known = false;
 
+  Block block(BodyPair(m_rbA, m_rbB));
   for (int i = 0; i < equalities; ++i) {
     Row& row = m_rows[i];
     row.target = step.target(row) - (m_residuals_known ? row.correction : Scalar(0));
-  }
-  const BlockMass mass(BodyPair(m_rbA, m_rbB));
-  BlockRow block[max_rows];
-  for (int i = 0; i < equalities; ++i) {
-    addToBlock(block[i], m_rows[i], block, i, mass);
-    const BlockRow& to = block[i];
-    out.write(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(), step.cfm[m_rows[i].firmness],
-              -infinity, infinity);
+    const BlockRow& to = block.add(row);
+    out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.firmness], -infinity, infinity);
   }
   // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
   // rounding errors that does not end well. One alone takes no harm.
   const bool several = n > equalities + 1;
   for (int i = equalities; i < n; ++i) {
-    BlockRow& to = block[equalities];
+    BlockRow to;
     if (several)
-      addToBlock(to, m_rows[i], block, equalities, mass);
+      block.orthogonalize(to, m_rows[i]);
     else
-      eliminate(to, m_rows[i], block, equalities);
-    write_axis(to.L.data(), to.A_a.data(), to.A_b.data(), to.target(),
-               act(m_rows[i], &to, &mass, step));
+      block.eliminate(to, m_rows[i]);
+    write_axis(to.L, to.A_a, to.A_b, to.target(), act(m_rows[i], &to, &block, step));
   }
 }
 
-AxisRow Joint::solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
+AxisRow Joint::solveCompound(const Row& row, const BlockRow* orthogonal, const Block* block,
                              AxisMotion& motion) {
   const BodyPair pair(m_rbA, m_rbB);
   BlockRow alone;
-  if (block == nullptr)
-    eliminate(alone, row, nullptr, 0);
-  else
-    alone = *block;
-  (mass == nullptr ? BlockMass(pair) : *mass).weigh(alone);
+  if (orthogonal != nullptr) {
+    alone = *orthogonal;
+    block->weigh(alone);
+  } else {
+    Block::take(alone, row);
+    Block(pair).weigh(alone);
+  }
   // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors.
   const equations::InverseMass<Scalar> M{pair.inv_mass_a(), pair.inv_mass_b(), pair.inv_inertia_a(),
                                          pair.inv_inertia_b()};
@@ -291,12 +280,12 @@ AxisRow Joint::solveCompound(const Row& row, const BlockRow* block, const BlockM
   motion.K = alone.K > rounding_of_K * own ? alone.K : Scalar(0);
   const Scalar dt = m_time_step;
   const Vec3 v_ab = freeLinear(m_rbB, dt) - freeLinear(m_rbA, dt);
-  motion.free_velocity =
-      motion.gain +
-      Scalar(row.sign) * (alone.L.head<3>().matrix().dot(v_ab) -
-                  alone.A_a.head<3>().matrix().dot(freeAngular(m_rbA, dt)) +
-                  alone.A_b.head<3>().matrix().dot(freeAngular(m_rbB, dt)) - alone.target());
   AxisState& state = m_rows.axis(row.axis);
+  motion.free_velocity =
+      motion.gain + Scalar(state.sign) *
+                        (alone.L.head<3>().matrix().dot(v_ab) -
+                         alone.A_a.head<3>().matrix().dot(freeAngular(m_rbA, dt)) +
+                         alone.A_b.head<3>().matrix().dot(freeAngular(m_rbB, dt)) - alone.target());
   return solveAxis(*state.axis, motion, state);
 }
 

@@ -13,7 +13,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class BodyPair;
-class BlockMass;
+class Block;
 struct BlockRow;
 
 /// Which form of its equations a joint solves.
@@ -68,6 +68,8 @@ class Joint : public btTypedConstraint {
   /// `rows` is made from a RowMemory, which may be a member of the joint.
   Joint(btRigidBody& a, btRigidBody& b, Rows rows);
   Joint(btRigidBody& a, Rows rows);  ///< b is Bullet's fixed body
+  /// Other memory for the rows, from the next step on.
+  void setRows(Rows rows) { m_rows = rows; }
 
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
   virtual void updateState(const BodyPair&) {}
@@ -78,12 +80,15 @@ class Joint : public btTypedConstraint {
   }
   /// Bullet's damping: the part of the velocity that the rows take away.
   virtual Scalar damping() const { return 1; }
+  /// Three, by Row::firmness, if m_firmness_differs.
+  virtual const Firmness* firmness() const { return nullptr; }
   /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
-  /// step, from 1 (slow) to 0.
-  Scalar curvedPart() const;
-  /// Whether the curvature of its rows is that at the end of the step. Else it is that of now, and
-  /// what the bodies' turning suggests is made of it.
-  bool m_foresees_curvature = false;
+  /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
+  /// had: the curvature is left out from there on, and by degrees before, on the side of losing energy.
+  Scalar curvedPart() const {
+    const Scalar part = 2 * m_angular_speed * m_time_step;
+    return btMax(Scalar(0), 1 - part * part);
+  }
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.
@@ -98,9 +103,11 @@ class Joint : public btTypedConstraint {
   Parameter m_erp, m_cfm;              ///< of equalities
   Parameter m_limit_erp, m_limit_cfm;  ///< of limits
   Parameter m_motor_cfm;
-  /// Three, by Row::firmness, if the equalities differ. Null: m_erp and m_cfm hold for all, and
-  /// Row::firmness is 0.
-  const Firmness* m_firmness = nullptr;
+  /// Whether the equalities differ; else m_erp and m_cfm hold for all, and Row::firmness is 0.
+  bool m_firmness_differs = false;
+  /// Whether the curvature of its rows is that at the end of the step. Else it is that of now, and
+  /// what the bodies' turning suggests is made of it.
+  bool m_foresees_curvature = false;
 
   // Throw std::invalid_argument naming the joint, `field` and the value.
   [[noreturn]] void reject(const char* field, double value, const char* why) const;
@@ -126,8 +133,12 @@ class Joint : public btTypedConstraint {
  private:
   struct Step;
 
-  AxisRow act(const Row& row, const BlockRow* block, const BlockMass* mass, const Step& step);
-  AxisRow solveCompound(const Row& row, const BlockRow* block, const BlockMass* mass,
+  bool m_residuals_known = false;
+  bool m_block_rows = true;
+  Formulation m_formulation = Formulation::conditioned;
+
+  AxisRow act(const Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
+  AxisRow solveCompound(const Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
 
   Rows m_rows;
@@ -137,9 +148,6 @@ class Joint : public btTypedConstraint {
   Scalar m_time_step = Scalar(1) / 60;
   Scalar m_max_correction_speed = 8;
   int m_iterations_left = 0;  ///< until the residual is taken
-  bool m_residuals_known = false;
-  bool m_block_rows = true;
-  Formulation m_formulation = Formulation::conditioned;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -39,6 +39,8 @@ SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& 
                          const btTransform& frameInB, bool useLinearReferenceFrameA)
     : FrameJoint(rbA, rbB, m_row_memory),
       m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
+  m_linear.own = &m_linear_parameters;
+  m_angular.own = &m_angular_parameters;
   m_angular.low = m_angular.high = 0;
   m_dir_lin.damping = m_dir_ang.damping = 0;
   feelChanged();
@@ -149,35 +151,35 @@ void SliderJoint::setDamping(Feel& feel, Scalar damping) {
 // as the ERP, and as its softness.
 void SliderJoint::feelChanged() {
   const auto set = [this](Scalar value, int flag) {
-    return Parameter{value, (m_flags & flag) != 0};
+    return (m_flags & flag) != 0 ? Parameter(value) : Parameter();
   };
   const auto rebounds = [](Axis& axis, const Feel& feel) {
     axis.bias = feel.softness;
     axis.relaxation = btFabs(1 - feel.damping);
   };
   rebounds(m_linear, m_lim_lin);
-  m_linear.limit_erp = set(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
-  m_linear.limit_cfm = set(m_lim_lin.cfm, BT_SLIDER_FLAGS_CFM_LIMLIN);
-  m_linear.motor_cfm = set(m_dir_lin.cfm, BT_SLIDER_FLAGS_CFM_DIRLIN);
+  m_linear_parameters.limit_erp = set(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
+  m_linear_parameters.limit_cfm = set(m_lim_lin.cfm, BT_SLIDER_FLAGS_CFM_LIMLIN);
+  m_linear_parameters.motor_cfm = set(m_dir_lin.cfm, BT_SLIDER_FLAGS_CFM_DIRLIN);
   rebounds(m_angular, m_lim_ang);
-  m_angular.limit_erp = set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG);
-  m_angular.limit_cfm = set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
-  m_angular.motor_cfm = set(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
+  m_angular_parameters.limit_erp = set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG);
+  m_angular_parameters.limit_cfm = set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
+  m_angular_parameters.motor_cfm = set(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
 
-  const auto equality = [](Parameter erp, Parameter cfm) {
-    return Firmness{erp, cfm, erp.is_set ? Scalar(1) : erp.value};
+  const auto equality = [set](const Feel& feel, int erp_flag, int cfm_flag) {
+    const Parameter erp = set(feel.softness, erp_flag);
+    return Firmness{erp, set(feel.cfm, cfm_flag), erp.isSet() ? Scalar(1) : feel.softness};
   };
-  m_firmnesses[across] = equality(set(m_ortho_lin.softness, BT_SLIDER_FLAGS_ERP_ORTLIN),
-                                  set(m_ortho_lin.cfm, BT_SLIDER_FLAGS_CFM_ORTLIN));
-  m_firmnesses[directions] = equality(set(m_ortho_ang.softness, BT_SLIDER_FLAGS_ERP_ORTANG),
-                                      set(m_ortho_ang.cfm, BT_SLIDER_FLAGS_CFM_ORTANG));
+  m_firmnesses[across] =
+      equality(m_ortho_lin, BT_SLIDER_FLAGS_ERP_ORTLIN, BT_SLIDER_FLAGS_CFM_ORTLIN);
+  m_firmnesses[directions] =
+      equality(m_ortho_ang, BT_SLIDER_FLAGS_ERP_ORTANG, BT_SLIDER_FLAGS_CFM_ORTANG);
   const bool same = m_ortho_lin.softness == 1 && m_ortho_ang.softness == 1 &&
                     m_lim_ang.softness == 1 &&
                     (m_flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) == 0;
-  m_firmness = same ? nullptr : m_firmnesses;
+  m_firmness_differs = !same;
   m_firmnesses[locked_angle] = {set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG),
-                                set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG),
-                                m_lim_ang.softness};
+                                set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG), m_lim_ang.softness};
 }
 
 void SliderJoint::setPoweredLinMotor(bool onOff) {
@@ -316,7 +318,8 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   // With the axes all but opposite there is no angle between them.
   Acting turn;
   if (!angleIsLocked() && (m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
-    turn = actingAngle(pair, m_angular, twist, swing.h, timeStep());
+    turn =
+        actingAngle(m_angular, twist, swing.h, 1, [&] { return AngularReach(pair, timeStep()); });
   const auto add_turn = [&] {
     if (turn.row)
       rows.addAngularAxis(angular, equations::twist_row(swing), turn.position, m_angular,
@@ -412,7 +415,8 @@ inline Acting SliderJoint::actingSlide(const BodyPair& pair, const Frames& at,
                                        Scalar curvature) const {
   Acting acting;
   acting.position = m_sign * at.axis_a.dot(at.d);
-  if (m_linear.limited()) {
+  acting.limit = m_linear.limited() && m_linear.distance(acting.position) <= 0;
+  if (m_linear.limited() && !acting.limit) {
     const Vec3 lever_a = anchors.r_a + anchors.d;
     const Scalar speed = at.axis_a.dot(equations::relative_velocity(v, lever_a, anchors.r_b));
     acting.limit = linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep())

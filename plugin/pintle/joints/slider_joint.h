@@ -198,6 +198,7 @@ class SliderJoint : public FrameJoint {
   void updateState(const BodyPair& pair) override;
   void framesChanged() override;
   void prepare(const BodyPair& pair, Rows& rows) override;
+  const Firmness* firmness() const override { return m_firmnesses; }
 
  private:
   enum { angular, linear, axes };                         // the last one's impulse is known best
@@ -231,7 +232,7 @@ class SliderJoint : public FrameJoint {
                                  : Scalar(0);
   }
   unsigned char group(int i) const {
-    return m_firmness == nullptr ? 0 : static_cast<unsigned char>(i);
+    return m_firmness_differs ? static_cast<unsigned char>(i) : 0;
   }
   void setAngularLimits(Scalar low, Scalar high);
   void setSoftness(Feel& feel, Scalar softness);
@@ -242,6 +243,7 @@ class SliderJoint : public FrameJoint {
   Slot slot(int num, int axis) const;
 
   Axis m_linear, m_angular;
+  AxisParameters m_linear_parameters, m_angular_parameters;
   UnwrappedAngle m_twist;  ///< of b against a, about x
   UnwrappedAngle m_seen;   ///< the last ones held against the limits
   Scalar m_seen_position = 0;

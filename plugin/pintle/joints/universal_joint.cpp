@@ -43,7 +43,7 @@ inline UniversalJoint::Frames UniversalJoint::frames(const BodyPair& pair) const
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
                                const btVector3& axis1, const btVector3& axis2)
     : FrameJoint(rbA, rbB, m_row_memory) {
-  setDefaultLimits();
+  setDefaults();
   const btTransform world = frameOf(point("anchor", anchor), axis1, axis2);
   m_anchor = anchor;
   m_axis1 = world.getBasis().getColumn(2);
@@ -55,7 +55,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVecto
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                                const btTransform& frameInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
-  setDefaultLimits();
+  setDefaults();
   setFrames(frameInA, frameInB);
   m_anchor = getAnchor();
   m_axis1 = getCalculatedTransformA().getBasis().getColumn(2);
@@ -64,7 +64,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTrans
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, m_row_memory) {
-  setDefaultLimits();
+  setDefaults();
   setFrames(frameInA, coincident(frameInA));
   m_anchor = getAnchor();
   m_axis1 = getCalculatedTransformA().getBasis().getColumn(2);
@@ -169,10 +169,11 @@ btScalar UniversalJoint::getRelativePivotPosition(int axis_index) const {
 
 // --- settings ------------------------------------------------------------------------------------
 
-void UniversalJoint::setDefaultLimits() {
+void UniversalJoint::setDefaults() {
   const Scalar most[2] = {SIMD_HALF_PI - limit_margin, SIMD_PI - limit_margin};
   for (int i = 0; i < 2; ++i) {
     Axis& axis = m_hinges[i].axis;
+    axis.own = &m_hinges[i].parameters;
     axis.low = -most[i];
     axis.high = most[i];
     // Bullet's limits: no part of a correction is held back, and none rebounds.
@@ -275,17 +276,17 @@ void UniversalJoint::setParam(int num, btScalar value, int axis) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP:
       notNegative(num == BT_CONSTRAINT_ERP ? "ERP" : "STOP_ERP", value);
-      (held ? m_erp : hinge(axis).axis.limit_erp) = {value, true};
+      (held ? m_erp : hinge(axis).parameters.limit_erp) = value;
       flag = BT_6DOF_FLAGS_ERP_STOP;
       break;
     case BT_CONSTRAINT_STOP_CFM:
       notNegative("STOP_CFM", value);
-      (held ? m_cfm : hinge(axis).axis.limit_cfm) = {value, true};
+      (held ? m_cfm : hinge(axis).parameters.limit_cfm) = value;
       flag = BT_6DOF_FLAGS_CFM_STOP;
       break;
     case BT_CONSTRAINT_CFM:
       notNegative("CFM", value);
-      (held ? m_held_motor_cfm : hinge(axis).axis.motor_cfm) = {value, true};
+      (held ? m_held_motor_cfm : hinge(axis).parameters.motor_cfm) = value;
       flag = BT_6DOF_FLAGS_CFM_NORM;
       break;
     default: reject("parameter", num, "no such parameter");
@@ -299,10 +300,11 @@ btScalar UniversalJoint::getParam(int num, int axis) const {
   switch (num) {
     case BT_CONSTRAINT_ERP:
       if (!held) reject("parameter axis", axis, "ERP: must be -1 or 0 to 3");
-      return m_erp.value;
-    case BT_CONSTRAINT_STOP_ERP: return (held ? m_erp : hinge(axis).axis.limit_erp).value;
-    case BT_CONSTRAINT_STOP_CFM: return (held ? m_cfm : hinge(axis).axis.limit_cfm).value;
-    case BT_CONSTRAINT_CFM: return (held ? m_held_motor_cfm : hinge(axis).axis.motor_cfm).value;
+      return m_erp.orElse(0);
+    case BT_CONSTRAINT_STOP_ERP: return (held ? m_erp : hinge(axis).parameters.limit_erp).orElse(0);
+    case BT_CONSTRAINT_STOP_CFM: return (held ? m_cfm : hinge(axis).parameters.limit_cfm).orElse(0);
+    case BT_CONSTRAINT_CFM:
+      return (held ? m_held_motor_cfm : hinge(axis).parameters.motor_cfm).orElse(0);
     default: reject("parameter", num, "no such parameter");
   }
 }
@@ -364,26 +366,20 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
   if (cosine * cosine > most_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
-  const Reach reach = angularReach(pair, at.z, timeStep(), sign);
-  addHingeRow(0, angles.beta, at.y,
-              {sign * timeStep() * at.y.dot(pair.w_b() - pair.w_a()), reach.gained}, !turned_over,
-              rows);
+  const AngularReach reach(pair, timeStep());
+  addHingeRow(0, angles.beta, at.y, reach, !turned_over, rows);
   addHingeRow(1, angles.alpha, at.z, reach, !turned_over, rows);
 }
 
 // J_b is the gradient of the angle where the joint holds, and a unit row anywhere.
 inline void UniversalJoint::addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b,
-                                        const Reach& reach, bool look_at_limit, Rows& rows) const {
+                                        const AngularReach& reach, bool look_at_limit,
+                                        Rows& rows) const {
   const Axis& axis = m_hinges[index].axis;
-  bool limit = false;
-  if (look_at_limit && axis.limited()) {
-    const Scalar rough = sign * angle.roughValue(), slack = UnwrappedAngle::rough_error;
-    limit = axis.distance(rough) < -slack || reach.of(axis).reaches(axis, rough, slack);
-  }
-  if (!limit && !axis.driven()) return;
-  const Scalar value = sign * angle.value();
-  if (limit) limit = axis.distance(value) < 0 || reach.of(axis).reaches(axis, value);
-  if (limit || axis.driven()) rows.addAngularAxis(index, J_b, value, axis, limit, sign);
+  Acting now = actingAngle(axis, angle, J_b, sign, [&]() -> const AngularReach& { return reach; });
+  if (!look_at_limit) now.limit = false;
+  if (now.limit || axis.driven())
+    rows.addAngularAxis(index, J_b, now.position, axis, now.limit, sign);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -7,7 +7,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-struct Reach;
+class AngularReach;
 
 /// Two hinges at right angles: about axis 1, which is z of the joint frame in body a, and about
 /// axis 2, which is y of the joint frame in body b. A spider between the bodies carries both.
@@ -139,6 +139,7 @@ class UniversalJoint : public FrameJoint {
   // One of the two hinges: what acts along its angle, and what is remembered of it.
   struct Hinge {
     Axis axis;
+    AxisParameters parameters;
     Axis::Drive drive = Axis::Drive::velocity;  ///< what enableMotor turns on
     bool turn_given = false;
   };
@@ -154,8 +155,8 @@ class UniversalJoint : public FrameJoint {
   Frames frames(const BodyPair& pair) const;
   void look(const Frames& at, Angles& angles) const;
   void addRows(const BodyPair& pair, const Frames& at, const Angles& angles, Rows& rows) const;
-  void addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b, const Reach& reach,
-                   bool look_at_limit, Rows& rows) const;
+  void addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b,
+                   const AngularReach& reach, bool look_at_limit, Rows& rows) const;
   /// Whether beta stays within a quarter of a turn: only then is turned_over an error.
   bool rightWayUp() const;
   int indexOf(int axis) const;
@@ -163,7 +164,7 @@ class UniversalJoint : public FrameJoint {
   const Hinge& hinge(int axis) const { return m_hinges[indexOf(axis)]; }
   UnwrappedAngle& angle(int index) { return index == 1 ? m_angles.alpha : m_angles.beta; }
   void setHingeLimit(int index, Scalar low, Scalar high);
-  void setDefaultLimits();
+  void setDefaults();
   btTransform frameOf(const btVector3& anchor, const btVector3& axis1,
                       const btVector3& axis2) const;
 

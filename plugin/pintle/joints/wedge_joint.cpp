@@ -77,7 +77,7 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA)
 }
 
 void WedgeJoint::setDefaults() {
-  m_side.relaxation = m_corner.relaxation = 0;
+  m_side.relaxation = m_other_side.relaxation = m_corner.relaxation = 0;
   m_corner.low = 0;
   m_corner.high = infinity;
   setLimit(m_side.low, m_side.high);
@@ -87,8 +87,8 @@ void WedgeJoint::setDefaults() {
 
 void WedgeJoint::setLimit(btScalar low, btScalar high) {
   setAxisLimit(m_side, low, high);
-  m_other_side = m_side;
-  m_other_side.max_friction = 0;
+  m_other_side.low = low;
+  m_other_side.high = high;
   const Scalar total = high - low;
   const bool limited = total >= 0 && total < SIMD_2_PI;
   // Half a turn, give or take rounding, has one plane.
@@ -101,6 +101,19 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
 void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
   setAxisSpring(m_side, frequency_hz, damping_ratio);
   m_other_side.limit_spring = m_corner.limit_spring = m_side.limit_spring;
+}
+
+void WedgeJoint::enableAngularMotor(bool enable, btScalar target_velocity, btScalar max_impulse) {
+  setAxisMotor(m_side, enable, target_velocity, max_impulse);
+  m_drive = Axis::Drive::velocity;
+}
+
+void WedgeJoint::enableMotor(bool enable) { m_side.drive = enable ? m_drive : Axis::Drive::off; }
+
+void WedgeJoint::setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
+                               btScalar max_torque) {
+  setAxisServo(m_side, target_angle, frequency_hz, damping_ratio, max_torque);
+  m_drive = Axis::Drive::servo;
 }
 
 void WedgeJoint::setFriction(btScalar max_torque) { setAxisFriction(m_side, max_torque); }
@@ -149,7 +162,7 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const 
   if (!BodyPair::is_finite(d.sum() + c_b.sum() + a.a().sum() + a.b().sum() + a.c().sum())) return;
   addPivotRows(pair, a.r(), r_b, d, rows);
   if (!limited() && !m_side.driven()) return;
-  const Scalar gained = angularReach(pair, c_b, timeStep()).of(m_other_side).gained;
+  const Scalar gained = Reach{0, AngularReach(pair, timeStep()).gained()}.of(m_other_side).gained;
   addWedgeRows({a, c_b, pair.w_b() - pair.w_a(), gained}, rows);
 }
 

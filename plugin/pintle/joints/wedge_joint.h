@@ -39,6 +39,15 @@ class WedgeJoint : public FrameJoint {
   /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
   /// is critical) of the bodies as they alone would swing. Frequency 0: rigid again.
   void setLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
+  /// Turns c_b at target_velocity (rad/s, of the angle), by at most max_impulse in a step (N m s, >= 0).
+  void enableAngularMotor(bool enable, btScalar target_velocity, btScalar max_impulse);
+  /// Holds an angle (rad) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at most max_torque
+  /// (N m, >= 0 or infinite), until told otherwise. Takes the place of the motor.
+  void setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
+                     btScalar max_torque);
+  /// Turns the motor or servo, as it was set last, on or off.
+  void enableMotor(bool enable);
+  bool getEnableAngularMotor() const { return m_side.drive != Axis::Drive::off; }
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) against a change of the angle; not
   /// against leaning towards w, nor against turning about c_b. 0: none.
   void setFriction(btScalar max_torque);
@@ -49,14 +58,11 @@ class WedgeJoint : public FrameJoint {
   bool isInside() const;
 
   /// Impulses of the last step (N m s): of both sides, positive towards larger angles; of an acute
-  /// corner, away from it; of the friction, positive towards larger angles.
-  btScalar getLimitImpulse() const {
-    return axisImpulse(low_side, Axis::limit) + axisImpulse(high_side, Axis::limit);
-  }
+  /// corner, away from it; of motor and friction, positive towards larger angles.
+  btScalar getLimitImpulse() const { return sideImpulse(Axis::limit); }
   btScalar getCornerImpulse() const { return axisImpulse(corner, Axis::limit); }
-  btScalar getFrictionImpulse() const {
-    return axisImpulse(low_side, Axis::friction) + axisImpulse(high_side, Axis::friction);
-  }
+  btScalar getMotorImpulse() const { return sideImpulse(Axis::motor); }
+  btScalar getFrictionImpulse() const { return sideImpulse(Axis::friction); }
 
   /// The frames, and the wedge as a sector of the plane normal to w.
   void drawJoint(btIDebugDraw& drawer) const override;
@@ -69,19 +75,23 @@ class WedgeJoint : public FrameJoint {
   struct Directions;
 
   void setDefaults();
+  Scalar sideImpulse(Axis::Part part) const {
+    return axisImpulse(low_side, part) + axisImpulse(high_side, part);
+  }
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
   void addWedgeRows(const Directions& at, Rows& rows) const;
   bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 
-  Axis m_side;                       ///< along the angle: both limits, and friction
-  Axis m_other_side;                 ///< the same without friction
+  Axis m_side;                       ///< along the angle: both limits, motor and friction
+  Axis m_other_side;                 ///< the limits alone
   Axis m_corner;                     ///< along the turn to the extra plane
   equations::Wedge<Scalar> m_wedge;  ///< in the joint frame of body a
   bool m_convex = false;             ///< below pi
   bool m_reflex = false;             ///< from pi on
   bool m_acute = false;
+  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
   RowMemory<3 + axes, axes> m_row_memory;
 };
 

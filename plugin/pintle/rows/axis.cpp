@@ -68,11 +68,14 @@ AxisRow solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state) {
   Slope slope[Axis::parts];
   for (int i = 0; i < Axis::parts; ++i) slope[i] = Slope(part[i], m.K);
   const double u = meet(slope, part, m.free_velocity, m.K);
-  int active = Axis::parts;
+  double share[Axis::parts] = {}, sum = 0;
+  int active = Axis::parts, rest = Axis::parts;
   double nearest = unbounded;
   for (int i = 0; i < Axis::parts; ++i) {
     if (!part[i].on) continue;
-    state.share[i] = Scalar(slope[i].at(u));
+    share[i] = slope[i].at(u);
+    sum += share[i];
+    rest = i;
     // The rigid part that u is on, or else the one that it would come to first.
     const double away = std::max({0., slope[i].begin() - u, u - slope[i].end()});
     if (part[i].rigid && away < nearest) {
@@ -80,16 +83,18 @@ AxisRow solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state) {
       active = i;
     }
   }
-  state.active = static_cast<signed char>(active);
-  if (active != Axis::parts) state.share[active] = 0;
-  const Scalar others = state.share[0] + state.share[1] + state.share[2];
   AxisRow row;
-  row.lower = row.upper = others;
+  row.lower = row.upper = Scalar(sum);
   if (active != Axis::parts) {
+    const Scalar others = Scalar(sum - share[active]);
     row = part[active].row;
-    row.lower = std::max(-infinity, row.lower + others);
-    row.upper = std::min(infinity, row.upper + others);
+    row.lower = btMax(-infinity, row.lower + others);
+    row.upper = btMin(infinity, row.upper + others);
+    rest = active;
   }
+  state.rest = static_cast<signed char>(rest);
+  for (int i = 0; i < Axis::parts; ++i)
+    if (i != rest) state.others[i - (i > rest)] = Scalar(share[i]);
   return row;
 }
 

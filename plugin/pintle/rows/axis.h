@@ -14,11 +14,21 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// A parameter as Bullet's constraints have it: one that is set overrides a general one.
-struct Parameter {
-  Scalar value = 0;
-  bool is_set = false;
-  Scalar orElse(Scalar other) const { return is_set ? value : other; }
+/// A parameter as Bullet's constraints have it, >= 0: one that is set overrides a general one.
+class Parameter {
+ public:
+  Parameter() = default;
+  Parameter(Scalar value) : m_value(value) {}
+  bool isSet() const { return m_value >= 0; }
+  Scalar orElse(Scalar other) const { return isSet() ? m_value : other; }
+
+ private:
+  Scalar m_value = -1;
+};
+
+/// Bullet's, of one axis.
+struct AxisParameters {
+  Parameter limit_erp, limit_cfm, motor_cfm;
 };
 
 struct Spring {
@@ -42,14 +52,13 @@ struct Axis {
   Scalar motor_velocity = 0;
   Scalar max_motor_impulse = 0;  ///< N m s, a step
   Scalar max_motor_force = 0;  ///< N m, added to it: what Bullet bounds differs from joint to joint
-  Scalar motor_gain = 0;  ///< of a drive to a pose: the part of the way to 0 that a step goes
+  Scalar motor_gain = 0;       ///< of a drive to a pose: the part of the way to 0 that a step goes
   Scalar servo_target = 0;
   Spring servo_spring;
   Scalar max_servo_force = 0;  ///< N m
   Scalar max_friction = 0;     ///< N m
 
-  /// Bullet's, of this axis alone; else the joint's.
-  Parameter limit_erp, limit_cfm, motor_cfm;
+  const AxisParameters* own = nullptr;  ///< before the joint's
 
   bool limited() const { return low <= high; }
   bool locked() const { return low == high; }
@@ -82,7 +91,7 @@ struct AxisMotion {
   // For more than one part, or a soft one (Axis::isSimple is false):
   /// At the end of the step, if nothing acted along the coordinate, and the gain.
   Scalar free_velocity;
-  Scalar K;              ///< J M^-1 J^T of the row, after the joint's equalities
+  Scalar K;  ///< J M^-1 J^T of the row, after the joint's equalities
 };
 
 /// The row: J v = target, with Bullet's softness and bounds in impulses.
@@ -93,14 +102,17 @@ struct AxisRow {
 /// What a joint remembers of an axis that has a row.
 struct AxisState {
   const Axis* axis = nullptr;
-  /// Impulses of the parts that are not the active one.
-  std::array<Scalar, Axis::parts> share = {};
-  Scalar incoming = 0;       ///< speed towards a limit that this step's row stops, else 0
-  Scalar last_incoming = 0;  ///< the same of the last step. Two, so that getInfo2 may be called again
+  /// Impulses of the parts other than `rest`, in the order of Axis::Part.
+  std::array<Scalar, Axis::parts - 1> others = {};
+  Scalar incoming = 0;  ///< speed towards a limit that this step's row stops, else 0
+  Scalar last_incoming =
+      0;             ///< the same of the last step. Two, so that getInfo2 may be called again
   Scalar whole = 0;  ///< impulse of the row, along the coordinate, where a solver lets it be read
-  signed char active = Axis::parts;  ///< the part that takes what the others leave; `parts`: none
-  signed char sign = 1;              ///< of Row
-  bool acted = false;                ///< whether there is a row in this step
+  signed char rest =
+      Axis::parts;  ///< the part that takes what the others leave; `parts`: none acts
+  /// J v = sign * d/dt of the coordinate (+1 or -1): which way Bullet counts the impulse.
+  signed char sign = 1;
+  bool acted = false;  ///< whether there is a row in this step
 
   void beginStep() {
     last_incoming = acted ? incoming : 0;
@@ -108,13 +120,14 @@ struct AxisState {
   }
   /// No part acts so far.
   void clear() {
-    share = {};
+    others = {};
     incoming = 0;
-    active = Axis::parts;
+    rest = Axis::parts;
   }
   /// The impulse of one part, of the row's whole impulse.
   Scalar impulse(Axis::Part part, Scalar of) const {
-    return part != active ? share[part] : of - share[0] - share[1] - share[2];
+    if (rest == Axis::parts) return 0;
+    return part == rest ? of - others[0] - others[1] : others[part - (part > rest)];
   }
 };
 

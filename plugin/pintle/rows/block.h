@@ -22,10 +22,12 @@ struct BlockRow {
   Scalar target() const { return A_a[3]; }
 };
 
-/// M^-1 of both bodies, as Bullet applies it: with the bodies' linear and angular factors.
-class BlockMass {
+/// What is left of K after less than this part of it is rounding.
+constexpr Scalar rounding_of_K = 64 * SIMD_EPSILON;
+
+class Block {
  public:
-  explicit BlockMass(const BodyPair& pair) {
+  explicit Block(const BodyPair& pair) {
     const VectorView f_a = view(pair.a().getLinearFactor()), f_b = view(pair.b().getLinearFactor());
     const Scalar a = pair.inv_mass_a(), b = pair.inv_mass_b();
     m_m = {a * f_a[0] + b * f_b[0], a * f_a[1] + b * f_b[1], a * f_a[2] + b * f_b[2], Scalar(0)};
@@ -33,6 +35,69 @@ class BlockMass {
     load(m_I_b, pair.inv_inertia_b(), view(pair.b().getAngularFactor()));
   }
 
+  /// Makes `row` of `from`, orthogonal to the rows of the block. A row that depends on them stays as
+  /// it was: it says the same again, and a remainder of rounding errors must not be solved for.
+  void orthogonalize(BlockRow& row, const Row& from) const {
+    const Scalar lost = eliminate(row, from);
+    weigh(row);
+    if (!(row.K > rounding_of_K * lost)) {
+      take(row, from);
+      row.angular = false;  // it may stand behind one that is not
+      weigh(row);
+      row.K_inv = 0;
+      return;
+    }
+    // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
+    row.K_inv = row.K > SIMD_EPSILON ? 1 / row.K : Scalar(0);
+  }
+
+  /// Appends what orthogonalize makes of `from`.
+  const BlockRow& add(const Row& from) {
+    BlockRow& row = *m_end;
+    orthogonalize(row, from);
+    ++m_end;
+    if (row.angular) m_angular_end = m_end;
+    return row;
+  }
+
+  /// Makes `row` of `from`, less what it shares with the rows of the block. Returns what K loses by
+  /// it; the row's own K is not computed.
+  Scalar eliminate(BlockRow& row, const Row& from) const {
+    Lanes L = from.lanesL(), A_a = from.lanesA_a(), A_b = from.lanesA_b();
+    Scalar lost = 0;
+    const BlockRow* other = m_rows;
+    for (; other != m_angular_end; ++other) {
+      const Lanes common = A_a * other->WA_a + A_b * other->WA_b;
+      const Scalar product = common.sum(), k = product * other->K_inv;
+      const Lanes part = k * other->A_a;
+      A_a -= part;
+      A_b -= part;
+      lost += k * product;
+    }
+    row.angular = from.angular && other == m_end;
+    for (; other != m_end; ++other) {
+      const Lanes common = L * other->WL + A_a * other->WA_a + A_b * other->WA_b;
+      const Scalar product = common.sum(), k = product * other->K_inv;
+      L -= k * other->L;
+      A_a -= k * other->A_a;
+      A_b -= k * other->A_b;
+      lost += k * product;
+    }
+    row.L = L;
+    row.A_a = A_a;
+    row.A_b = A_b;
+    return lost;
+  }
+
+  /// Makes `row` of `from` as it stands.
+  static void take(BlockRow& row, const Row& from) {
+    row.L = from.lanesL();
+    row.A_a = from.lanesA_a();
+    row.A_b = from.lanesA_b();
+    row.angular = from.angular;
+  }
+
+  /// M^-1 J^T and K of a row, with M^-1 as Bullet applies it: with the bodies' factors.
   void weigh(BlockRow& row) const {
     row.WA_a = m_I_a[0] * row.A_a[0] + m_I_a[1] * row.A_a[1] + m_I_a[2] * row.A_a[2];
     row.WA_b = m_I_b[0] * row.A_b[0] + m_I_b[1] * row.A_b[1] + m_I_b[2] * row.A_b[2];
@@ -45,6 +110,8 @@ class BlockMass {
   }
 
  private:
+  static constexpr int max_rows = 8;
+
   // I^-1 is symmetric: its columns, for a product without sums across lanes. The fourth lane is
   // what Bullet pads with, and goes with the factor's zero.
   static void load(Lanes (&I)[3], const MatrixView& inverse, const VectorView& factor) {
@@ -54,56 +121,10 @@ class BlockMass {
 
   Lanes m_m;
   Lanes m_I_a[3], m_I_b[3];
+  BlockRow m_rows[max_rows];
+  BlockRow* m_end = m_rows;
+  BlockRow* m_angular_end = m_rows;  ///< of the angular rows that come first
 };
-
-/// What is left of K after less than this part of it is rounding.
-constexpr Scalar rounding_of_K = 64 * SIMD_EPSILON;
-
-/// Makes `row` of `from`, less what it shares with the first `count` of `others`, which are
-/// orthogonal among themselves. Returns what K loses by it.
-inline Scalar eliminate(BlockRow& row, const Row& from, const BlockRow* others, int count) {
-  Lanes L = LanesView(&from.L[0]), A_a = LanesView(&from.A_a[0]), A_b = LanesView(&from.A_b[0]);
-  Scalar lost = 0;
-  const BlockRow *other = others, *end = others + count;
-  for (; other != end && other->angular; ++other) {
-    const Lanes common = A_a * other->WA_a + A_b * other->WA_b;
-    const Scalar product = common.sum(), k = product * other->K_inv;
-    const Lanes part = k * other->A_a;
-    A_a -= part;
-    A_b -= part;
-    lost += k * product;
-  }
-  row.angular = from.angular && other == end;
-  for (; other != end; ++other) {
-    const Lanes common = L * other->WL + A_a * other->WA_a + A_b * other->WA_b;
-    const Scalar product = common.sum(), k = product * other->K_inv;
-    L -= k * other->L;
-    A_a -= k * other->A_a;
-    A_b -= k * other->A_b;
-    lost += k * product;
-  }
-  row.L = L;
-  row.A_a = A_a;
-  row.A_b = A_b;
-  return lost;
-}
-
-/// Makes `row` of `from`, orthogonal to the first `count` of `others`. A row that depends on them
-/// stays as it was: it says the same again, and a remainder of rounding errors must not be solved
-/// for.
-inline void addToBlock(BlockRow& row, const Row& from, const BlockRow* others, int count,
-                       const BlockMass& mass) {
-  const Scalar lost = eliminate(row, from, others, count);
-  mass.weigh(row);
-  // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
-  row.K_inv = row.K > SIMD_EPSILON ? 1 / row.K : Scalar(0);
-  if (!(row.K > rounding_of_K * lost)) {
-    eliminate(row, from, others, 0);
-    row.angular = false;  // it may stand behind one that is not
-    mass.weigh(row);
-    row.K_inv = 0;
-  }
-}
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -14,16 +14,17 @@ inline Scalar inverseInertiaTrace(const btRigidBody& body) {
   return I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
 }
 
-/// The first three lanes add up to a bound for the square of the angular acceleration (rad^2/s^4,
-/// about any axis) that the force and the torque on a body give it, wherever a joint holds it: a
-/// force F on the centre turns a body that is held at the distance r by at most
+/// The first three lanes add up to a bound for half of the square of the angular acceleration
+/// (rad^2/s^4, about any axis) that the force and the torque on a body give it, wherever a joint holds
+/// it: a force F on the centre turns a body that is held at the distance r by at most
 /// F r / (r^2 + k^2) / m <= F / (2 k m), k its least radius of gyration; the trace of I^-1 is a bound
 /// for 1 / (m k^2).
 inline Lanes accelerationBound2(const btRigidBody& body) {
   const Scalar trace = inverseInertiaTrace(body);
   const LanesView F = lanes(body.getTotalForce()), T = lanes(body.getTotalTorque());
-  // (x + y)^2 <= 2 (x^2 + y^2)
-  return F * F * (Scalar(0.5) * trace * body.getInvMass()) + T * T * (2 * trace * trace);
+  // (x + y)^2 / 2 <= x^2 + y^2
+  const Lanes by_torque = trace * T;
+  return F * F * (Scalar(0.25) * trace * body.getInvMass()) + by_torque * by_torque;
 }
 
 /// How a coordinate may move in a step.
@@ -38,8 +39,9 @@ struct Reach {
     if (axis.drive == Axis::Drive::servo) return {0, infinity};
     return *this;
   }
-  /// Whether the step may come to a limit of `axis`: towards it at twice the speed of now, as the step
-  /// may be longer than the last. `slack`: how far off `coordinate` may be.
+  /// Whether the step may come to a limit of `axis`, or begins beyond it and will not leave it by
+  /// itself: towards it at twice the speed of now, as the step may be longer than the last. `slack`: how
+  /// far off `coordinate` may be.
   bool reaches(const Axis& axis, Scalar coordinate, Scalar slack = 0) const {
     const Scalar most = gained + slack;
     return coordinate - axis.low <= most + btMax(-2 * moved, -moved) ||
@@ -47,13 +49,32 @@ struct Reach {
   }
 };
 
-/// Of an angle (rad) that moves as two bodies turn against each other (b against a) about the unit
-/// vector h, or the other way (sign -1).
-inline Reach angularReach(const BodyPair& pair, const Vec3& h, Scalar dt, Scalar sign = 1) {
-  const Lanes gain2 = accelerationBound2(pair.a()) + accelerationBound2(pair.b());
-  const Scalar gain = btSqrt(2 * (gain2[0] + gain2[1] + gain2[2]));
-  return {sign * dt * h.dot(pair.w_b() - pair.w_a()), dt * dt * gain};
-}
+/// How an angle (rad) may move in a step as two bodies turn against each other (b against a).
+class AngularReach {
+ public:
+  AngularReach(const BodyPair& pair, Scalar dt)
+      : m_dt(dt),
+        m_w(lanes(pair.b().getAngularVelocity()) - lanes(pair.a().getAngularVelocity())),
+        m_gain2(accelerationBound2(pair.a()) + accelerationBound2(pair.b())) {}
+
+  /// By how much forces add to the turn, at most.
+  Scalar gained() const { return 2 * m_dt * m_dt * btSqrt(sum(m_gain2)); }
+  /// About the unit vector h, or the other way (sign -1).
+  Reach about(const Vec3& h, Scalar sign = 1) const {
+    return {sign * m_dt * (h.x() * m_w[0] + h.y() * m_w[1] + h.z() * m_w[2]), gained()};
+  }
+  /// About any axis, either way, at twice the speed of now (Reach::reaches).
+  Scalar most() const {
+    // 2 dt |w| + 2 dt^2 |gain|, by (x + y)^2 <= 2 (x^2 + y^2)
+    return m_dt * btSqrt(8 * sum(m_w * m_w + m_dt * m_dt * m_gain2));
+  }
+
+ private:
+  static Scalar sum(const Lanes& l) { return l[0] + l[1] + l[2]; }
+
+  Scalar m_dt;
+  Lanes m_w, m_gain2;
+};
 
 /// Of a distance (m) along a unit vector, between points at these levers of the bodies: `speed` is J v of
 /// its row, `curvature` what the motion adds (m/s^2). Whatever joints hold the bodies, the part along
@@ -79,25 +100,24 @@ struct Acting {
   bool row = false;     ///< anything does: it needs a row
 };
 
-/// Of the coordinate sign * `angle`, which moves as angularReach says. Its arc tangent is taken only if
-/// it is near a limit.
-inline Acting actingAngle(const BodyPair& pair, const Axis& axis, const UnwrappedAngle& angle,
-                          const Vec3& h, Scalar dt, Scalar sign = 1) {
+/// Of the coordinate sign * `angle`, which moves as the bodies turn about h. makeReach() is its
+/// AngularReach. Far from a limit no arc tangent is computed.
+template <class MakeReach>
+Acting actingAngle(const Axis& axis, const UnwrappedAngle& angle, const Vec3& h, Scalar sign,
+                   const MakeReach& makeReach) {
   Acting acting;
-  Reach reach;
-  bool broken = false, near = false;
-  if (axis.limited()) {
-    const Scalar rough = sign * angle.roughValue(), slack = UnwrappedAngle::rough_error;
-    broken = axis.distance(rough) < -slack;
-    if (!broken) {
-      reach = angularReach(pair, h, dt, sign).of(axis);
-      near = reach.reaches(axis, rough, slack);
-    }
+  const bool limited = axis.limited(), driven = axis.driven();
+  if (!limited && !driven) return acting;
+  bool broken = false;
+  if (limited && !driven) {
+    const Scalar distance = axis.distance(sign * angle.roughValue());
+    broken = distance < -UnwrappedAngle::rough_error;
+    if (!broken && distance > makeReach().most() + UnwrappedAngle::rough_error) return acting;
   }
-  if (!near && !broken && !axis.driven()) return acting;
   acting.position = sign * angle.value();
-  acting.limit = broken || (near && reach.reaches(axis, acting.position));
-  acting.row = acting.limit || axis.driven();
+  acting.limit =
+      broken || (limited && makeReach().about(h, sign).of(axis).reaches(axis, acting.position));
+  acting.row = acting.limit || driven;
   return acting;
 }
 

@@ -34,7 +34,8 @@ inline void addConservingPositionRows(const BodyPair& pair, const Vec3& r_a, con
                                       const Vec3& d, Rows& rows) {
   const Vec3 lever_a = r_a + d;
   addPositionRows(lever_a, r_b, d,
-                  equations::position_curvature<Scalar>(pair.w_a(), lever_a, pair.w_b(), r_b), rows);
+                  equations::position_curvature<Scalar>(pair.w_a(), lever_a, pair.w_b(), r_b),
+                  rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -33,14 +33,17 @@ struct Row {
   Scalar curvature;
   /// Which of the joint's axes it is; -1: an equality.
   signed char axis;
-  /// J v = sign * d/dt of the coordinate of an axis (+1 or -1): which way Bullet counts its impulse.
-  signed char sign;
   /// Which Firmness of the joint holds for an equality.
   unsigned char firmness;
-  /// Whether the limit of the axis may act in this step.
-  bool limit;
   /// L = 0 and A_a = A_b.
   bool angular;
+  /// Whether the limit of the axis may act in this step.
+  bool limit;
+
+  // The vectors, each with its number.
+  LanesView lanesL() const { return LanesView(&L[0]); }
+  LanesView lanesA_a() const { return LanesView(&A_a[0]); }
+  LanesView lanesA_b() const { return LanesView(&A_b[0]); }
 };
 
 /// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
@@ -55,10 +58,7 @@ class Rows {
  public:
   template <int N, int Axes>
   Rows(RowMemory<N, Axes>& memory)
-      : m_rows(memory.rows),
-        m_axes(memory.axes.data()),
-        m_capacity(N),
-        m_axis_count(Axes) {}
+      : m_rows(memory.rows), m_axes(memory.axes.data()), m_capacity(N), m_axis_count(Axes) {}
 
   int size() const { return m_size; }
   int equalities() const { return m_size - m_axis_rows; }
@@ -107,9 +107,9 @@ class Rows {
  private:
   Row& setAxis(Row& row, int index, const Axis& axis, bool limit, int sign) {
     m_axes[index].axis = &axis;
+    m_axes[index].sign = static_cast<signed char>(sign);
     row.axis = static_cast<signed char>(index);
     row.limit = limit;
-    row.sign = static_cast<signed char>(sign);
     row.target = 0;
     ++m_axis_rows;
     return row;
@@ -121,14 +121,14 @@ class Rows {
     row.max_speed = infinity;
     row.axis = -1;
     row.firmness = 0;
-    row.angular = false;
+    row.angular = row.limit = false;
     return row;
   }
 
   Row* m_rows;
   AxisState* m_axes;
   int m_size = 0, m_axis_rows = 0;
-  int m_capacity, m_axis_count;
+  signed char m_capacity, m_axis_count;
   Scalar m_max_impulse = infinity;
 };
 

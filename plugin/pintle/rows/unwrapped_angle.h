@@ -60,9 +60,7 @@ class UnwrappedAngle {
   }
 
   /// Changes the turn to the one that brings the angle nearest to `middle`.
-  void turnTowards(Scalar middle) {
-    m_turns += std::round((middle - value()) / Scalar(2 * pi));
-  }
+  void turnTowards(Scalar middle) { m_turns += std::round((middle - value()) / Scalar(2 * pi)); }
 
   Scalar turns() const { return m_turns; }
   /// Within the turn, in [-pi, pi].
