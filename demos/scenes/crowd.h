@@ -33,10 +33,10 @@ struct CrowdSettings {
 
 struct CrowdResult {
   double mean_gap = 0, max_gap = 0;
-  double mean_penetration = 0;       // m: the mean over all steps of the step's deepest
-  double end_kinetic = 0;            // J
-  double lowest = 0;                 // m: of any centre, at the end
-  double travel = 0;                 // m: of the track's first link, along the track
+  double mean_penetration = 0;  // m: the mean over all steps of the step's deepest
+  double end_kinetic = 0;       // J
+  double lowest = 0;            // m: of any centre, at the end
+  double travel = 0;            // m: of the track's first link, along the track
   bool finite = true;
   int joints = 0;
   double microseconds_per_step = 0;  // wall-clock: does not repeat
@@ -145,14 +145,16 @@ CrowdResult ragdolls(const CrowdSettings& settings) {
     const auto place = [&](double x, double y, double z) -> Eigen::Vector3d {
       return at + turn * Eigen::Vector3d(x, y, z);
     };
-    const auto part = [&](double mass, double hx, double hy, double hz, double x, double y) -> btRigidBody& {
+    const auto part = [&](double mass, double hx, double hy, double hz, double x,
+                          double y) -> btRigidBody& {
       const btTransform pose(matrix_to_bullet(turn.toRotationMatrix()), to_bullet(place(x, y, 0)));
       return crowd.box(mass, btVector3(btScalar(hx), btScalar(hy), btScalar(hz)), pose);
     };
     btRigidBody& pelvis = part(12, 0.1, 0.15, 0.08, 0, 0);
     btRigidBody& chest = part(25, 0.2, 0.17, 0.1, 0.32, 0);
     btRigidBody& head = part(5, 0.1, 0.08, 0.09, 0.66, 0);
-    const Eigen::Vector3d along = turn * Eigen::Vector3d(1, 0, 0), across = turn * Eigen::Vector3d(0, 1, 0);
+    const Eigen::Vector3d along = turn * Eigen::Vector3d(1, 0, 0),
+                          across = turn * Eigen::Vector3d(0, 1, 0);
     const auto cone = [&](btRigidBody& a, btRigidBody& b, const Eigen::Vector3d& p,
                           const Eigen::Vector3d& x, double swing, double twist) {
       const Eigen::Vector3d z = std::abs(x.dot(along)) > 0.5 ? across : along;
@@ -192,7 +194,8 @@ CrowdResult bridge(const CrowdSettings& settings) {
     return Eigen::Vector3d(x, 0, sag * (s * s - 1));
   };
   const Eigen::Vector3d y(0, 1, 0);
-  btRigidBody* last = &crowd.box(0, btVector3(1, 1, 1), pose_at(btVector3(btScalar(-half - 1), 0, 0)));
+  btRigidBody* last =
+      &crowd.box(0, btVector3(1, 1, 1), pose_at(btVector3(btScalar(-half - 1), 0, 0)));
   for (int i = 0; i < planks; ++i) {
     const Eigen::Vector3d a = node(i), b = node(i + 1), x = (b - a).normalized();
     btRigidBody& plank = crowd.box(mass, btVector3(btScalar((b - a).norm() / 2), 1, btScalar(0.04)),
@@ -200,7 +203,8 @@ CrowdResult bridge(const CrowdSettings& settings) {
     crowd.join<Hinge>(*last, plank, frame_along(a, x.cross(y), y));
     last = &plank;
   }
-  btRigidBody& bank = crowd.box(0, btVector3(1, 1, 1), pose_at(btVector3(btScalar(half + 1), 0, 0)));
+  btRigidBody& bank =
+      crowd.box(0, btVector3(1, 1, 1), pose_at(btVector3(btScalar(half + 1), 0, 0)));
   crowd.join<Hinge>(*last, bank, frame_along(node(planks), Eigen::Vector3d(1, 0, 0), y));
   crowd.box(settings.ratio * mass, btVector3(1, btScalar(0.8), btScalar(0.5)),
             pose_at(btVector3(0, 0, btScalar(-sag + 1.5))));
@@ -236,9 +240,11 @@ CrowdResult track(const CrowdSettings& settings) {
   const Eigen::Vector3d y(0, 1, 0);
   std::vector<btRigidBody*> track;
   for (int i = 0; i < total; ++i) {
-    const Eigen::Vector3d a = pivot[size_t(i)], b = pivot[size_t((i + 1) % total)], x = (b - a).normalized();
-    track.push_back(&crowd.box(1, btVector3(btScalar(0.42 * (b - a).norm()), btScalar(0.3), btScalar(tooth)),
-                               frame_along((a + b) / 2, x, x.cross(y)), 1));
+    const Eigen::Vector3d a = pivot[size_t(i)], b = pivot[size_t((i + 1) % total)],
+                          x = (b - a).normalized();
+    track.push_back(
+        &crowd.box(1, btVector3(btScalar(0.42 * (b - a).norm()), btScalar(0.3), btScalar(tooth)),
+                   frame_along((a + b) / 2, x, x.cross(y)), 1));
   }
   for (int i = 0; i < total; ++i)
     crowd.join<Hinge>(*track[size_t(i)], *track[size_t((i + 1) % total)],
@@ -256,7 +262,8 @@ CrowdResult track(const CrowdSettings& settings) {
     wheels.push_back(std::make_unique<btRigidBody>(info));
     wheels.back()->setActivationState(DISABLE_DEACTIVATION);
     crowd.world().bullet().addRigidBody(wheels.back().get());
-    axles.push_back(std::make_unique<Hinge>(*wheels.back(), btVector3(0, 0, 0), btVector3(0, 1, 0)));
+    axles.push_back(
+        std::make_unique<Hinge>(*wheels.back(), btVector3(0, 0, 0), btVector3(0, 1, 0)));
     crowd.world().bullet().addConstraint(axles.back().get());
     if (side > 0) axles.back()->enableAngularMotor(true, btScalar(-3), btScalar(20));
   }

@@ -55,13 +55,18 @@ std::vector<Result> inTurn(const std::vector<std::function<Result()>>& runs) {
 }
 
 void chains() {
-  std::printf("%-24s %-16s %9s %9s %9s %9s %9s %9s %7s %7s  tip\n", "chain", "", "mean gap", "max gap",
-              "axes rad", "energy", "in step", "gain", "us/step", "ratio");
+  std::printf("%-24s %-16s %9s %9s %9s %9s %9s %9s %7s %7s  tip\n", "chain", "", "mean gap",
+              "max gap", "axes rad", "energy", "in step", "gain", "us/step", "ratio");
   struct Case {
     int links;
     double ratio, hz;
   };
-  for (const Case& c : {Case{10, 1, 60}, {10, 100, 60}, {10, 1e4, 60}, {10, 1e6, 60}, {100, 1000, 240}, {100, 1e4, 60}}) {
+  for (const Case& c : {Case{10, 1, 60},
+                        {10, 100, 60},
+                        {10, 1e4, 60},
+                        {10, 1e6, 60},
+                        {100, 1000, 240},
+                        {100, 1e4, 60}}) {
     scenes::ChainSettings stock;
     stock.links = c.links;
     stock.ratio = c.ratio;
@@ -85,8 +90,8 @@ void chains() {
       if (c.links > 10 && i == 2) continue;
       char scene[40];
       std::snprintf(scene, sizeof(scene), "chain(%d, %g, 1/%g)", c.links, c.ratio, c.hz);
-      std::printf("%-24s %-16s %9.1e %9.1e %9.1e %9.1e %9.1e %+9.4f %7.1f %7.2f  %.2f %.2f %.2f\n", scene,
-                  names[i], r.mean_gap, r.max_gap, r.max_axis_angle, r.max_energy_error,
+      std::printf("%-24s %-16s %9.1e %9.1e %9.1e %9.1e %9.1e %+9.4f %7.1f %7.2f  %.2f %.2f %.2f\n",
+                  scene, names[i], r.mean_gap, r.max_gap, r.max_axis_angle, r.max_energy_error,
                   r.in_step_energy_error, r.energy_gain, r.microseconds_per_step,
                   r.microseconds_per_step / results[0].microseconds_per_step, r.tip.x(), r.tip.y(),
                   r.tip.z());
@@ -105,7 +110,8 @@ template <class Ball>
 Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
   ExactJointSolver* solver = nullptr;
   scenes::World world(scenes::standard_gravity, 10, [&] {
-    auto made = make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
+    auto made =
+        make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
     solver = dynamic_cast<ExactJointSolver*>(made.get());
     return made;
   });
@@ -122,7 +128,7 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
       world.add_joint<Ball>(*links[size_t(parent)], *links[size_t(i)], bottom, top);
     links.back()->setLinearVelocity(btVector3(btScalar(0.1 * std::sin(double(i))), 0, 0));
   }
-  const int warm_up = 3, steps = std::max(5, 20000 / joints);
+  const int warm_up = 3, steps = std::max(5, 5000 / joints);
   for (int i = 0; i < warm_up; ++i) world.step(1. / 240);
   const double before = world.microseconds_per_step() * warm_up;
   for (int i = 0; i < steps; ++i) world.step(1. / 240);
@@ -132,19 +138,22 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
   result.bytes = solver ? double(solver->getMemory()) : 0;
   for (int i = 1; i < joints; ++i) {
     const int parent = tree ? (i - 1) / 2 : i - 1;
-    result.gap = std::max(result.gap, (scenes::point_in_world(*links[size_t(parent)], {0, 0, -0.5}) -
-                                       scenes::point_in_world(*links[size_t(i)], {0, 0, 0.5})).norm());
+    result.gap =
+        std::max(result.gap, (scenes::point_in_world(*links[size_t(parent)], {0, 0, -0.5}) -
+                              scenes::point_in_world(*links[size_t(i)], {0, 0, 0.5}))
+                                 .norm());
   }
   return result;
 }
 
 void scaling() {
-  std::printf("\n%-8s %8s %14s %14s %8s %12s %12s\n", "", "joints", "stock us/joint", "exact us/joint",
-              "ratio", "bytes/joint", "gap m");
+  std::printf("\n%-8s %8s %14s %14s %8s %12s %12s\n", "", "joints", "stock us/joint",
+              "exact us/joint", "ratio", "bytes/joint", "gap m");
   for (const bool tree : {false, true}) {
     for (const int joints : {10, 100, 1000, 10000}) {
-      const auto r = inTurn<Measured>({[&] { return hang<btPoint2PointConstraint>(joints, tree, {}); },
-                                       [&] { return hang<pintle::BallJoint>(joints, tree, exact); }});
+      const auto r =
+          inTurn<Measured>({[&] { return hang<btPoint2PointConstraint>(joints, tree, {}); },
+                            [&] { return hang<pintle::BallJoint>(joints, tree, exact); }});
       std::printf("%-8s %8d %14.3f %14.3f %8.2f %12.0f %12.1e\n", tree ? "tree" : "chain", joints,
                   r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints,
                   r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints,
@@ -160,7 +169,8 @@ template <class Ball>
 Measured net(int size, const SolverFactory& make_solver, int& joints) {
   ExactJointSolver* solver = nullptr;
   scenes::World world(scenes::standard_gravity, 10, [&] {
-    auto made = make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
+    auto made =
+        make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
     solver = dynamic_cast<ExactJointSolver*>(made.get());
     return made;
   });
@@ -173,11 +183,13 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
                                         scenes::pose_at(btVector3(btScalar(x), btScalar(y), 0)));
       bodies.push_back(&body);
       if (x > 0) {
-        world.add_joint<Ball>(*bodies[bodies.size() - 2], body, btVector3(half, 0, 0), btVector3(-half, 0, 0));
+        world.add_joint<Ball>(*bodies[bodies.size() - 2], body, btVector3(half, 0, 0),
+                              btVector3(-half, 0, 0));
         ++joints;
       }
       if (y > 0) {
-        world.add_joint<Ball>(*bodies[bodies.size() - 1 - size_t(size)], body, btVector3(0, half, 0), btVector3(0, -half, 0));
+        world.add_joint<Ball>(*bodies[bodies.size() - 1 - size_t(size)], body,
+                              btVector3(0, half, 0), btVector3(0, -half, 0));
         ++joints;
       }
     }
@@ -193,10 +205,12 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
     for (size_t k = 0; k < bodies.size(); ++k) {
       if (k % size_t(size) > 0)
         most = std::max(most, (scenes::point_in_world(*bodies[k - 1], {0.5, 0, 0}) -
-                               scenes::point_in_world(*bodies[k], {-0.5, 0, 0})).norm());
+                               scenes::point_in_world(*bodies[k], {-0.5, 0, 0}))
+                                  .norm());
       if (k >= size_t(size))
         most = std::max(most, (scenes::point_in_world(*bodies[k - size_t(size)], {0, 0.5, 0}) -
-                               scenes::point_in_world(*bodies[k], {0, -0.5, 0})).norm());
+                               scenes::point_in_world(*bodies[k], {0, -0.5, 0}))
+                                  .norm());
     }
     result.gap += most / steps;
   }
@@ -214,17 +228,19 @@ void grid() {
                                      [&] { return net<pintle::BallJoint>(size, exact, joints); }});
     std::printf("%3d x %-8d %8d %14.3f %14.3f %8.2f %12.0f %12.1e %12.1e\n", size, size, joints,
                 r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints,
-                r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints, r[0].gap,
-                r[1].gap);
+                r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints,
+                r[0].gap, r[1].gap);
   }
 }
 
 // --- among contacts --------------------------------------------------------------------------------
 
-void print(const char* scene, const char* who, const scenes::CrowdResult& r, const scenes::CrowdResult& stock) {
-  std::printf("%-10s %-16s %7d %9.1e %9.1e %10.1e %9.1e %8.2f %8.2f %9.0f %6.2f\n", scene, who, r.joints,
-              r.mean_gap, r.max_gap, r.mean_penetration, r.end_kinetic, r.lowest, r.travel,
-              r.microseconds_per_step, r.microseconds_per_step / stock.microseconds_per_step);
+void print(const char* scene, const char* who, const scenes::CrowdResult& r,
+           const scenes::CrowdResult& stock) {
+  std::printf("%-10s %-16s %7d %9.1e %9.1e %10.1e %9.1e %8.2f %8.2f %9.0f %6.2f\n", scene, who,
+              r.joints, r.mean_gap, r.max_gap, r.mean_penetration, r.end_kinetic, r.lowest,
+              r.travel, r.microseconds_per_step,
+              r.microseconds_per_step / stock.microseconds_per_step);
 }
 
 void crowd() {
@@ -241,15 +257,18 @@ void crowd() {
     std::vector<Run> runs;
   };
   const Scene all[] = {
-      {"ragdolls", {[&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(stock); },
-                    [&] { return ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(ours); },
-                    [&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(ours); }}},
-      {"bridge", {[&] { return bridge<btHingeConstraint>(stock); },
-                  [&] { return bridge<pintle::QuaternionHinge>(ours); },
-                  [&] { return bridge<btHingeConstraint>(ours); }}},
-      {"track", {[&] { return track<btHingeConstraint>(stock); },
-                 [&] { return track<pintle::QuaternionHinge>(ours); },
-                 [&] { return track<btHingeConstraint>(ours); }}}};
+      {"ragdolls",
+       {[&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(stock); },
+        [&] { return ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(ours); },
+        [&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(ours); }}},
+      {"bridge",
+       {[&] { return bridge<btHingeConstraint>(stock); },
+        [&] { return bridge<pintle::QuaternionHinge>(ours); },
+        [&] { return bridge<btHingeConstraint>(ours); }}},
+      {"track",
+       {[&] { return track<btHingeConstraint>(stock); },
+        [&] { return track<pintle::QuaternionHinge>(ours); },
+        [&] { return track<btHingeConstraint>(ours); }}}};
   for (const Scene& scene : all) {
     const auto results = inTurn(scene.runs);
     const char* names[] = {"stock, 10", "exact", "exact, stock j."};

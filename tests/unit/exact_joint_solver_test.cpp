@@ -85,7 +85,8 @@ TEST(ExactJointSolver, WithoutJointsIsBullet) {
       for (int k = 0; k < 3; ++k) {
         numbers.push_back(box->getCenterOfMassPosition()[k]);
         numbers.push_back(box->getLinearVelocity()[k]);
-        for (int j = 0; j < 3; ++j) numbers.push_back(box->getCenterOfMassTransform().getBasis()[k][j]);
+        for (int j = 0; j < 3; ++j)
+          numbers.push_back(box->getCenterOfMassTransform().getBasis()[k][j]);
       }
     }
     return numbers;
@@ -130,7 +131,8 @@ TEST(ExactJointSolver, JointsBreakAtTheirThreshold) {
     Hanging hanging(exact);
     auto& a = hanging.world.add_joint<BallJoint>(*hanging.top, *hanging.upper, vec(0, 0, -0.5),
                                                  vec(0, 0, 0.5));
-    hanging.world.add_joint<BallJoint>(*hanging.upper, *hanging.lower, vec(0, 0, -0.5), vec(0, 0, 0.5));
+    hanging.world.add_joint<BallJoint>(*hanging.upper, *hanging.lower, vec(0, 0, -0.5),
+                                       vec(0, 0, 0.5));
     a.setBreakingImpulseThreshold(scalar(part * 5 * 9.81 / 60));
     for (int i = 0; i < 60; ++i) hanging.world.step(1. / 60);
     EXPECT_EQ(a.isEnabled(), part > 1) << part;
@@ -141,7 +143,8 @@ TEST(ExactJointSolver, JointsBreakAtTheirThreshold) {
 TEST(ExactJointSolver, IslandsFallAsleep) {
   Hanging hanging(exact);
   hanging.world.add_joint<BallJoint>(*hanging.top, *hanging.upper, vec(0, 0, -0.5), vec(0, 0, 0.5));
-  hanging.world.add_joint<BallJoint>(*hanging.upper, *hanging.lower, vec(0, 0, -0.5), vec(0, 0, 0.5));
+  hanging.world.add_joint<BallJoint>(*hanging.upper, *hanging.lower, vec(0, 0, -0.5),
+                                     vec(0, 0, 0.5));
   hanging.upper->forceActivationState(ACTIVE_TAG);
   hanging.lower->forceActivationState(ACTIVE_TAG);
   for (int i = 0; i < 240; ++i) hanging.world.step(1. / 60);
@@ -229,7 +232,8 @@ TEST(ExactJointSolver, LoopsHold) {
   const Eigen::Vector3d z(0, 0, 1);
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d a = corner(i), b = corner(i + 1), x = (b - a).normalized();
-    links.push_back(&world.add_box(1, vec(side / 2, 0.1, 0.1), scenes::frame_along((a + b) / 2, x, z)));
+    links.push_back(
+        &world.add_box(1, vec(side / 2, 0.1, 0.1), scenes::frame_along((a + b) / 2, x, z)));
   }
   for (int i = 0; i < count; ++i) {
     btRigidBody &a = *links[size_t(i)], &b = *links[size_t((i + 1) % count)];
@@ -346,10 +350,12 @@ TEST(ExactJointSolver, InAPoolOfSolvers) {
         bodies.push_back(std::make_unique<btRigidBody>(info));
         world.addRigidBody(bodies.back().get());
         if (i == 0)
-          joints.push_back(std::make_unique<QuaternionHinge>(*bodies.back(), vec(-0.5, 0, 0), vec(0, 1, 0)));
+          joints.push_back(
+              std::make_unique<QuaternionHinge>(*bodies.back(), vec(-0.5, 0, 0), vec(0, 1, 0)));
         else
           joints.push_back(std::make_unique<QuaternionHinge>(
-              *bodies[bodies.size() - 2], *bodies.back(), vec(0.5, 0, 0), vec(-0.5, 0, 0), vec(0, 1, 0), vec(0, 1, 0)));
+              *bodies[bodies.size() - 2], *bodies.back(), vec(0.5, 0, 0), vec(-0.5, 0, 0),
+              vec(0, 1, 0), vec(0, 1, 0)));
         world.addConstraint(joints.back().get(), true);
       }
     }

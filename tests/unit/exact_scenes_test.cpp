@@ -66,7 +66,8 @@ scenes::CrowdSettings crowd(bool exact, double seconds, int size) {
 }
 
 TEST(ExactScenes, RagdollsHold) {
-  const auto stock = scenes::ragdolls<btHingeConstraint, btConeTwistConstraint>(crowd(false, 3, 18));
+  const auto stock =
+      scenes::ragdolls<btHingeConstraint, btConeTwistConstraint>(crowd(false, 3, 18));
   const auto ours =
       scenes::ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(crowd(true, 3, 18));
   EXPECT_LT(ours.mean_gap, stock.mean_gap / 30);

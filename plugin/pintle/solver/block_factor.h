@@ -40,7 +40,9 @@ class BlockFactor {
   /// x = K^-1 x; block_rows numbers a column of K.
   void solve(double* x) const;
 
-  size_t bytes() const { return sizeof(double) * (m_blocks.capacity() + m_inverse.capacity() + m_scratch.capacity()); }
+  size_t bytes() const {
+    return sizeof(double) * (m_blocks.capacity() + m_inverse.capacity() + m_scratch.capacity());
+  }
 
  private:
   static constexpr size_t size = block_rows * block_rows;

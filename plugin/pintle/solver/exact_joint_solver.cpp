@@ -39,7 +39,7 @@ constexpr int most_extra_iterations = 2;
 struct ExactJointSolver::Island {
   JointSystem joints;
   EndOfStep end;
-  std::vector<double> error;  ///< of all rows at the end of the step, by block
+  std::vector<double> error;                  ///< of all rows at the end of the step, by block
   std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
   std::vector<double> free_energy, energy, unit_energy;  ///< of each (JointSystem::energies)
   std::vector<char> worse;    ///< whether a large error has grown, or energy has
@@ -143,8 +143,9 @@ void ExactJointSolver::calm() {
   bool any = false;
   island.worse.resize(island.energy.size());
   for (size_t i = 0; i < island.energy.size(); ++i) {
-    island.worse[i] = !(island.energy[i] <= most_gain * island.free_energy[i] +
-                                                correction_speed * correction_speed * island.unit_energy[i]);
+    island.worse[i] =
+        !(island.energy[i] <= most_gain * island.free_energy[i] +
+                                  correction_speed * correction_speed * island.unit_energy[i]);
     any = any || island.worse[i];
   }
   if (!any) return;
@@ -174,8 +175,8 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
       if (!worse) break;
       joints.goBack(part, island.worse);
     }
-    const bool enough = worse || i >= m_position_iterations + most_extra_iterations ||
-                        !isFar(island.next_largest);
+    const bool enough =
+        worse || i >= m_position_iterations + most_extra_iterations || !isFar(island.next_largest);
     if (last && enough) return any_far;
     lookAhead(info, island.largest);
   }
@@ -215,7 +216,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   joints.factorise();
   joints.begin(m_tmpSolverBodyPool);
   m_island->stiffenings = 0;
-  while (stiffen(infoGlobal)) {
+  while (stiffen(infoGlobal) && joints.hasUnresolved()) {
   }
   joints.settle();
   joints.write(m_tmpSolverBodyPool);

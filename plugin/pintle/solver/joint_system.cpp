@@ -25,12 +25,17 @@ constexpr double nearly_dependent = 1e-6;
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
-double freeVelocity(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+double freeVelocity(const btSolverConstraint& row,
+                    const btAlignedObjectArray<btSolverBody>& bodies) {
   const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
-  return inDouble(row.m_contactNormal1).dot(inDouble(a.m_linearVelocity + a.m_externalForceImpulse)) +
-         inDouble(row.m_relpos1CrossNormal).dot(inDouble(a.m_angularVelocity + a.m_externalTorqueImpulse)) +
-         inDouble(row.m_contactNormal2).dot(inDouble(b.m_linearVelocity + b.m_externalForceImpulse)) +
-         inDouble(row.m_relpos2CrossNormal).dot(inDouble(b.m_angularVelocity + b.m_externalTorqueImpulse));
+  return inDouble(row.m_contactNormal1)
+             .dot(inDouble(a.m_linearVelocity + a.m_externalForceImpulse)) +
+         inDouble(row.m_relpos1CrossNormal)
+             .dot(inDouble(a.m_angularVelocity + a.m_externalTorqueImpulse)) +
+         inDouble(row.m_contactNormal2)
+             .dot(inDouble(b.m_linearVelocity + b.m_externalForceImpulse)) +
+         inDouble(row.m_relpos2CrossNormal)
+             .dot(inDouble(b.m_angularVelocity + b.m_externalTorqueImpulse));
 }
 
 // Nobody can move: both bodies are static, or hold NaN.
@@ -45,7 +50,7 @@ bool isBilateral(const btSolverConstraint& row) {
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
 // is stable to 4. Beyond the second, nothing of the swing is left to be resolved in steps of h: half
 // of what a body turns otherwise than its neighbours is taken away in each.
-constexpr double stiff = 1, unresolved = 16;
+constexpr double stiff = 4, unresolved = 16;
 
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
@@ -59,7 +64,9 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   m_all = true;
   m_stiff = false;
   m_fastest = 0;
-  const auto moving = [&](int body) { return bodies[body].internalGetInvMass().isZero() ? -1 : body; };
+  const auto moving = [&](int body) {
+    return bodies[body].internalGetInvMass().isZero() ? -1 : body;
+  };
   const btTypedConstraint* last = nullptr;
   int index = 0;
   for (int i = 0; i < rows.size(); ++i, ++index) {
@@ -76,7 +83,8 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
       continue;
     }
     row.m_overrideNumSolverIterations = 0;
-    if (m_joints.empty() || m_gathered.back().joint != joint || m_joints.back().rows == block_rows) {
+    if (m_joints.empty() || m_gathered.back().joint != joint ||
+        m_joints.back().rows == block_rows) {
       m_gathered.push_back({joint, {}, {}});
       m_joints.push_back({0, {moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
     }
@@ -176,8 +184,7 @@ void JointSystem::factorise() {
     for (int q = 0; q < block.rows; ++q) {
       BlockColumn sum = BlockColumn::Zero();
       for (int side = 0; side < 2; ++side)
-        for (int k = 0; k < 6; ++k)
-          sum += block.J[side][k][q] * column(block.J[side][k]);
+        for (int k = 0; k < 6; ++k) sum += block.J[side][k][q] * column(block.J[side][k]);
       sum[q] += block.softness[q];
       column(K, q) = sum;
     }
@@ -189,8 +196,7 @@ void JointSystem::factorise() {
           if (block.body[s] < 0 || block.body[s] != other.body[t]) continue;
           for (int q = 0; q < block.rows; ++q) {
             BlockColumn sum = column(to, q);
-            for (int k = 0; k < 6; ++k)
-              sum += block.J[s][k][q] * column(other.J[t][k]);
+            for (int k = 0; k < 6; ++k) sum += block.J[s][k][q] * column(other.J[t][k]);
             column(to, q) = sum;
           }
         }
@@ -323,6 +329,11 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
   return true;
 }
 
+bool JointSystem::hasUnresolved() const {
+  return std::any_of(m_bodies.begin(), m_bodies.end(),
+                     [](const Body& body) { return body.stiffening.most() > unresolved; });
+}
+
 // To the next stiffening of each body.
 void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies) {
   for (Body& body : m_bodies) {
@@ -344,8 +355,8 @@ void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies
     body.kick.setZero();
     if (body.neighbours == 0 || !(body.stiffening.most() > unresolved)) continue;
     const btSolverBody& of = bodies[int(i)];
-    const Vector3d behind = body.omega / body.neighbours -
-                            inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
+    const Vector3d behind =
+        body.omega / body.neighbours - inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
     const auto part = [](double mu) {
       return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
     };
@@ -409,9 +420,9 @@ void JointSystem::write(btAlignedObjectArray<btSolverBody>& bodies) const {
     const double* u = &m_u[6 * i];
     for (int k = 0; k < 3; ++k) {
       to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
-      to.m_deltaAngularVelocity[k] = btScalar(body.stiff_angular(k, 0) * u[3] +
-                                              body.stiff_angular(k, 1) * u[4] +
-                                              body.stiff_angular(k, 2) * u[5]);
+      to.m_deltaAngularVelocity[k] =
+          btScalar(body.stiff_angular(k, 0) * u[3] + body.stiff_angular(k, 1) * u[4] +
+                   body.stiff_angular(k, 2) * u[5]);
     }
   }
 }
@@ -482,8 +493,7 @@ void JointSystem::applyDamped() {
 }
 
 void JointSystem::solve() {
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_x.data(), int(c)) = residual(m_blocks[c]);
+  for (size_t c = 0; c < m_blocks.size(); ++c) column(m_x.data(), int(c)) = residual(m_blocks[c]);
   apply(m_factor);
 }
 
@@ -574,9 +584,10 @@ void JointSystem::release(btConstraintArray& rows, int iterations) const {
 }
 
 size_t JointSystem::bytes() const {
-  return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() + m_blocks.capacity() * sizeof(JointBlock) +
-         m_gathered.capacity() * sizeof(Gathered) + m_joints.capacity() * sizeof(Topology::Joint) +
-         m_bodies.capacity() * sizeof(Body) + (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity()) *
+  return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
+         m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
+         m_joints.capacity() * sizeof(Topology::Joint) + m_bodies.capacity() * sizeof(Body) +
+         (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity()) *
              sizeof(double);
 }
 

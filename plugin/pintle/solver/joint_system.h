@@ -17,18 +17,18 @@ inline namespace PINTLE_PRECISION {
 struct JointBlock {
   btTypedConstraint* joint;
   int rows;
-  int row[block_rows];           ///< in Bullet's pool
-  int index[block_rows];         ///< among the rows of the joint
-  int body[2];                   ///< among Bullet's solver bodies; -1: does not move
-  double J[2][6][block_rows];    ///< J S of each body, by coordinate: linear, then angular
-  double deficit[block_rows];    ///< what J v lacks before any impulse
-  double rest[block_rows];       ///< the part of it that brings the row to rest: -J v
-  double softness[block_rows];   ///< Sigma
-  double impulse[block_rows];    ///< lambda
+  int row[block_rows];          ///< in Bullet's pool
+  int index[block_rows];        ///< among the rows of the joint
+  int body[2];                  ///< among Bullet's solver bodies; -1: does not move
+  double J[2][6][block_rows];   ///< J S of each body, by coordinate: linear, then angular
+  double deficit[block_rows];   ///< what J v lacks before any impulse
+  double rest[block_rows];      ///< the part of it that brings the row to rest: -J v
+  double softness[block_rows];  ///< Sigma
+  double impulse[block_rows];   ///< lambda
   int angular_rows;
-  int point[3];                  ///< three rows that hold a point in all directions; -1: none do
-  double lever[2][3];            ///< of the point, from each body's centre
-  double swing[2];               ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
+  int point[3];        ///< three rows that hold a point in all directions; -1: none do
+  double lever[2][3];  ///< of the point, from each body's centre
+  double swing[2];     ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
 };
 
 class JointSystem {
@@ -45,6 +45,9 @@ class JointSystem {
   /// solved anew.
   bool stiffen(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
                Scalar dt);
+  /// Whether a body swings so fast that nothing of it is left in a step; how stiff it is then changes
+  /// the impulses by much.
+  bool hasUnresolved() const;
   /// Writes the inertia that the bodies have now into rows that Bullet iterates, and makes what these
   /// have done so far the change of the bodies' velocities. `of_contacts`: whether cfm counts in the
   /// rows' own K, as it does in contacts.
@@ -102,9 +105,9 @@ class JointSystem {
     Stiffening stiffening, next_stiffening;
     Matrix3d turn;  ///< from the coordinates u with the one to those with the next
     Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
-    double load;  ///< more than (omega h)^2 of its swing under the joints' impulses
+    double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
     Matrix3d stiffness;  ///< of the levers of its joints, N m s
-    Vector3d omega;                         ///< sum of its neighbours', rad/s
+    Vector3d omega;      ///< sum of its neighbours', rad/s
     int neighbours;
     Vector3d kick;  ///< towards them, of u
   };
@@ -136,11 +139,11 @@ class JointSystem {
   std::vector<JointBlock> m_blocks;  ///< in the order of elimination
   std::vector<Topology::Joint> m_joints;
   std::vector<Body> m_bodies;
-  std::vector<double> m_u;       ///< 6 a body
-  std::vector<double> m_x;       ///< block_rows a block
+  std::vector<double> m_u;  ///< 6 a body
+  std::vector<double> m_x;  ///< block_rows a block
   std::vector<double> m_kept_u, m_kept_rows;
   BlockFactor m_factor;
-  BlockFactor m_damped;          ///< of loops: for what need not be consistent; made when it is asked for
+  BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
   double m_fastest = 0;
   bool m_loops = false;  ///< whether rows may depend on each other
   bool m_all = true, m_stiff = false, m_damped_is_factor = false;

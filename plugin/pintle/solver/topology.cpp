@@ -18,7 +18,8 @@ class Sets {
     std::iota(m_leader.begin(), m_leader.end(), 0);
   }
   int find(int i) {
-    while (m_leader[size_t(i)] != i) i = m_leader[size_t(i)] = m_leader[size_t(m_leader[size_t(i)])];
+    while (m_leader[size_t(i)] != i)
+      i = m_leader[size_t(i)] = m_leader[size_t(m_leader[size_t(i)])];
     return i;
   }
   /// False if they are together already.
@@ -36,7 +37,8 @@ class Sets {
 void findComponents(Topology& topology) {
   const auto& joints = topology.joints;
   int bodies = 0;
-  for (const auto& joint : joints) bodies = std::max({bodies, joint.body[0] + 1, joint.body[1] + 1});
+  for (const auto& joint : joints)
+    bodies = std::max({bodies, joint.body[0] + 1, joint.body[1] + 1});
   Sets with_ground(bodies + 1), without(bodies);
   topology.loops = false;
   for (const auto& joint : joints) {
@@ -101,11 +103,11 @@ const Topology& Topologies::get(const std::vector<Topology::Joint>& joints) {
 size_t Topologies::bytes() const {
   size_t sum = 0;
   for (const auto& known : m_known)
-    sum += sizeof(Topology) + known->elimination.bytes() +
-           known->joints.capacity() * sizeof(Topology::Joint) +
-           (known->rows.capacity() + known->component.capacity() +
-            known->body_component.capacity()) *
-               sizeof(int);
+    sum +=
+        sizeof(Topology) + known->elimination.bytes() +
+        known->joints.capacity() * sizeof(Topology::Joint) +
+        (known->rows.capacity() + known->component.capacity() + known->body_component.capacity()) *
+            sizeof(int);
   return sum;
 }
 
