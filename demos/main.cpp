@@ -9,8 +9,10 @@
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
+#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
+#include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
@@ -33,6 +35,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/bounce.h"
 #include "scenes/chain.h"
 #include "scenes/door.h"
 #include "scenes/drive_shaft.h"
@@ -41,6 +44,7 @@
 #include "scenes/rope.h"
 #include "scenes/shoulder.h"
 #include "scenes/slider_crank.h"
+#include "scenes/tilt.h"
 #include "scenes/unstable.h"
 #include "scenes/valve.h"
 #include "scenes/wedge.h"
@@ -454,18 +458,18 @@ void run_slider_crank(Csv& csv) {
       scenes::SliderCrankSettings settings;
       settings.dt = 1 / hz;
       settings.iterations = iterations;
-      table.compare(text("%gHz %dit", hz, iterations),
-                    {{"stock",
-                      [&] {
-                        return measure(
-                            scenes::slider_crank<Stock, btPoint2PointConstraint, btSliderConstraint>(
-                                settings));
-                      }},
-                     {"pintle", [&] {
-                        return measure(
-                            scenes::slider_crank<Ours, pintle::BallJoint, pintle::SliderJoint>(
-                                settings));
-                      }}});
+      table.compare(
+          text("%gHz %dit", hz, iterations),
+          {{"stock",
+            [&] {
+              return measure(
+                  scenes::slider_crank<Stock, btPoint2PointConstraint, btSliderConstraint>(
+                      settings));
+            }},
+           {"pintle", [&] {
+              return measure(
+                  scenes::slider_crank<Ours, pintle::BallJoint, pintle::SliderJoint>(settings));
+            }}});
     }
   }
 }
@@ -513,7 +517,8 @@ Measurement measure(const scenes::DriveShaftSettings& settings) {
 }
 
 void run_drive_shaft(Csv& csv) {
-  Table table(csv, "drive_shaft", "a shaft turns another at a bend (ideal of a universal joint: ripple)",
+  Table table(csv, "drive_shaft",
+              "a shaft turns another at a bend (ideal of a universal joint: ripple)",
               {{"least", "out/in", "%.5f"},
                {"most", "out/in", "%.5f"},
                {"ripple", "out/in", "%.2e"},
@@ -624,21 +629,66 @@ void run_unstable(Csv& csv) {
   }
 }
 
+template <class Contact>
+Measurement measure(const scenes::BounceSettings& settings) {
+  const scenes::BounceResult r = scenes::bounce<Contact>(settings);
+  const double wanted = settings.restitution * settings.restitution * settings.height;
+  const double rebound = wanted > 0 ? r.rebound / wanted : r.rebound;
+  return {{or_infinite(r.finite, rebound), or_infinite(r.finite, r.below),
+           or_infinite(r.finite, r.rest)},
+          or_infinite(r.finite, std::abs(rebound - (wanted > 0 ? 1 : 0))),
+          r.microseconds_per_step};
+}
+
+void run_bounce(Csv& csv) {
+  Table table(csv, "bounce", "a ball is dropped on a plane, and bounces until it rests",
+              {{"rebound", "of e^2 h", "%.3f", "lost"},
+               {"below", "m", "%.1e", "lost"},
+               {"rest at", "m", "%.1e", "lost"}});
+  for (const double restitution : {0., 0.5, 0.8}) {
+    for (const double hz : {60, 240}) {
+      scenes::BounceSettings settings;
+      settings.restitution = restitution;
+      settings.dt = 1 / hz;
+      table.compare(text("e = %g %gHz", restitution, hz),
+                    {{"stock", [&] { return measure<scenes::StockContact>(settings); }},
+                     {"pintle", [&] { return measure<pintle::ContactJoint>(settings); }}});
+    }
+  }
+}
+
+template <class Configure = scenes::AsConstructed>
+Measurement measure(const scenes::TiltSettings& settings, Configure configure = {}) {
+  const scenes::TiltResult r = scenes::tilt<pintle::AngularLimit>(settings, configure);
+  const double beyond = or_infinite(r.finite, degrees(r.beyond));
+  return {{beyond}, beyond, r.microseconds_per_step};
+}
+
+void run_tilt(Csv& csv) {
+  const auto printed = [](pintle::AngularLimit& limit) {
+    limit.setFormulation(pintle::Formulation::document);
+  };
+  Table table(csv, "tilt", "a leaning cube is pushed against the limit of an angle",
+              {{"beyond", "deg", "%.2e", "lost"}});
+  for (const double angle : {0, 20, 60, 80}) {
+    scenes::TiltSettings settings;
+    settings.tilt = radians(angle);
+    table.compare(text("%g deg 60Hz", angle), {{"doc.", [&] { return measure(settings, printed); }},
+                                               {"pintle", [&] { return measure(settings); }}});
+  }
+}
+
 struct Scene {
   const char* name;
   void (*run)(Csv&);
 };
 constexpr Scene all_scenes[] = {
-    {"chain", run_chain},
-    {"recovery", run_recovery},
-    {"pendulum", run_pendulum},
-    {"valve", run_valve},
-    {"door", run_door},
-    {"rope", run_rope},
-    {"wedge", run_wedge},
-    {"slider_crank", run_slider_crank},
-    {"shoulder", run_shoulder},
-    {"drive_shaft", run_drive_shaft},
+    {"chain", run_chain},       {"recovery", run_recovery},
+    {"pendulum", run_pendulum}, {"valve", run_valve},
+    {"door", run_door},         {"rope", run_rope},
+    {"wedge", run_wedge},       {"slider_crank", run_slider_crank},
+    {"shoulder", run_shoulder}, {"drive_shaft", run_drive_shaft},
+    {"bounce", run_bounce},     {"tilt", run_tilt},
     {"unstable", run_unstable},
 };
 
@@ -664,7 +714,8 @@ void print_legend() {
       "  pintle  pintle::QuaternionHinge; plain without block rows;\n"
       "          doc. with Formulation::document\n"
       "In rope, stock: sticks on btPoint2PointConstraint, and pintle::DistanceJoint;\n"
-      "in wedge, stock: btGeneric6DofSpring2Constraint, and pintle::WedgeJoint.\n",
+      "in wedge, stock: btGeneric6DofSpring2Constraint, and pintle::WedgeJoint;\n"
+      "in bounce, stock: a collision, and pintle::ContactJoint.\n",
       sizeof(btScalar) == sizeof(double) ? "double" : "single");
 }
 

@@ -15,13 +15,20 @@ std::size_t allocated = 0;
 
 }  // namespace
 
-void* operator new(std::size_t size) {
+// Not inlined: g++ would see the malloc of one without the free of the other, and warn.
+#if defined(__GNUC__)
+#define PINTLE_NOINLINE __attribute__((noinline))
+#else
+#define PINTLE_NOINLINE
+#endif
+
+PINTLE_NOINLINE void* operator new(std::size_t size) {
   allocated += size;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+PINTLE_NOINLINE void operator delete(void* memory) noexcept { std::free(memory); }
+PINTLE_NOINLINE void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 int main(int argc, char** argv) {
   const auto cases = bench::cases();

@@ -19,6 +19,23 @@ constexpr auto pintle_type = btTypedConstraintType(15);
 
 constexpr int max_firmness = 3;
 
+// What is slower than this (m/s, rad/s) stands still. An error at rest would be taken away part by part
+// for ever, and the rounding of a velocity that is 0 pass by pass: numbers near the least that there are,
+// with which a processor is a hundred times as slow.
+constexpr Scalar least_speed = SIMD_EPSILON * SIMD_EPSILON;
+
+// Stops a velocity that is made of `others` and `part`, by that part.
+void stopIfSlow(btVector3& part, const btVector3& others) {
+  for (int i = 0; i < 3; ++i) {
+    if (btFabs(part[i] + others[i]) < least_speed) part[i] = -others[i];
+    if (btFabs(part[i]) < least_speed) part[i] = 0;
+  }
+}
+void stopIfSlow(btSolverBody& body) {
+  stopIfSlow(body.m_deltaLinearVelocity, body.m_linearVelocity + body.m_externalForceImpulse);
+  stopIfSlow(body.m_deltaAngularVelocity, body.m_angularVelocity + body.m_externalTorqueImpulse);
+}
+
 // Bullet starts every step from nothing, and leaves a joint with what the others did to it after
 // its last turn, the residual. A residual that lasts (the part in which two steps agree: a load,
 // not a blow) is going to come again, and the next target makes up for this part of it. Joints that
@@ -107,7 +124,8 @@ struct Joint::Step {
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
   // with it a turning joint does not drift.
   Scalar target(const Row& row) const {
-    const Scalar speed = -rate[row.firmness] * row.position;
+    const Scalar away = -rate[row.firmness] * row.position;
+    const Scalar speed = btFabs(away) > least_speed ? away : Scalar(0);
     return btMax(-row.max_speed, btMin(speed, row.max_speed)) - gain(row);
   }
 };
@@ -304,7 +322,13 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
       axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
     }
   }
-  if (m_iterations_left == 0 || --m_iterations_left > 0) return;
+  if (m_iterations_left == 0) return;
+  --m_iterations_left;
+  if (m_iterations_left % 2 == 0) {
+    stopIfSlow(a);
+    stopIfSlow(b);
+  }
+  if (m_iterations_left > 0) return;
   const auto linear = [](const btSolverBody& body) -> Vec3 {
     return view(body.m_linearVelocity) + view(body.m_externalForceImpulse) +
            view(body.m_deltaLinearVelocity);
@@ -318,8 +342,8 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
     Row& row = m_rows[i];
     const Scalar now = velocity(row, v_ab, w_a, w_b) - row.target;
     const Scalar last = m_residuals_known ? row.residual : Scalar(0);
-    row.correction =
-        now * last > 0 ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
+    const bool lasts = now * last > least_speed * least_speed;
+    row.correction = lasts ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
     row.residual = now;
   }
   m_residuals_known = true;

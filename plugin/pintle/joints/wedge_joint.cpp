@@ -162,8 +162,19 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const 
   if (!BodyPair::is_finite(d.sum() + c_b.sum() + a.a().sum() + a.b().sum() + a.c().sum())) return;
   addPivotRows(pair, a.r(), r_b, d, rows);
   if (!limited() && !m_side.driven()) return;
-  const Scalar gained = Reach{0, AngularReach(pair, timeStep()).gained()}.of(m_other_side).gained;
+  const AngularReach reach(pair, timeStep());
+  if (!m_side.driven() && isFarInside(a, c_b, reach.most())) return;
+  const Scalar gained = Reach{0, reach.gained()}.of(m_other_side).gained;
   addWedgeRows({a, c_b, pair.w_b() - pair.w_a(), gained}, rows);
+}
+
+// The sine of an angle is no more than the angle: whether c_b is farther than `most` (rad) from the
+// planes that could hold it.
+inline bool WedgeJoint::isFarInside(const Frame& a, const Vec3& c_b, Scalar most) const {
+  const Scalar x = a.a().dot(c_b), y = a.b().dot(c_b);
+  const Scalar low = m_wedge.n_min.x() * x + m_wedge.n_min.y() * y;
+  const Scalar high = m_wedge.n_max.x() * x + m_wedge.n_max.y() * y;
+  return (m_convex ? btMin(low, high) : btMax(low, high)) > most;
 }
 
 inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {

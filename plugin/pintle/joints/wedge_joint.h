@@ -7,6 +7,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class Frame;
+
 /// A point of each body coincide, and a direction c_b of body b keeps between two half planes of
 /// body a that meet in the wedge axis w. It may turn about itself, and lean towards w and away.
 ///
@@ -81,6 +83,7 @@ class WedgeJoint : public FrameJoint {
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
   void addWedgeRows(const Directions& at, Rows& rows) const;
+  bool isFarInside(const Frame& a, const Vec3& c_b, Scalar most) const;
   bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 

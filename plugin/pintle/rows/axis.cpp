@@ -83,6 +83,7 @@ AxisRow solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state) {
       active = i;
     }
   }
+  if (rest == Axis::parts) return {};  // none acts after all
   AxisRow row;
   row.lower = row.upper = Scalar(sum);
   if (active != Axis::parts) {

@@ -40,15 +40,15 @@ class Block {
   void orthogonalize(BlockRow& row, const Row& from) const {
     const Scalar lost = eliminate(row, from);
     weigh(row);
-    if (!(row.K > rounding_of_K * lost)) {
-      take(row, from);
-      row.angular = false;  // it may stand behind one that is not
-      weigh(row);
-      row.K_inv = 0;
+    // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
+    if (row.K > rounding_of_K * lost + SIMD_EPSILON) {
+      row.K_inv = 1 / row.K;
       return;
     }
-    // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
-    row.K_inv = row.K > SIMD_EPSILON ? 1 / row.K : Scalar(0);
+    take(row, from);
+    row.angular = false;  // it may stand behind one that is not
+    weigh(row);
+    row.K_inv = 0;
   }
 
   /// Appends what orthogonalize makes of `from`.

@@ -1,0 +1,40 @@
+// A processor is a hundred times as slow with numbers near the least that there are, and a solver that
+// converges comes near them wherever something is exactly 0: a door that turns in one plane.
+#include <gtest/gtest.h>
+#include <pintle/joints/quaternion_hinge.h>
+
+#include <cfenv>
+
+#include "physics_support.h"
+#include "scenes/world.h"
+#include "support.h"
+
+namespace {
+
+using support::vec;
+
+TEST(Subnormal, ADoorDoesNotConvergeToTheLeastNumbers) {
+  scenes::World world;
+  const btVector3 half_extents = vec(0.5, 0.1, 0.1);
+  btRigidBody& post = world.add_box(0, half_extents, scenes::pose_at(vec(-1, 0, 0)));
+  btRigidBody& door = world.add_box(1, half_extents, scenes::pose_at(vec(0, 0, 0)));
+  world.add_joint<pintle::QuaternionHinge>(post, door, scenes::pose_at(vec(0.5, 0, 0)),
+                                           scenes::pose_at(vec(-0.5, 0, 0)));
+  door.applyCentralImpulse(vec(0, 0.5, 0));
+  const int steps = 600;
+  int slow = 0;
+  for (int i = 0; i < steps; ++i) {
+    std::feclearexcept(FE_ALL_EXCEPT);
+    world.step(1.0 / 60);
+    slow += std::fetestexcept(FE_UNDERFLOW) != 0;
+  }
+  EXPECT_LT(slow, steps / 5);
+  // It stays in its plane, exactly.
+  EXPECT_EQ(door.getAngularVelocity().x(), 0);
+  EXPECT_EQ(door.getAngularVelocity().y(), 0);
+  EXPECT_EQ(door.getCenterOfMassTransform().getBasis()[0].z(), 0);
+  EXPECT_EQ(door.getCenterOfMassTransform().getBasis()[1].z(), 0);
+  EXPECT_GT(double(door.getAngularVelocity().z()), 0.5);
+}
+
+}  // namespace
