@@ -105,7 +105,18 @@ struct Measured {
   double microseconds_per_step = 0, gap = 0, bytes = 0;
 };
 
-// Ball joints hang from the world's origin in a chain or a binary tree.
+// Where body i of a chain or of a binary tree is. A tree branches in x, y and z by turns, each time by
+// less, so that its bodies are apart.
+Eigen::Vector3d place(int i, bool tree) {
+  if (!tree) return {0, 0, -0.5 - i};
+  if (i == 0) return {0, 0, 0};
+  const int depth = int(std::floor(std::log2(i + 1.))) - 1;
+  Eigen::Vector3d branch = Eigen::Vector3d::Zero();
+  branch[depth % 3] = (i % 2 == 0 ? 1 : -1) * 12. / (1 << (depth / 3));
+  return place((i - 1) / 2, tree) + branch;
+}
+
+// Ball joints, each half way between two bodies, hang from the world.
 template <class Ball>
 Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
   ExactJointSolver* solver = nullptr;
@@ -115,17 +126,19 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
     solver = dynamic_cast<ExactJointSolver*>(made.get());
     return made;
   });
+  const auto parent = [tree](int i) { return tree ? (i - 1) / 2 : i - 1; };
+  const auto lever = [&](int i) -> Eigen::Vector3d {
+    return (place(i, tree) - place(parent(i), tree)) / 2;
+  };
   std::vector<btRigidBody*> links;
-  const btVector3 top(0, 0, btScalar(0.5)), bottom(0, 0, btScalar(-0.5));
   for (int i = 0; i < joints; ++i) {
-    const int parent = tree ? (i - 1) / 2 : i - 1;
-    const double depth = tree ? std::floor(std::log2(i + 1.)) : i;
     links.push_back(&world.add_box(1, btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.5)),
-                                   scenes::pose_at(btVector3(0, 0, btScalar(-0.5 - depth)))));
+                                   scenes::pose_at(scenes::to_bullet(place(i, tree)))));
     if (i == 0)
-      world.add_joint<Ball>(*links[0], top);
+      world.add_joint<Ball>(*links[0], btVector3(0, 0, btScalar(0.5)));
     else
-      world.add_joint<Ball>(*links[size_t(parent)], *links[size_t(i)], bottom, top);
+      world.add_joint<Ball>(*links[size_t(parent(i))], *links[size_t(i)],
+                            scenes::to_bullet(lever(i)), scenes::to_bullet(-lever(i)));
     links.back()->setLinearVelocity(btVector3(btScalar(0.1 * std::sin(double(i))), 0, 0));
   }
   const int warm_up = 3, steps = std::max(5, 5000 / joints);
@@ -136,13 +149,10 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
   result.microseconds_per_step =
       (world.microseconds_per_step() * (warm_up + steps) - before) / steps;
   result.bytes = solver ? double(solver->getMemory()) : 0;
-  for (int i = 1; i < joints; ++i) {
-    const int parent = tree ? (i - 1) / 2 : i - 1;
-    result.gap =
-        std::max(result.gap, (scenes::point_in_world(*links[size_t(parent)], {0, 0, -0.5}) -
-                              scenes::point_in_world(*links[size_t(i)], {0, 0, 0.5}))
-                                 .norm());
-  }
+  for (int i = 1; i < joints; ++i)
+    result.gap = std::max(result.gap, (scenes::point_in_world(*links[size_t(parent(i))], lever(i)) -
+                                       scenes::point_in_world(*links[size_t(i)], -lever(i)))
+                                          .norm());
   return result;
 }
 

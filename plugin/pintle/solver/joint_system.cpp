@@ -50,7 +50,7 @@ bool isBilateral(const btSolverConstraint& row) {
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
 // is stable to 4. Beyond the second, nothing of the swing is left to be resolved in steps of h: half
 // of what a body turns otherwise than its neighbours is taken away in each.
-constexpr double stiff = 4, unresolved = 16;
+constexpr double stiff = 1, unresolved = 16;
 
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
@@ -327,11 +327,6 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
   m_stiff = true;
   changeInertia(bodies);
   return true;
-}
-
-bool JointSystem::hasUnresolved() const {
-  return std::any_of(m_bodies.begin(), m_bodies.end(),
-                     [](const Body& body) { return body.stiffening.most() > unresolved; });
 }
 
 // To the next stiffening of each body.
