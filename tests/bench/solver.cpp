@@ -116,11 +116,12 @@ Eigen::Vector3d place(int i, bool tree) {
   return place((i - 1) / 2, tree) + branch;
 }
 
-// Ball joints, each half way between two bodies, hang from the world.
+// Ball joints, each half way between two bodies, hold them to the world: without gravity, which would make the
+// load of a joint depend on how many there are.
 template <class Ball>
 Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
   ExactJointSolver* solver = nullptr;
-  scenes::World world(scenes::standard_gravity, 10, [&] {
+  scenes::World world(0, 10, [&] {
     auto made =
         make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
     solver = dynamic_cast<ExactJointSolver*>(made.get());

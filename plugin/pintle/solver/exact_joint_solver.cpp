@@ -216,7 +216,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   joints.factorise();
   joints.begin(m_tmpSolverBodyPool);
   m_island->stiffenings = 0;
-  while (stiffen(infoGlobal)) {
+  while (stiffen(infoGlobal) && joints.hasUnresolved()) {
   }
   joints.settle();
   joints.write(m_tmpSolverBodyPool);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -327,6 +328,11 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
   m_stiff = true;
   changeInertia(bodies);
   return true;
+}
+
+bool JointSystem::hasUnresolved() const {
+  return std::any_of(m_bodies.begin(), m_bodies.end(),
+                     [](const Body& body) { return body.stiffening.most() > unresolved; });
 }
 
 // To the next stiffening of each body.

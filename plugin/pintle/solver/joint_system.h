@@ -45,6 +45,9 @@ class JointSystem {
   /// solved anew.
   bool stiffen(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
                Scalar dt);
+  /// Whether a body swings so fast that next to nothing of it is left in a step: how stiff it is then
+  /// changes the impulses by much.
+  bool hasUnresolved() const;
   /// Writes the inertia that the bodies have now into rows that Bullet iterates, and makes what these
   /// have done so far the change of the bodies' velocities. `of_contacts`: whether cfm counts in the
   /// rows' own K, as it does in contacts.
