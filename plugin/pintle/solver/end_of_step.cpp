@@ -1,0 +1,186 @@
+#include <pintle/solver/end_of_step.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/joints/joint.h>
+
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// What the last step left of an error is taken away in whole, and so is what is no faster to correct
+// than this, m/s or rad/s: it is of the size of what a step of motion makes. A joint that starts
+// further off is brought together as ERP says.
+constexpr double free_correction = 1;
+
+constexpr int most_joint_rows = 8;  // of a joint of Pintle's
+constexpr int most_rows = 16;       // of a stock joint
+
+// Bullet's rows of a stock joint, for any pose of its bodies.
+class StockRows {
+ public:
+  void ask(btTypedConstraint& joint, Scalar fps, Scalar erp) {
+    std::memset(static_cast<void*>(m_rows), 0, sizeof(m_rows));
+    btTypedConstraint::btConstraintInfo2 info;
+    info.fps = fps;
+    info.erp = erp;
+    info.m_J1linearAxis = m_rows->m_contactNormal1;
+    info.m_J1angularAxis = m_rows->m_relpos1CrossNormal;
+    info.m_J2linearAxis = m_rows->m_contactNormal2;
+    info.m_J2angularAxis = m_rows->m_relpos2CrossNormal;
+    info.rowskip = sizeof(btSolverConstraint) / sizeof(btScalar);
+    info.m_constraintError = &m_rows->m_rhs;
+    info.cfm = &m_rows->m_cfm;
+    info.m_lowerLimit = &m_rows->m_lowerLimit;
+    info.m_upperLimit = &m_rows->m_upperLimit;
+    info.m_numIterations = 1;
+    info.m_damping = 1;
+    joint.getInfo2(&info);
+  }
+  const btSolverConstraint& operator[](int i) const { return m_rows[i]; }
+
+ private:
+  btSolverConstraint m_rows[most_rows];
+};
+
+// A row of the same number is the same row, unless a limit came in before it, or its direction jumped.
+// Its error at the end of the step says something of its velocity at the start only if it is.
+bool isSame(double aa, double ab, double bb) { return ab > 0 && 2 * ab * ab > aa * bb; }
+
+bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
+  const auto dot = [](const btSolverConstraint& x, const btSolverConstraint& y) {
+    return double(x.m_contactNormal1.dot(y.m_contactNormal1) +
+                  x.m_relpos1CrossNormal.dot(y.m_relpos1CrossNormal) +
+                  x.m_contactNormal2.dot(y.m_contactNormal2) +
+                  x.m_relpos2CrossNormal.dot(y.m_relpos2CrossNormal));
+  };
+  return isSame(dot(a, a), dot(a, b), dot(b, b));
+}
+
+// Bullet's rows are the negative of the document's: J_1 = [L, A_a], J_2 = [-L, -A_b].
+bool isSameRow(const Row& a, const btSolverConstraint& b) {
+  const auto L = view(b.m_contactNormal1), A_a = view(b.m_relpos1CrossNormal),
+             A_b = view(b.m_relpos2CrossNormal);
+  return isSame(double(a.L.dot(a.L) + a.A_a.dot(a.A_a) + a.A_b.dot(a.A_b)),
+                double(a.L.dot(L) + a.A_a.dot(A_a) - a.A_b.dot(A_b)),
+                double(L.dot(L) + A_a.dot(A_a) + A_b.dot(A_b)));
+}
+
+class PoseGuard {
+ public:
+  PoseGuard(btRigidBody& body, const btTransform& pose)
+      : m_body(body), m_before(body.getWorldTransform()) {
+    if (!body.isStaticOrKinematicObject()) body.setWorldTransform(pose);
+  }
+  ~PoseGuard() {
+    if (!m_body.isStaticOrKinematicObject()) m_body.setWorldTransform(m_before);
+  }
+  PoseGuard(const PoseGuard&) = delete;
+  PoseGuard& operator=(const PoseGuard&) = delete;
+
+ private:
+  btRigidBody& m_body;
+  btTransform m_before;
+};
+
+}  // namespace
+
+void EndOfStep::predict(const btAlignedObjectArray<btSolverBody>& bodies,
+                        const btContactSolverInfo& info) {
+  m_dt = info.m_timeStep;
+  m_erp = info.m_erp;
+  m_poses.resize(size_t(bodies.size()));
+  for (int i = 0; i < bodies.size(); ++i) {
+    const btSolverBody& body = bodies[i];
+    if (body.m_originalBody == nullptr || body.internalGetInvMass().isZero()) continue;
+    const btTransform* start = &body.m_worldTransform;
+    btTransform pushed;
+    if (info.m_splitImpulse && !(body.m_pushVelocity.isZero() && body.m_turnVelocity.isZero())) {
+      btTransformUtil::integrateTransform(*start, body.m_pushVelocity,
+                                          body.m_turnVelocity * info.m_splitImpulseTurnErp, m_dt,
+                                          pushed);
+      start = &pushed;
+    }
+    btTransformUtil::integrateTransform(
+        *start, body.m_linearVelocity + body.m_externalForceImpulse + body.m_deltaLinearVelocity,
+        body.m_angularVelocity + body.m_externalTorqueImpulse + body.m_deltaAngularVelocity, m_dt,
+        m_poses[size_t(i)]);
+  }
+}
+
+void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
+                       const btTransform& pose_a, const btTransform& pose_b, Speeds& speed,
+                       Speeds& most) {
+  btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
+  const Scalar fps = 1 / m_dt;
+  for (int r = 0; r < block.rows; ++r) {
+    speed[r] = 0;
+    most[r] = double(infinity);
+  }
+  if (const auto* joint = dynamic_cast<const Joint*>(block.joint)) {
+    RowMemory<most_joint_rows, most_joint_rows> memory;
+    Rows now(memory);
+    joint->addRows(BodyPair(a, pose_a, b, pose_b), now);
+    for (int r = 0; r < block.rows; ++r) {
+      if (block.index[r] >= now.equalities()) continue;
+      const Row& row = now[block.index[r]];
+      if (!isSameRow(row, rows[block.row[r]])) continue;
+      speed[r] = double(fps) * double(row.position);
+      most[r] = double(row.max_speed);
+    }
+    return;
+  }
+  PoseGuard at_a(a, pose_a), at_b(b, pose_b);
+  StockRows with, without;
+  with.ask(*block.joint, fps, 1);
+  without.ask(*block.joint, fps, 0);
+  for (int r = 0; r < block.rows; ++r) {
+    const int i = block.index[r];
+    if (i >= most_rows || !isSameRow(with[i], rows[block.row[r]])) continue;
+    speed[r] = double(with[i].m_rhs) - double(without[i].m_rhs);
+  }
+}
+
+void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
+                       std::vector<double>& error, std::vector<double>& largest) {
+  const std::vector<JointBlock>& blocks = joints.blocks();
+  error.assign(block_rows * blocks.size(), 0.);
+  largest.assign(size_t(joints.topology().components), 0.);
+  for (size_t c = 0; c < blocks.size(); ++c) {
+    double* of = &error[block_rows * c];
+    errors(blocks[c], rows, of);
+    double& most = largest[size_t(joints.topology().component[c])];
+    for (int r = 0; r < blocks[c].rows; ++r) {
+      const double size = double(m_dt) * std::abs(of[r]);
+      if (!(size <= most)) most = size;  // also NaN
+    }
+  }
+}
+
+void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error) {
+  const btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
+  Speeds end, most;
+  speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
+  bool far = false;
+  for (int r = 0; r < block.rows; ++r) {
+    error[r] = block.softness[r] > 0 ? 0 : end[r];
+    far = far || !(std::abs(error[r]) <= free_correction);
+  }
+  if (!far) return;
+  Speeds start;
+  speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most);
+  for (int r = 0; r < block.rows; ++r) {
+    if (block.softness[r] > 0) continue;
+    const double whole = std::abs(start[r]);
+    const double speed = std::max(std::min(double(m_erp) * whole, most[r]), free_correction);
+    if (whole > speed) error[r] -= start[r] * (1 - speed / whole);
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,35 @@
+// Purpose: where a step ends, and how far the joints are from holding there.
+#pragma once
+
+#include <pintle/solver/joint_system.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class EndOfStep {
+ public:
+  /// The poses that Bullet integrates to from the velocities that the bodies have now.
+  void predict(const btAlignedObjectArray<btSolverBody>& bodies, const btContactSolverInfo& info);
+
+  /// Of each row of each block, the change of its velocity (m/s, rad/s) that makes it hold at the end
+  /// of the step, as far as a step is to go; 0 for rows that are soft or no matter of position.
+  /// The largest one of each component of the topology, times the step, is `largest`.
+  void errors(const JointSystem& joints, const btConstraintArray& rows, std::vector<double>& error,
+              std::vector<double>& largest);
+
+ private:
+  void errors(const JointBlock& block, const btConstraintArray& rows, double* error);
+  const btTransform& pose(const btRigidBody& body, int solver_body) const {
+    return solver_body < 0 ? body.getCenterOfMassTransform() : m_poses[size_t(solver_body)];
+  }
+  using Speeds = double[block_rows];
+  /// Those of the whole error, with the bodies at the given poses.
+  void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
+              const btTransform& pose_b, Speeds& speed, Speeds& most);
+
+  std::vector<btTransform> m_poses;
+  Scalar m_dt = 0, m_erp = 0;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,257 @@
+#include <pintle/solver/exact_joint_solver.h>
+
+#include <pintle/joints/joint.h>
+#include <pintle/solver/end_of_step.h>
+#include <pintle/solver/joint_system.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// The force of the joints depends on the stiffness, which depends on the force. Two rounds do, but
+// where a load comes suddenly.
+constexpr int most_stiffenings = 6;
+
+// After this many iterations the contacts have loaded the joints with most of what they will.
+constexpr int iterations_of_load = 2;
+
+// An error of this size, m or rad, is small enough for one correction to leave next to nothing of it.
+constexpr double small_error = 0.01;
+bool isFar(const std::vector<double>& errors) {
+  return std::any_of(errors.begin(), errors.end(), [](double e) { return !(e <= small_error); });
+}
+
+// By this a step may raise the energy of what joints connect, and by what it takes to move it at
+// this speed, m/s and rad/s.
+constexpr double most_gain = 1.1, correction_speed = 3;
+
+// What is larger is corrected again, up to so often.
+constexpr int most_extra_iterations = 2;
+
+}  // namespace
+
+// What an island is solved with.
+struct ExactJointSolver::Island {
+  JointSystem joints;
+  EndOfStep end;
+  std::vector<double> error;                  ///< of all rows at the end of the step, by block
+  std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
+  std::vector<double> free_energy, energy, unit_energy;  ///< of each (JointSystem::energies)
+  std::vector<char> worse;    ///< whether a large error has grown, or energy has
+  std::vector<Joint*> plain;  ///< joints whose rows are plain for this step
+  int stiffenings = 0;        ///< in this step
+};
+
+ExactJointSolver::ExactJointSolver() : m_island(std::make_unique<Island>()) {}
+ExactJointSolver::~ExactJointSolver() = default;
+
+void ExactJointSolver::setPositionIterations(int iterations) {
+  if (iterations < 0)
+    throw std::invalid_argument("pintle::ExactJointSolver: position iterations = " +
+                                std::to_string(iterations) + ": must be >= 0");
+  m_position_iterations = iterations;
+}
+
+int ExactJointSolver::getDependentRows() const { return m_island->joints.dependent(); }
+size_t ExactJointSolver::getMemory() const { return m_island->joints.bytes(); }
+
+void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
+                                     const btContactSolverInfo& infoGlobal) {
+  // Rows that are orthogonal within a joint serve a solver that takes one by one: joints that may
+  // break, whose rows are iterated, keep them.
+  std::vector<Joint*>& plain = m_island->plain;
+  plain.clear();
+  for (int i = 0; i < numConstraints; ++i) {
+    auto* joint = dynamic_cast<Joint*>(constraints[i]);
+    if (joint != nullptr && joint->getBlockRows() &&
+        joint->getBreakingImpulseThreshold() >= infinity) {
+      joint->setBlockRows(false);
+      plain.push_back(joint);
+    }
+  }
+  btSequentialImpulseConstraintSolver::convertJoints(constraints, numConstraints, infoGlobal);
+  for (Joint* joint : plain) joint->setBlockRows(true);
+}
+
+btScalar ExactJointSolver::solveGroupCacheFriendlySetup(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifoldPtr, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& infoGlobal,
+    btIDebugDraw* debugDrawer) {
+  btContactSolverInfo info = infoGlobal;
+  // A heavy load on light, jointed bodies takes many iterations to be borne, which are spread over the
+  // steps: what one has found the next must not give away.
+  if (numConstraints > 0) info.m_warmstartingFactor = 1;
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
+      bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, info, debugDrawer);
+}
+
+bool ExactJointSolver::hasBounds() const {
+  return !m_island->joints.all() || m_tmpSolverContactConstraintPool.size() > 0;
+}
+
+void ExactJointSolver::resetVelocities() {
+  for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
+    m_tmpSolverBodyPool[i].internalGetDeltaLinearVelocity().setZero();
+    m_tmpSolverBodyPool[i].internalGetDeltaAngularVelocity().setZero();
+  }
+}
+
+// Whether bodies became stiffer or softer, and the joints were solved anew.
+bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
+  JointSystem& joints = m_island->joints;
+  if (m_island->stiffenings == most_stiffenings ||
+      !joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, info.m_timeStep))
+    return false;
+  ++m_island->stiffenings;
+  restart();
+  return true;
+}
+
+// Solves the joints anew, with the inertia that bodies have now, and what has been iterated so far.
+void ExactJointSolver::restart() {
+  JointSystem& joints = m_island->joints;
+  resetVelocities();
+  joints.stiffenRows(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, false);
+  for (btConstraintArray* rows :
+       {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
+        &m_tmpSolverContactRollingFrictionConstraintPool})
+    joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
+  joints.begin(m_tmpSolverBodyPool);
+}
+
+// The errors at the end of the step, and the largest of each component, m or rad.
+void ExactJointSolver::lookAhead(const btContactSolverInfo& info, std::vector<double>& largest) {
+  Island& island = *m_island;
+  island.joints.write(m_tmpSolverBodyPool);
+  island.end.predict(m_tmpSolverBodyPool, info);
+  island.end.errors(island.joints, m_tmpSolverNonContactConstraintPool, island.error, largest);
+}
+
+// Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
+// force would add energy without end: components that gain too much are brought to rest in their
+// joints, and close them later.
+void ExactJointSolver::calm() {
+  Island& island = *m_island;
+  JointSystem& joints = island.joints;
+  joints.write(m_tmpSolverBodyPool);
+  joints.energies(m_tmpSolverBodyPool, island.free_energy, island.energy, island.unit_energy);
+  bool any = false;
+  island.worse.resize(island.energy.size());
+  for (size_t i = 0; i < island.energy.size(); ++i) {
+    island.worse[i] =
+        !(island.energy[i] <= most_gain * island.free_energy[i] +
+                                  correction_speed * correction_speed * island.unit_energy[i]);
+    any = any || island.worse[i];
+  }
+  if (!any) return;
+  joints.calm(m_tmpSolverBodyPool, island.worse);
+  restart();
+  joints.settle();
+}
+
+// Returns whether bodies may have been moved by more than is good for them.
+bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
+  if (m_position_iterations == 0) return false;
+  Island& island = *m_island;
+  JointSystem& joints = island.joints;
+  lookAhead(info, island.largest);
+  bool any_far = false;
+  for (int i = 1;; ++i) {
+    const bool last = i >= m_position_iterations, far = isFar(island.largest);
+    any_far = any_far || far;
+    if (far || !last) joints.keep();
+    joints.correct(island.error);
+    if (!far && last) return any_far;
+    // Components in which that has made it worse go half of the way, or else none.
+    bool worse = false;
+    for (const double part : {0.5, 0.}) {
+      lookAhead(info, island.next_largest);
+      worse = findWorse();
+      if (!worse) break;
+      joints.goBack(part, island.worse);
+    }
+    const bool enough =
+        worse || i >= m_position_iterations + most_extra_iterations || !isFar(island.next_largest);
+    if (last && enough) return any_far;
+    lookAhead(info, island.largest);
+  }
+}
+
+bool ExactJointSolver::findWorse() {
+  Island& island = *m_island;
+  bool any = false;
+  island.worse.resize(island.largest.size());
+  for (size_t i = 0; i < island.largest.size(); ++i) {
+    // Not NaN, either.
+    const bool small = island.next_largest[i] <= small_error;
+    island.worse[i] = !small && !(island.next_largest[i] < island.largest[i]);
+    any = any || island.worse[i];
+  }
+  return any;
+}
+
+btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifoldPtr, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& infoGlobal,
+    btIDebugDraw* debugDrawer) {
+  JointSystem& joints = m_island->joints;
+  const auto solve_by_bullet = [&] {
+    return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
+        bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, infoGlobal,
+        debugDrawer);
+  };
+  if (!joints.gather(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool))
+    return solve_by_bullet();
+
+  solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifoldPtr, numManifolds,
+                                                constraints, numConstraints, infoGlobal,
+                                                debugDrawer);
+  const int iterations =
+      hasBounds() ? btMax(infoGlobal.m_numIterations, m_maxOverrideNumSolverIterations) : 0;
+  joints.factorise();
+  joints.begin(m_tmpSolverBodyPool);
+  m_island->stiffenings = 0;
+  while (stiffen(infoGlobal) && joints.hasUnresolved()) {
+  }
+  joints.settle();
+  joints.write(m_tmpSolverBodyPool);
+
+  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest.
+  int used = 0;
+  m_leastSquaresResidual = 0;
+  while (used < iterations) {
+    m_leastSquaresResidual =
+        solveSingleIteration(used++, bodies, numBodies, manifoldPtr, numManifolds, constraints,
+                             numConstraints, infoGlobal, debugDrawer);
+    joints.read(m_tmpSolverBodyPool);
+    joints.solve();
+    if (used == iterations_of_load && stiffen(infoGlobal)) joints.settle();
+    joints.write(m_tmpSolverBodyPool);
+    if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
+  }
+  if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
+
+  if (iteratePositions(infoGlobal) || joints.fastest() > correction_speed) calm();
+  if (!joints.finite()) {
+    joints.release(m_tmpSolverNonContactConstraintPool, infoGlobal.m_numIterations);
+    resetVelocities();
+    return solve_by_bullet();
+  }
+  joints.write(m_tmpSolverBodyPool);
+  joints.writeImpulses(m_tmpSolverNonContactConstraintPool);
+  ++m_analyticsData.m_numSolverCalls;
+  m_analyticsData.m_numIterationsUsed = used;
+  m_analyticsData.m_islandId = numBodies > 0 ? bodies[0]->getCompanionId() : -2;
+  m_analyticsData.m_numBodies = numBodies;
+  m_analyticsData.m_numContactManifolds = numManifolds;
+  m_analyticsData.m_remainingLeastSquaresResidual = m_leastSquaresResidual;
+  return 0;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,89 @@
+// Purpose: a solver for Bullet's worlds that solves all joints of an island together and exactly.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+
+#include <memory>
+#include <vector>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// Takes the place of `btSequentialImpulseConstraintSolver` in a world, with nothing else changed:
+///
+///     pintle::ExactJointSolver solver;
+///     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+///
+/// All joint rows without bounds, of Pintle's joints and of Bullet's, are solved at once by a sparse
+/// factorisation of K = J M^-1 J^T + gamma / dt (document, 2.12), in double, in time and memory that
+/// are linear in the joints of a tree; softness (CFM) of any size is exact. Rows with bounds (limits,
+/// motors, friction, joints that may break) and contacts are iterated as Bullet does it, for the
+/// world's number of iterations, and the joints are solved within each iteration: they hold whatever
+/// the contacts do. An island without joints is solved by Bullet's own code, to the same bits.
+///
+/// Velocities are those with which the joints hold at the END of the step (setPositionIterations).
+/// Joints that start further apart than a step of 1 m/s or 1 rad/s closes come together as their ERP
+/// says. Bodies that swing under the load of their joints faster than a step resolves are given the
+/// geometric stiffness of that load, and lose what of their swing could not be followed.
+///
+/// Joints of closed loops, and joints that say the same, share their load by impulses of least size.
+/// Bodies that hold NaN have no joints for the step. A step never throws; it allocates only while
+/// islands grow or form anew. The same calls give the same bits. An instance is used from one thread
+/// at a time; `btConstraintSolverPoolMt` takes several.
+class ExactJointSolver : public btSequentialImpulseConstraintSolver {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  ExactJointSolver();
+  ~ExactJointSolver() override;
+
+  /// How often (>= 0) a step corrects its velocities by what the joints would lack in position at its
+  /// end. Default 1. With 0 joints hold in velocity, and drift is taken away as ERP says. A correction
+  /// that does not lessen a large error is halved, or given up. Throws std::invalid_argument.
+  void setPositionIterations(int iterations);
+  int getPositionIterations() const { return m_position_iterations; }
+
+  /// The largest change of velocity (m/s, rad/s) that the last pass over the rows with bounds still
+  /// made, in the last island that had joints and any such rows: how far limits, motors, contacts and
+  /// friction are from being met all at once.
+  btScalar getComplementarityResidual() const { return m_complementarity_residual; }
+  /// Joint rows of the last island with joints that said again what others say, and had no impulse.
+  int getDependentRows() const;
+  /// What the solver holds on to from step to step, bytes.
+  size_t getMemory() const;
+
+ protected:
+  void convertJoints(btTypedConstraint** constraints, int numConstraints,
+                     const btContactSolverInfo& infoGlobal) override;
+  btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int numBodies,
+                                        btPersistentManifold** manifoldPtr, int numManifolds,
+                                        btTypedConstraint** constraints, int numConstraints,
+                                        const btContactSolverInfo& infoGlobal,
+                                        btIDebugDraw* debugDrawer) override;
+  btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int numBodies,
+                                             btPersistentManifold** manifoldPtr, int numManifolds,
+                                             btTypedConstraint** constraints, int numConstraints,
+                                             const btContactSolverInfo& infoGlobal,
+                                             btIDebugDraw* debugDrawer) override;
+
+ private:
+  struct Island;
+
+  bool hasBounds() const;
+  bool stiffen(const btContactSolverInfo& info);
+  void resetVelocities();
+  void restart();
+  bool findWorse();
+  void calm();
+  bool iteratePositions(const btContactSolverInfo& info);
+  void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);
+
+  std::unique_ptr<Island> m_island;
+  int m_position_iterations = 1;
+  btScalar m_complementarity_residual = 0;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,49 @@
+#include <pintle/solver/geometric_stiffness.h>
+
+#include <cmath>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Of three by three numbers Jacobi's rotations converge in as many passes at most, to rounding.
+constexpr int most_passes = 6;
+
+// Turns axes p and q so that A(p, q) becomes 0.
+void rotate(Matrix3d& A, Matrix3d& V, int p, int q) {
+  const double off = A(p, q);
+  if (off == 0) return;
+  const double half = (A(q, q) - A(p, p)) / (2 * off);
+  const double t = (half < 0 ? -1 : 1) / (std::abs(half) + std::sqrt(1 + half * half));
+  const double c = 1 / std::sqrt(1 + t * t), s = t * c;
+  const int k = 3 - p - q;
+  A(p, p) -= t * off;
+  A(q, q) += t * off;
+  A(p, q) = A(q, p) = 0;
+  const double kp = A(k, p), kq = A(k, q);
+  A(k, p) = A(p, k) = c * kp - s * kq;
+  A(k, q) = A(q, k) = s * kp + c * kq;
+  for (int i = 0; i < 3; ++i) {
+    const double ip = V(i, p), iq = V(i, q);
+    V(i, p) = c * ip - s * iq;
+    V(i, q) = s * ip + c * iq;
+  }
+}
+
+}  // namespace
+
+Stiffening::Stiffening(const Matrix3d& stiffness) {
+  Matrix3d A = stiffness;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const double off = std::abs(A(0, 1)) + std::abs(A(0, 2)) + std::abs(A(1, 2));
+    const double on = std::abs(A(0, 0)) + std::abs(A(1, 1)) + std::abs(A(2, 2));
+    if (!(off > 1e-12 * on)) break;
+    rotate(A, axes, 0, 1);
+    rotate(A, axes, 0, 2);
+    rotate(A, axes, 1, 2);
+  }
+  for (int k = 0; k < 3; ++k) mu[k] = A(k, k) > 0 ? A(k, k) : 0;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,596 @@
+#include <pintle/solver/joint_system.h>
+
+#include <pintle/body_pair.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Bodies take numbers of this size for no bound; Bullet's own is the largest of its type.
+constexpr Scalar unbounded = Scalar(BT_LARGE_FLOAT);
+
+// What is left of a pivot after this part of its row is rounding: of double, or, where rows came in
+// single precision, of what two of them that say the same differ by, squared.
+constexpr double dependent_row = 1e-12;
+
+// Joints of a loop depend on each other, or nearly so. Impulses that nobody feels stay small by the
+// first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
+// velocities of 1 / d of it; the second bounds that: 1 / (2 sqrt(part)).
+constexpr double least_impulses = 1e-10, damped_correction = 1e-4;
+// Rows of one joint that depend on each other but for this part are treated as those of a loop.
+constexpr double nearly_dependent = 1e-6;
+
+Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
+
+double freeVelocity(const btSolverConstraint& row,
+                    const btAlignedObjectArray<btSolverBody>& bodies) {
+  const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
+  return inDouble(row.m_contactNormal1)
+             .dot(inDouble(a.m_linearVelocity + a.m_externalForceImpulse)) +
+         inDouble(row.m_relpos1CrossNormal)
+             .dot(inDouble(a.m_angularVelocity + a.m_externalTorqueImpulse)) +
+         inDouble(row.m_contactNormal2)
+             .dot(inDouble(b.m_linearVelocity + b.m_externalForceImpulse)) +
+         inDouble(row.m_relpos2CrossNormal)
+             .dot(inDouble(b.m_angularVelocity + b.m_externalTorqueImpulse));
+}
+
+// Nobody can move: both bodies are static, or hold NaN.
+bool isVoid(const btSolverConstraint& row) {
+  return !(row.m_jacDiagABInv > 0) || !BodyPair::is_finite(row.m_rhs);
+}
+
+bool isBilateral(const btSolverConstraint& row) {
+  return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded;
+}
+
+// (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
+// is stable to 4. Beyond the second, nothing of the swing is left to be resolved in steps of h: half
+// of what a body turns otherwise than its neighbours is taken away in each.
+constexpr double stiff = 1, unresolved = 16;
+
+// A change of 1 + mu by this factor is worth another solution.
+constexpr double same_stiffness = 1.5;
+
+}  // namespace
+
+bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
+                         btConstraintArray& rows) {
+  m_gathered.clear();
+  m_joints.clear();
+  m_all = true;
+  m_stiff = false;
+  m_fastest = 0;
+  const auto moving = [&](int body) {
+    return bodies[body].internalGetInvMass().isZero() ? -1 : body;
+  };
+  const btTypedConstraint* last = nullptr;
+  int index = 0;
+  for (int i = 0; i < rows.size(); ++i, ++index) {
+    btSolverConstraint& row = rows[i];
+    auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
+    if (joint != last) index = 0;
+    last = joint;
+    if (isVoid(row)) {
+      row.m_overrideNumSolverIterations = 0;
+      continue;
+    }
+    if (!isBilateral(row)) {
+      m_all = false;
+      continue;
+    }
+    row.m_overrideNumSolverIterations = 0;
+    if (m_joints.empty() || m_gathered.back().joint != joint ||
+        m_joints.back().rows == block_rows) {
+      m_gathered.push_back({joint, {}, {}});
+      m_joints.push_back({0, {moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
+    }
+    const int r = m_joints.back().rows++;
+    m_gathered.back().row[r] = i;
+    m_gathered.back().index[r] = index;
+  }
+  if (m_joints.empty()) return false;
+
+  m_topology = &m_topologies.get(m_joints);
+  const Elimination& elimination = m_topology->elimination;
+  const size_t n = m_joints.size();
+  m_bodies.resize(size_t(bodies.size()));
+  for (int i = 0; i < bodies.size(); ++i) {
+    Body& body = m_bodies[size_t(i)];
+    body.stiffening = Stiffening();
+    body.load = 0;
+    body.kick.setZero();
+    if (moving(i) >= 0) scale(body, bodies[i]);
+  }
+  m_blocks.resize(n);
+  for (size_t c = 0; c < n; ++c) {
+    const int node = elimination.node(int(c));
+    const Gathered& from = m_gathered[size_t(node)];
+    const Topology::Joint& joint = m_joints[size_t(node)];
+    JointBlock& block = m_blocks[c];
+    std::memset(static_cast<void*>(&block), 0, sizeof(block));
+    block.joint = from.joint;
+    block.rows = joint.rows;
+    for (int side = 0; side < 2; ++side) block.body[side] = joint.body[side];
+    for (int r = 0; r < block.rows; ++r) {
+      const btSolverConstraint& row = rows[from.row[r]];
+      block.row[r] = from.row[r];
+      block.index[r] = from.index[r];
+      for (int side = 0; side < 2; ++side)
+        if (block.body[side] >= 0) setRow(block, side, row, r);
+      const double K = 1 / double(row.m_jacDiagABInv);
+      block.deficit[r] = double(row.m_rhs) * K;
+      block.rest[r] = -freeVelocity(row, bodies);
+      block.softness[r] = double(row.m_cfm) * K;
+      m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
+    }
+    findPoint(block, rows);
+  }
+  m_u.assign(6 * m_bodies.size(), 0);
+  m_x.resize(block_rows * n);
+  return true;
+}
+
+void JointSystem::scale(Body& body, const btSolverBody& of) const {
+  const btVector3& mass = of.internalGetInvMass();
+  const btMatrix3x3& I = of.m_originalBody->getInvInertiaTensorWorld();
+  double A[3][3];
+  for (int i = 0; i < 3; ++i) {
+    body.linear[i] = std::sqrt(double(mass[i]) * double(of.m_linearFactor[i]));
+    for (int k = 0; k < 3; ++k)
+      A[i][k] = double(of.m_angularFactor[i]) * double(I[i][k]) * double(of.m_angularFactor[k]);
+  }
+  // Cholesky; an axis about which the body cannot turn has no column.
+  Matrix3d &S = body.angular, &inverse = body.inverse;
+  for (int k = 0; k < 3; ++k) {
+    const double pivot = A[k][k];
+    const double root = pivot > 0 ? std::sqrt(pivot) : 0, reciprocal = root > 0 ? 1 / root : 0;
+    for (int i = 0; i < 3; ++i) S(i, k) = i < k ? 0 : A[i][k] * reciprocal;
+    for (int i = k + 1; i < 3; ++i)
+      for (int j = k + 1; j < 3; ++j) A[i][j] -= S(i, k) * S(j, k);
+    for (int j = 0; j < 3; ++j) inverse(k, j) = j == k ? reciprocal : 0;
+    for (int j = 0; j < k; ++j) {
+      double sum = 0;
+      for (int i = j; i < k; ++i) sum -= S(k, i) * inverse(i, j);
+      inverse(k, j) = sum * reciprocal;
+    }
+  }
+  body.stiff_angular = S;
+  body.stiff_inverse = inverse;
+}
+
+void JointSystem::setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const {
+  const Body& body = m_bodies[size_t(block.body[side])];
+  const btVector3& linear = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
+  const btVector3& angular = side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal;
+  const Vector3d w = inDouble(angular);
+  for (int k = 0; k < 3; ++k) {
+    block.J[side][k][r] = double(linear[k]) * body.linear[k];
+    block.J[side][3 + k][r] = body.angular.col(k).dot(w);
+  }
+}
+
+void JointSystem::factorise() {
+  const Elimination& elimination = m_topology->elimination;
+  m_factor.resize(elimination, m_topology->rows);
+  m_factor.clear();
+  const int columns = elimination.columns();
+  for (int c = 0; c < columns; ++c) {
+    const JointBlock& block = m_blocks[size_t(c)];
+    double* K = m_factor.block(c);
+    for (int q = 0; q < block.rows; ++q) {
+      BlockColumn sum = BlockColumn::Zero();
+      for (int side = 0; side < 2; ++side)
+        for (int k = 0; k < 6; ++k) sum += block.J[side][k][q] * column(block.J[side][k]);
+      sum[q] += block.softness[q];
+      column(K, q) = sum;
+    }
+    for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
+      const JointBlock& other = m_blocks[size_t(elimination.row(i))];
+      double* to = m_factor.block(i);
+      for (int s = 0; s < 2; ++s) {
+        for (int t = 0; t < 2; ++t) {
+          if (block.body[s] < 0 || block.body[s] != other.body[t]) continue;
+          for (int q = 0; q < block.rows; ++q) {
+            BlockColumn sum = column(to, q);
+            for (int k = 0; k < 6; ++k) sum += block.J[s][k][q] * column(other.J[t][k]);
+            column(to, q) = sum;
+          }
+        }
+      }
+    }
+  }
+  m_loops = m_topology->loops || dependsOnItself();
+  if (loops()) {
+    m_damped = m_factor;
+    m_damped.regularise(damped_correction);
+    m_damped_is_factor = false;
+    m_factor.regularise(least_impulses);
+  }
+  m_factor.factorise(dependent_row);
+}
+
+// The sum of L x (r x L) of three directions is 2 r.
+void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
+  block.point[0] = -1;
+  int found = 0;
+  for (int i = 0; i < block.rows; ++i) {
+    if (rows[block.row[i]].m_contactNormal1.isZero())
+      ++block.angular_rows;
+    else if (found < 3)
+      block.point[found++] = i;
+  }
+  if (found < 3) {
+    block.point[0] = -1;
+    return;
+  }
+  for (int side = 0; side < 2; ++side) {
+    Vector3d r = Vector3d::Zero();
+    double swing = 0;
+    for (const int i : block.point) {
+      const btSolverConstraint& row = rows[block.row[i]];
+      const btVector3& L = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
+      r += inDouble(L.cross(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
+      for (int k = 3; k < 6; ++k) swing += block.J[side][k][i] * block.J[side][k][i];
+    }
+    const double length = r.norm();
+    for (int k = 0; k < 3; ++k) block.lever[side][k] = r[k];
+    block.swing[side] = length > 0 ? swing / length : 0;
+  }
+}
+
+void JointSystem::addLoads(double dt) {
+  for (Body& body : m_bodies) body.load = 0;
+  for (const JointBlock& block : m_blocks) {
+    if (block.point[0] < 0) continue;
+    double p = 0;
+    for (const int i : block.point) p += block.impulse[i] * block.impulse[i];
+    p = dt * std::sqrt(p);
+    for (int side = 0; side < 2; ++side)
+      if (block.body[side] >= 0) m_bodies[size_t(block.body[side])].load += p * block.swing[side];
+  }
+}
+
+void JointSystem::addLevers(const btConstraintArray& rows) {
+  for (Body& body : m_bodies) body.stiffness.setZero();
+  for (const JointBlock& block : m_blocks) {
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0 || block.point[0] < 0) continue;
+      Body& body = m_bodies[size_t(block.body[side])];
+      if (!(body.load > stiff)) continue;
+      Vector3d p = Vector3d::Zero();
+      for (const int i : block.point) {
+        const btSolverConstraint& row = rows[block.row[i]];
+        p += block.impulse[i] * inDouble(side == 0 ? row.m_contactNormal1 : row.m_contactNormal2);
+      }
+      body.stiffness += leverStiffness(p, Eigen::Map<const Vector3d>(block.lever[side]));
+    }
+  }
+}
+
+void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies) {
+  for (Body& body : m_bodies) {
+    body.omega.setZero();
+    body.neighbours = 0;
+  }
+  for (const JointBlock& block : m_blocks) {
+    if (block.body[0] < 0 || block.body[1] < 0) continue;
+    for (int side = 0; side < 2; ++side) {
+      const btSolverBody& other = bodies[block.body[1 - side]];
+      Body& body = m_bodies[size_t(block.body[side])];
+      body.omega += inDouble(other.m_angularVelocity + other.m_externalTorqueImpulse);
+      ++body.neighbours;
+    }
+  }
+}
+
+// Whether a joint that holds all of an orientation, or says that it does, says some of it twice.
+bool JointSystem::dependsOnItself() {
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    const int rows = m_blocks[c].rows;
+    if (m_blocks[c].angular_rows < 3) continue;
+    double K[block_rows * block_rows];
+    std::copy_n(m_factor.block(int(c)), block_rows * block_rows, K);
+    for (int p = 0; p < rows; ++p) {
+      const double pivot = K[p * (block_rows + 1)];
+      const double whole = m_factor.block(int(c))[p * (block_rows + 1)];
+      if (!(pivot > nearly_dependent * whole)) return true;
+      for (int q = p + 1; q < rows; ++q)
+        column(K, q) -= K[p * block_rows + q] / pivot * column(K, p);
+    }
+  }
+  return false;
+}
+
+bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
+                          const btConstraintArray& rows, Scalar dt) {
+  addLoads(double(dt));
+  if (!m_stiff && std::none_of(m_bodies.begin(), m_bodies.end(),
+                               [](const Body& body) { return body.load > stiff; }))
+    return false;
+  addLevers(rows);
+  bool changed = false;
+  for (Body& body : m_bodies) {
+    Stiffening& next = body.next_stiffening;
+    next = Stiffening();
+    if (body.load > stiff) {
+      next = Stiffening(double(dt) * body.angular.transpose() * body.stiffness * body.angular);
+      if (!(next.most() > stiff)) next = Stiffening();
+    }
+    const double ratio = (1 + next.most()) / (1 + body.stiffening.most());
+    changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
+  }
+  if (!changed) return false;
+  m_stiff = true;
+  changeInertia(bodies);
+  return true;
+}
+
+bool JointSystem::hasUnresolved() const {
+  return std::any_of(m_bodies.begin(), m_bodies.end(),
+                     [](const Body& body) { return body.stiffening.most() > unresolved; });
+}
+
+// To the next stiffening of each body.
+void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies) {
+  for (Body& body : m_bodies) {
+    body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();
+    body.stiffening = body.next_stiffening;
+    body.stiff_angular = body.angular * body.stiffening.root();
+    body.stiff_inverse = body.stiffening.inverseRoot() * body.inverse;
+  }
+  for (JointBlock& block : m_blocks) {
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0) continue;
+      Eigen::Map<Eigen::Matrix<double, block_rows, 3>> J(block.J[side][3]);
+      J *= m_bodies[size_t(block.body[side])].turn;
+    }
+  }
+  addNeighbours(bodies);
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    Body& body = m_bodies[i];
+    body.kick.setZero();
+    if (body.neighbours == 0 || !(body.stiffening.most() > unresolved)) continue;
+    const btSolverBody& of = bodies[int(i)];
+    const Vector3d behind =
+        body.omega / body.neighbours - inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
+    const auto part = [](double mu) {
+      return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
+    };
+    body.kick = body.stiffening.matrix(part) * (body.inverse * behind);
+  }
+  factorise();
+}
+
+void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+                              bool of_contacts) const {
+  for (int i = 0; i < rows.size(); ++i) {
+    btSolverConstraint& row = rows[i];
+    if (!of_contacts && row.m_overrideNumSolverIterations == 0) continue;
+    const auto stiffened = [&](int id, const btVector3& J, btVector3& component) {
+      const btSolverBody& of = bodies[id];
+      if (of.internalGetInvMass().isZero()) return Scalar(0);
+      const Body& body = m_bodies[size_t(id)];
+      const Vector3d w = body.stiff_angular * (body.stiff_angular.transpose() * inDouble(J));
+      const Scalar before = J.dot(component);
+      component.setValue(btScalar(w[0]), btScalar(w[1]), btScalar(w[2]));
+      return J.dot(component) - before;
+    };
+    const Scalar change =
+        stiffened(row.m_solverBodyIdA, row.m_relpos1CrossNormal, row.m_angularComponentA) +
+        stiffened(row.m_solverBodyIdB, row.m_relpos2CrossNormal, row.m_angularComponentB);
+    if (row.m_jacDiagABInv > 0) {
+      const Scalar K = 1 / row.m_jacDiagABInv, factor = K / (K + change);
+      row.m_jacDiagABInv *= factor;
+      row.m_rhs *= factor;
+      row.m_rhsPenetration *= factor;
+      if (of_contacts) row.m_cfm *= factor;
+    }
+    btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
+    a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
+                           row.m_appliedImpulse);
+    b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
+                           row.m_appliedImpulse);
+  }
+}
+
+void JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    const btSolverBody& from = bodies[int(i)];
+    if (from.internalGetInvMass().isZero()) continue;
+    const Body& body = m_bodies[i];
+    double* u = &m_u[6 * i];
+    const btVector3 &v = from.m_deltaLinearVelocity, &w = from.m_deltaAngularVelocity;
+    for (int k = 0; k < 3; ++k) {
+      u[k] = body.linear[k] > 0 ? double(v[k]) / body.linear[k] : 0;
+      u[3 + k] = body.stiff_inverse(k, 0) * double(w[0]) + body.stiff_inverse(k, 1) * double(w[1]) +
+                 body.stiff_inverse(k, 2) * double(w[2]);
+    }
+  }
+}
+
+void JointSystem::write(btAlignedObjectArray<btSolverBody>& bodies) const {
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    btSolverBody& to = bodies[int(i)];
+    if (to.internalGetInvMass().isZero()) continue;
+    const Body& body = m_bodies[i];
+    const double* u = &m_u[6 * i];
+    for (int k = 0; k < 3; ++k) {
+      to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
+      to.m_deltaAngularVelocity[k] =
+          btScalar(body.stiff_angular(k, 0) * u[3] + body.stiff_angular(k, 1) * u[4] +
+                   body.stiff_angular(k, 2) * u[5]);
+    }
+  }
+}
+
+void JointSystem::writeImpulses(btConstraintArray& rows) const {
+  for (const JointBlock& block : m_blocks)
+    for (int r = 0; r < block.rows; ++r)
+      rows[block.row[r]].m_appliedImpulse = btScalar(block.impulse[r]);
+}
+
+BlockColumn JointSystem::velocity(const JointBlock& block) const {
+  BlockColumn x = BlockColumn::Zero();
+  for (int side = 0; side < 2; ++side) {
+    if (block.body[side] < 0) continue;
+    const double* u = &m_u[6 * size_t(block.body[side])];
+    for (int k = 0; k < 6; ++k) x += u[k] * column(block.J[side][k]);
+  }
+  return x;
+}
+
+BlockColumn JointSystem::residual(const JointBlock& block) const {
+  return column(block.deficit) - column(block.softness).cwiseProduct(column(block.impulse)) -
+         velocity(block);
+}
+
+void JointSystem::apply(const BlockFactor& factor) {
+  factor.solve(m_x.data());
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    JointBlock& block = m_blocks[c];
+    const BlockColumn x = column(m_x.data(), int(c));
+    column(block.impulse) += x;
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0) continue;
+      double* u = &m_u[6 * size_t(block.body[side])];
+      for (int k = 0; k < 6; ++k) u[k] += x.dot(column(block.J[side][k]));
+    }
+  }
+}
+
+void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
+  read(bodies);
+  for (size_t i = 0; i < m_bodies.size(); ++i)
+    for (int k = 0; k < 3; ++k) m_u[6 * i + 3 + size_t(k)] += m_bodies[i].kick[k];
+  for (JointBlock& block : m_blocks) column(block.impulse).setZero();
+  if (!loops()) {
+    solve();
+    return;
+  }
+  // Rest is what all rows can be brought to, whatever they are.
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_x.data(), int(c)) = column(m_blocks[c].rest) - velocity(m_blocks[c]);
+  apply(m_factor);
+}
+
+void JointSystem::settle() {
+  if (!loops()) return;
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_x.data(), int(c)) = column(m_blocks[c].deficit) - column(m_blocks[c].rest);
+  applyDamped();
+}
+
+// Rows keep of their targets what they have reached.
+void JointSystem::applyDamped() {
+  if (!m_damped_is_factor) m_damped.factorise(dependent_row);
+  m_damped_is_factor = true;
+  apply(m_damped);
+  for (JointBlock& block : m_blocks) column(block.deficit) -= residual(block);
+}
+
+void JointSystem::solve() {
+  for (size_t c = 0; c < m_blocks.size(); ++c) column(m_x.data(), int(c)) = residual(m_blocks[c]);
+  apply(m_factor);
+}
+
+void JointSystem::correct(const std::vector<double>& change) {
+  if (loops()) {
+    m_x = change;
+    applyDamped();
+    return;
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_blocks[c].deficit) += column(change.data(), int(c));
+  solve();
+}
+
+void JointSystem::keep() {
+  m_kept_u = m_u;
+  m_kept_rows.clear();
+  for (const JointBlock& block : m_blocks) {
+    m_kept_rows.insert(m_kept_rows.end(), block.impulse, block.impulse + block_rows);
+    m_kept_rows.insert(m_kept_rows.end(), block.deficit, block.deficit + block_rows);
+  }
+}
+
+void JointSystem::goBack(double part, const std::vector<char>& components) {
+  const auto go = [part](double& now, double kept) {
+    now = part > 0 ? kept + part * (now - kept) : kept;
+  };
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    const int component = m_topology->body_component[i];
+    if (component < 0 || !components[size_t(component)]) continue;
+    for (size_t k = 6 * i; k < 6 * i + 6; ++k) go(m_u[k], m_kept_u[k]);
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    if (!components[size_t(m_topology->component[c])]) continue;
+    const double* kept = &m_kept_rows[2 * block_rows * c];
+    for (double& impulse : m_blocks[c].impulse) go(impulse, *kept++);
+    for (double& deficit : m_blocks[c].deficit) go(deficit, *kept++);
+  }
+}
+
+void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
+                           std::vector<double>& free, std::vector<double>& now,
+                           std::vector<double>& unit) const {
+  free.assign(size_t(m_topology->components), 0.);
+  now = unit = free;
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    if (m_topology->body_component[i] < 0) continue;
+    const auto component = size_t(m_topology->body_component[i]);
+    const Body& body = m_bodies[i];
+    const btSolverBody& of = bodies[int(i)];
+    const auto energy = [&](const btVector3& v, const btVector3& w) {
+      double sum = (body.inverse * inDouble(w)).squaredNorm();
+      for (int k = 0; k < 3; ++k)
+        if (body.linear[k] > 0)
+          sum += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
+      return sum / 2;
+    };
+    const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse;
+    const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
+    free[component] += energy(v, w);
+    now[component] += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
+    unit[component] += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
+  }
+}
+
+void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
+                       const std::vector<char>& components) {
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    if (components[size_t(m_topology->component[c])])
+      column(m_blocks[c].deficit) = column(m_blocks[c].rest);
+  for (Body& body : m_bodies) body.next_stiffening = Stiffening();
+  changeInertia(bodies);
+}
+
+bool JointSystem::finite() const {
+  double sum = 0;
+  for (const double u : m_u) sum += u;
+  return sum - sum == 0;
+}
+
+void JointSystem::release(btConstraintArray& rows, int iterations) const {
+  for (const JointBlock& block : m_blocks) {
+    for (int r = 0; r < block.rows; ++r) {
+      rows[block.row[r]].m_overrideNumSolverIterations = iterations;
+      rows[block.row[r]].m_appliedImpulse = 0;
+    }
+  }
+}
+
+size_t JointSystem::bytes() const {
+  return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
+         m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
+         m_joints.capacity() * sizeof(Topology::Joint) + m_bodies.capacity() * sizeof(Body) +
+         (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity()) *
+             sizeof(double);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

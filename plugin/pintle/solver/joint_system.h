@@ -1,0 +1,153 @@
+// Purpose: the bilateral joint rows of an island as one linear system,
+//   (J M^-1 J^T + Sigma) lambda = deficit - J v,  Sigma = gamma / dt (document, 2.12),
+// written in velocities u that are scaled by the root of the mass, v = S u with S S^T = M^-1: rows
+// become J S, and both K and what an impulse does to the bodies are made of these alone.
+#pragma once
+
+#include <pintle/solver/block_factor.h>
+#include <pintle/solver/geometric_stiffness.h>
+#include <pintle/solver/topology.h>
+
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// The rows of a joint, or some of them, that the system holds: one block of K.
+struct JointBlock {
+  btTypedConstraint* joint;
+  int rows;
+  int row[block_rows];          ///< in Bullet's pool
+  int index[block_rows];        ///< among the rows of the joint
+  int body[2];                  ///< among Bullet's solver bodies; -1: does not move
+  double J[2][6][block_rows];   ///< J S of each body, by coordinate: linear, then angular
+  double deficit[block_rows];   ///< what J v lacks before any impulse
+  double rest[block_rows];      ///< the part of it that brings the row to rest: -J v
+  double softness[block_rows];  ///< Sigma
+  double impulse[block_rows];   ///< lambda
+  int angular_rows;
+  int point[3];        ///< three rows that hold a point in all directions; -1: none do
+  double lever[2][3];  ///< of the point, from each body's centre
+  double swing[2];     ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
+};
+
+class JointSystem {
+ public:
+  /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on. Returns
+  /// whether there are any.
+  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
+  /// Whether they are all the joints' rows that there are.
+  bool all() const { return m_all; }
+  /// K and its factor.
+  void factorise();
+  /// Adds the geometric stiffness of the impulses that the joints have now to the inertia of each body
+  /// that needs it. Returns whether it has changed: then K is another one, and the joints are to be
+  /// solved anew.
+  bool stiffen(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
+               Scalar dt);
+  /// Whether a body swings so fast that next to nothing of it is left in a step: how stiff it is then
+  /// changes the impulses by much.
+  bool hasUnresolved() const;
+  /// Writes the inertia that the bodies have now into rows that Bullet iterates, and makes what these
+  /// have done so far the change of the bodies' velocities. `of_contacts`: whether cfm counts in the
+  /// rows' own K, as it does in contacts.
+  void stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+                   bool of_contacts) const;
+
+  /// Bullet's changes of velocity, to u and back.
+  void read(const btAlignedObjectArray<btSolverBody>& bodies);
+  void write(btAlignedObjectArray<btSolverBody>& bodies) const;
+  void writeImpulses(btConstraintArray& rows) const;
+
+  /// All rows meet their targets, from the velocities that Bullet's bodies have; in a loop, they come
+  /// to rest.
+  void begin(const btAlignedObjectArray<btSolverBody>& bodies);
+  /// The rows of a loop meet their targets as far as they can do together. These are their targets from
+  /// now on.
+  void settle();
+  /// All rows are brought back to their targets, whatever others did to the bodies.
+  void solve();
+  /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
+  /// loop cannot do together is left undone.
+  void correct(const std::vector<double>& change);
+
+  /// Keeps velocities, impulses and targets, to come back to.
+  void keep();
+  /// Goes back, in the components that are marked, from what there is now to what was kept, but for
+  /// `part` of the way.
+  void goBack(double part, const std::vector<char>& components);
+  /// Kinetic energy (J) of each component, before any impulse of the step and now, and what it has at
+  /// 1 m/s and 1 rad/s.
+  void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<double>& free,
+                std::vector<double>& now, std::vector<double>& unit) const;
+  /// All rows of the marked components are to come to rest only, and no body is stiffened: what takes
+  /// energy, and adds none. The joints are to be solved anew.
+  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components);
+  const Topology& topology() const { return *m_topology; }
+
+  /// False if a velocity holds NaN or infinity.
+  bool finite() const;
+  /// Leaves the rows to Bullet's iteration, as if they had never been taken.
+  void release(btConstraintArray& rows, int iterations) const;
+
+  const std::vector<JointBlock>& blocks() const { return m_blocks; }
+  /// The largest velocity that a row is to have at its target, m/s or rad/s.
+  double fastest() const { return m_fastest; }
+  /// How many rows say what others say already.
+  int dependent() const { return m_factor.dependent(); }
+  /// Bytes held, of which an island needs its share.
+  size_t bytes() const;
+
+ private:
+  struct Body {
+    double linear[3];
+    Matrix3d angular, inverse;  ///< S of the body alone, and its inverse
+    Stiffening stiffening, next_stiffening;
+    Matrix3d turn;  ///< from the coordinates u with the one to those with the next
+    Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
+    double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
+    Matrix3d stiffness;  ///< of the levers of its joints, N m s
+    Vector3d omega;      ///< sum of its neighbours', rad/s
+    int neighbours;
+    Vector3d kick;  ///< towards them, of u
+  };
+
+  void scale(Body& body, const btSolverBody& of) const;
+  bool dependsOnItself();
+  bool loops() const { return m_loops; }
+  /// What the row lacks now.
+  BlockColumn residual(const JointBlock& block) const;
+  /// J u
+  BlockColumn velocity(const JointBlock& block) const;
+  /// Applies the impulses that change the velocities of the rows by m_x.
+  void apply(const BlockFactor& factor);
+  void applyDamped();
+  void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
+  static void findPoint(JointBlock& block, const btConstraintArray& rows);
+  void addLoads(double dt);
+  void addLevers(const btConstraintArray& rows);
+  void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
+  void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
+
+  Topologies m_topologies;
+  const Topology* m_topology = nullptr;
+  struct Gathered {
+    btTypedConstraint* joint;
+    int row[block_rows], index[block_rows];
+  };
+  std::vector<Gathered> m_gathered;  ///< as they come
+  std::vector<JointBlock> m_blocks;  ///< in the order of elimination
+  std::vector<Topology::Joint> m_joints;
+  std::vector<Body> m_bodies;
+  std::vector<double> m_u;  ///< 6 a body
+  std::vector<double> m_x;  ///< block_rows a block
+  std::vector<double> m_kept_u, m_kept_rows;
+  BlockFactor m_factor;
+  BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
+  double m_fastest = 0;
+  bool m_loops = false;  ///< whether rows may depend on each other
+  bool m_all = true, m_stiff = false, m_damped_is_factor = false;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

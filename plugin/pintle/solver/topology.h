@@ -1,0 +1,45 @@
+// Purpose: the analysis of each island that is met again, so that a step makes only numbers.
+#pragma once
+
+#include <pintle/solver/elimination.h>
+
+#include <memory>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// Which bodies the joints of an island couple: of each joint its number of rows and its two bodies,
+/// -1 for one that does not move.
+struct Topology {
+  struct Joint {
+    int rows, body[2];
+    friend bool operator==(const Joint& a, const Joint& b) {
+      return a.rows == b.rows && a.body[0] == b.body[0] && a.body[1] == b.body[1];
+    }
+  };
+  std::vector<Joint> joints;
+  Elimination elimination;
+  std::vector<int> rows;  ///< in the order of elimination
+  /// Whether some joints close a loop, which may be by the ground: then some of them may say again
+  /// what the others do.
+  bool loops = false;
+  /// What joints connect, the ground apart: numbers of the component of each joint, in the order of
+  /// elimination, and of each body; -1 for a body that has none.
+  std::vector<int> component, body_component;
+  int components = 0;
+  unsigned long long last_use = 0;
+};
+
+class Topologies {
+ public:
+  /// The analysis of these joints: one that stands, or a new one.
+  const Topology& get(const std::vector<Topology::Joint>& joints);
+  size_t bytes() const;
+
+ private:
+  std::vector<std::unique_ptr<Topology>> m_known;
+  unsigned long long m_uses = 0;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

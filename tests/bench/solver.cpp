@@ -1,0 +1,303 @@
+// The exact solver beside Bullet's, with its default settings: what joints lack, what energy does, and
+// what a step takes. Times are those of whole steps, in runs that took turns, the shortest of them; read
+// their ratios. Usage: solver [chains|scaling|grid|crowd]...
+#include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
+#include <pintle/joints/quaternion_hinge.h>
+#include <pintle/solver/exact_joint_solver.h>
+
+#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+
+#include <scenes/chain.h>
+#include <scenes/crowd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using pintle::ExactJointSolver;
+using scenes::SolverFactory;
+
+constexpr int rounds = 3;
+
+std::unique_ptr<btConstraintSolver> exact() { return std::make_unique<ExactJointSolver>(); }
+
+class Dantzig : public btMLCPSolver {
+ public:
+  Dantzig() : btMLCPSolver(&m_dantzig) {}
+
+ private:
+  btDantzigSolver m_dantzig;
+};
+
+// Runs all in turn and keeps the shortest time of each.
+template <class Result>
+std::vector<Result> inTurn(const std::vector<std::function<Result()>>& runs) {
+  std::vector<Result> results(runs.size());
+  for (int round = 0; round < rounds; ++round) {
+    for (size_t i = 0; i < runs.size(); ++i) {
+      const Result now = runs[i]();
+      const double before = results[i].microseconds_per_step;
+      results[i] = now;
+      if (round > 0) results[i].microseconds_per_step = std::min(before, now.microseconds_per_step);
+    }
+  }
+  return results;
+}
+
+void chains() {
+  std::printf("%-24s %-16s %9s %9s %9s %9s %9s %9s %7s %7s  tip\n", "chain", "", "mean gap",
+              "max gap", "axes rad", "energy", "in step", "gain", "us/step", "ratio");
+  struct Case {
+    int links;
+    double ratio, hz;
+  };
+  for (const Case& c : {Case{10, 1, 60},
+                        {10, 100, 60},
+                        {10, 1e4, 60},
+                        {10, 1e6, 60},
+                        {100, 1000, 240},
+                        {100, 1e4, 60}}) {
+    scenes::ChainSettings stock;
+    stock.links = c.links;
+    stock.ratio = c.ratio;
+    stock.dt = 1 / c.hz;
+    scenes::ChainSettings hundred = stock, dantzig = stock, ours = stock;
+    hundred.iterations = 100;
+    dantzig.make_solver = [] { return std::make_unique<Dantzig>(); };
+    ours.make_solver = exact;
+    using Run = std::function<scenes::ChainResult()>;
+    const char* names[] = {"stock, 10", "stock, 100", "Dantzig", "exact", "exact, stock j."};
+    std::vector<Run> runs = {[&] { return scenes::chain<btHingeConstraint>(stock); },
+                             [&] { return scenes::chain<btHingeConstraint>(hundred); },
+                             [&] { return scenes::chain<btHingeConstraint>(dantzig); },
+                             [&] { return scenes::chain<pintle::QuaternionHinge>(ours); },
+                             [&] { return scenes::chain<btHingeConstraint>(ours); }};
+    // Dense, and cubic in the rows: minutes.
+    if (c.links > 10) runs[2] = [] { return scenes::ChainResult(); };
+    const auto results = inTurn(runs);
+    for (size_t i = 0; i < results.size(); ++i) {
+      const auto& r = results[i];
+      if (c.links > 10 && i == 2) continue;
+      char scene[40];
+      std::snprintf(scene, sizeof(scene), "chain(%d, %g, 1/%g)", c.links, c.ratio, c.hz);
+      std::printf("%-24s %-16s %9.1e %9.1e %9.1e %9.1e %9.1e %+9.4f %7.1f %7.2f  %.2f %.2f %.2f\n",
+                  scene, names[i], r.mean_gap, r.max_gap, r.max_axis_angle, r.max_energy_error,
+                  r.in_step_energy_error, r.energy_gain, r.microseconds_per_step,
+                  r.microseconds_per_step / results[0].microseconds_per_step, r.tip.x(), r.tip.y(),
+                  r.tip.z());
+    }
+  }
+}
+
+// --- scaling ---------------------------------------------------------------------------------------
+
+struct Measured {
+  double microseconds_per_step = 0, gap = 0, bytes = 0;
+};
+
+// Where body i of a chain or of a binary tree is. A tree branches in x, y and z by turns, each time by
+// less, so that its bodies are apart.
+Eigen::Vector3d place(int i, bool tree) {
+  if (!tree) return {0, 0, -0.5 - i};
+  if (i == 0) return {0, 0, 0};
+  const int depth = int(std::floor(std::log2(i + 1.))) - 1;
+  Eigen::Vector3d branch = Eigen::Vector3d::Zero();
+  branch[depth % 3] = (i % 2 == 0 ? 1 : -1) * 12. / (1 << (depth / 3));
+  return place((i - 1) / 2, tree) + branch;
+}
+
+// Ball joints, each half way between two bodies, hold them to the world: without gravity, which would make the
+// load of a joint depend on how many there are.
+template <class Ball>
+Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
+  ExactJointSolver* solver = nullptr;
+  scenes::World world(0, 10, [&] {
+    auto made =
+        make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
+    solver = dynamic_cast<ExactJointSolver*>(made.get());
+    return made;
+  });
+  const auto parent = [tree](int i) { return tree ? (i - 1) / 2 : i - 1; };
+  const auto lever = [&](int i) -> Eigen::Vector3d {
+    return (place(i, tree) - place(parent(i), tree)) / 2;
+  };
+  std::vector<btRigidBody*> links;
+  for (int i = 0; i < joints; ++i) {
+    links.push_back(&world.add_box(1, btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.5)),
+                                   scenes::pose_at(scenes::to_bullet(place(i, tree)))));
+    if (i == 0)
+      world.add_joint<Ball>(*links[0], btVector3(0, 0, btScalar(0.5)));
+    else
+      world.add_joint<Ball>(*links[size_t(parent(i))], *links[size_t(i)],
+                            scenes::to_bullet(lever(i)), scenes::to_bullet(-lever(i)));
+    links.back()->setLinearVelocity(btVector3(btScalar(0.1 * std::sin(double(i))), 0, 0));
+  }
+  const int warm_up = 3, steps = std::max(5, 5000 / joints);
+  for (int i = 0; i < warm_up; ++i) world.step(1. / 240);
+  const double before = world.microseconds_per_step() * warm_up;
+  for (int i = 0; i < steps; ++i) world.step(1. / 240);
+  Measured result;
+  result.microseconds_per_step =
+      (world.microseconds_per_step() * (warm_up + steps) - before) / steps;
+  result.bytes = solver ? double(solver->getMemory()) : 0;
+  for (int i = 1; i < joints; ++i)
+    result.gap = std::max(result.gap, (scenes::point_in_world(*links[size_t(parent(i))], lever(i)) -
+                                       scenes::point_in_world(*links[size_t(i)], -lever(i)))
+                                          .norm());
+  return result;
+}
+
+void scaling() {
+  std::printf("\n%-8s %8s %14s %14s %8s %12s %12s\n", "", "joints", "stock us/joint",
+              "exact us/joint", "ratio", "bytes/joint", "gap m");
+  for (const bool tree : {false, true}) {
+    for (const int joints : {10, 100, 1000, 10000}) {
+      const auto r =
+          inTurn<Measured>({[&] { return hang<btPoint2PointConstraint>(joints, tree, {}); },
+                            [&] { return hang<pintle::BallJoint>(joints, tree, exact); }});
+      std::printf("%-8s %8d %14.3f %14.3f %8.2f %12.0f %12.1e\n", tree ? "tree" : "chain", joints,
+                  r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints,
+                  r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints,
+                  r[1].gap);
+    }
+  }
+}
+
+// --- a net -----------------------------------------------------------------------------------------
+
+// size x size bodies, each tied to its neighbours by a ball joint, held at two corners.
+template <class Ball>
+Measured net(int size, const SolverFactory& make_solver, int& joints) {
+  ExactJointSolver* solver = nullptr;
+  scenes::World world(scenes::standard_gravity, 10, [&] {
+    auto made =
+        make_solver ? make_solver() : std::make_unique<btSequentialImpulseConstraintSolver>();
+    solver = dynamic_cast<ExactJointSolver*>(made.get());
+    return made;
+  });
+  std::vector<btRigidBody*> bodies;
+  const btScalar half = btScalar(0.5);
+  joints = 0;
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      btRigidBody& body = world.add_box(1, btVector3(btScalar(0.4), btScalar(0.4), btScalar(0.1)),
+                                        scenes::pose_at(btVector3(btScalar(x), btScalar(y), 0)));
+      bodies.push_back(&body);
+      if (x > 0) {
+        world.add_joint<Ball>(*bodies[bodies.size() - 2], body, btVector3(half, 0, 0),
+                              btVector3(-half, 0, 0));
+        ++joints;
+      }
+      if (y > 0) {
+        world.add_joint<Ball>(*bodies[bodies.size() - 1 - size_t(size)], body,
+                              btVector3(0, half, 0), btVector3(0, -half, 0));
+        ++joints;
+      }
+    }
+  }
+  world.add_joint<Ball>(*bodies.front(), btVector3(-half, -half, 0));
+  world.add_joint<Ball>(*bodies[size_t(size) - 1], btVector3(half, -half, 0));
+  joints += 2;
+  Measured result;
+  const int steps = 60;
+  for (int i = 0; i < steps; ++i) {
+    world.step(1. / 60);
+    double most = 0;
+    for (size_t k = 0; k < bodies.size(); ++k) {
+      if (k % size_t(size) > 0)
+        most = std::max(most, (scenes::point_in_world(*bodies[k - 1], {0.5, 0, 0}) -
+                               scenes::point_in_world(*bodies[k], {-0.5, 0, 0}))
+                                  .norm());
+      if (k >= size_t(size))
+        most = std::max(most, (scenes::point_in_world(*bodies[k - size_t(size)], {0, 0.5, 0}) -
+                               scenes::point_in_world(*bodies[k], {0, -0.5, 0}))
+                                  .norm());
+    }
+    result.gap += most / steps;
+  }
+  result.microseconds_per_step = world.microseconds_per_step();
+  result.bytes = solver ? double(solver->getMemory()) : 0;
+  return result;
+}
+
+void grid() {
+  std::printf("\n%-14s %8s %14s %14s %8s %12s %12s %12s\n", "net", "joints", "stock us/joint",
+              "exact us/joint", "ratio", "bytes/joint", "stock gap m", "exact gap m");
+  for (const int size : {5, 10, 20, 30}) {
+    int joints = 0;
+    const auto r = inTurn<Measured>({[&] { return net<btPoint2PointConstraint>(size, {}, joints); },
+                                     [&] { return net<pintle::BallJoint>(size, exact, joints); }});
+    std::printf("%3d x %-8d %8d %14.3f %14.3f %8.2f %12.0f %12.1e %12.1e\n", size, size, joints,
+                r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints,
+                r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints,
+                r[0].gap, r[1].gap);
+  }
+}
+
+// --- among contacts --------------------------------------------------------------------------------
+
+void print(const char* scene, const char* who, const scenes::CrowdResult& r,
+           const scenes::CrowdResult& stock) {
+  std::printf("%-10s %-16s %7d %9.1e %9.1e %10.1e %9.1e %8.2f %8.2f %9.0f %6.2f\n", scene, who,
+              r.joints, r.mean_gap, r.max_gap, r.mean_penetration, r.end_kinetic, r.lowest,
+              r.travel, r.microseconds_per_step,
+              r.microseconds_per_step / stock.microseconds_per_step);
+}
+
+void crowd() {
+  std::printf("\n%-10s %-16s %7s %9s %9s %10s %9s %8s %8s %9s %6s\n", "", "", "joints", "mean gap",
+              "max gap", "deepest", "end J", "lowest", "travel", "us/step", "ratio");
+  scenes::CrowdSettings stock, ours;
+  ours.make_solver = exact;
+  using Run = std::function<scenes::CrowdResult()>;
+  using scenes::bridge;
+  using scenes::ragdolls;
+  using scenes::track;
+  struct Scene {
+    const char* name;
+    std::vector<Run> runs;
+  };
+  const Scene all[] = {
+      {"ragdolls",
+       {[&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(stock); },
+        [&] { return ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(ours); },
+        [&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(ours); }}},
+      {"bridge",
+       {[&] { return bridge<btHingeConstraint>(stock); },
+        [&] { return bridge<pintle::QuaternionHinge>(ours); },
+        [&] { return bridge<btHingeConstraint>(ours); }}},
+      {"track",
+       {[&] { return track<btHingeConstraint>(stock); },
+        [&] { return track<pintle::QuaternionHinge>(ours); },
+        [&] { return track<btHingeConstraint>(ours); }}}};
+  for (const Scene& scene : all) {
+    const auto results = inTurn(scene.runs);
+    const char* names[] = {"stock, 10", "exact", "exact, stock j."};
+    for (size_t i = 0; i < results.size(); ++i) print(scene.name, names[i], results[i], results[0]);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const struct {
+    const char* name;
+    void (*run)();
+  } parts[] = {{"chains", chains}, {"scaling", scaling}, {"grid", grid}, {"crowd", crowd}};
+  std::printf("%s precision\n", sizeof(btScalar) == sizeof(double) ? "double" : "single");
+  for (const auto& part : parts) {
+    bool wanted = argc == 1;
+    for (int i = 1; i < argc; ++i) wanted = wanted || std::strcmp(argv[i], part.name) == 0;
+    if (wanted) part.run();
+  }
+}
