@@ -48,10 +48,10 @@ bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded;
 }
 
-// (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any: it
-// is stable to 4. Beyond the second, nothing of the swing is left to be resolved in steps of h: half
-// of what a body turns otherwise than its neighbours is taken away in each.
-constexpr double stiff = 1, unresolved = 16;
+// (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any.
+// Beyond the second it is not stable, and the swing would be fed by what turns the load: half of what
+// a body turns otherwise than its neighbours is taken away in each step, the more the further beyond.
+constexpr double stiff = 1, unresolved = 4;
 
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
