@@ -12,11 +12,14 @@
 #define PINTLE_PRECISION f32
 #endif
 
-// A function into which all that it calls is inlined: on the way of every joint in every step.
+// A function into which all that it calls is inlined: on the way of every joint in every step; and one that
+// is not, off that way.
 #if defined(__GNUC__)
 #define PINTLE_FLATTEN __attribute__((flatten))
+#define PINTLE_NOINLINE __attribute__((noinline))
 #else
 #define PINTLE_FLATTEN
+#define PINTLE_NOINLINE
 #endif
 
 namespace pintle {

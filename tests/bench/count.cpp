@@ -16,12 +16,6 @@ std::size_t allocated = 0;
 }  // namespace
 
 // Not inlined: g++ would see the malloc of one without the free of the other, and warn.
-#if defined(__GNUC__)
-#define PINTLE_NOINLINE __attribute__((noinline))
-#else
-#define PINTLE_NOINLINE
-#endif
-
 PINTLE_NOINLINE void* operator new(std::size_t size) {
   allocated += size;
   if (void* memory = std::malloc(size)) return memory;

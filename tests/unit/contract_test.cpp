@@ -285,6 +285,36 @@ TEST_P(Contract, TheWorldsCfmReachesEveryEquality) {
   for (int i = 0; i < rows.announced(); ++i) EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
 }
 
+// From 1 on Bullet's iteration of a soft row diverges, and stock joints do.
+TEST_P(Contract, SoftnessOnWhichBulletDivergesStaysFinite) {
+  for (const double cfm : {1., 10., 1e6}) {
+    SCOPED_TRACE(cfm);
+    for (int variant = 0; variant < variants(); ++variant) {
+      SCOPED_TRACE(testing::Message() << "variant " << variant);
+      Random random(14);
+      Pair pair = randomPair(random);
+      meet(pair);
+      btSphereShape shape(1);
+      scenes::World world;
+      world.bullet().getSolverInfo().m_globalCfm = scalar(cfm);
+      for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
+        body->setCollisionShape(&shape);
+        body->setActivationState(DISABLE_DEACTIVATION);
+        world.bullet().addRigidBody(body, 0, 0);
+      }
+      const auto joint = make(pair, variant);
+      world.bullet().addConstraint(joint.get(), true);
+      for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+      EXPECT_TRUE(support::is_finite(*pair.a));
+      EXPECT_TRUE(support::is_finite(*pair.b));
+      EXPECT_LT(double(pair.a->getLinearVelocity().length()), 1e3);
+      world.bullet().removeConstraint(joint.get());
+      world.bullet().removeRigidBody(pair.a.get());
+      world.bullet().removeRigidBody(pair.b.get());
+    }
+  }
+}
+
 // The pose after t seconds at the body's velocities.
 btTransform moved(const btRigidBody& body, double t) {
   btTransform pose = body.getCenterOfMassTransform();
@@ -450,9 +480,8 @@ TEST_P(Contract, FramesSpoiledByTheirOwnerWriteNoNan) {
       for (int column = 0; column < 3; ++column)
         expectHarmless(*joint, [=](btTransform& frame) { frame.getBasis()[1][column] = value; });
     }
-    expectHarmless(*joint, [](btTransform& frame) {
-      frame.setBasis(btMatrix3x3(0, 0, 0, 0, 0, 0, 0, 0, 0));
-    });
+    expectHarmless(
+        *joint, [](btTransform& frame) { frame.setBasis(btMatrix3x3(0, 0, 0, 0, 0, 0, 0, 0, 0)); });
   }
 }
 
@@ -539,8 +568,8 @@ TEST(ContractOfTheBall, HasThreeRows) {
   for (const Kind& kind : kinds::all()) {
     if (kind.name.rfind("BallJoint", 0) != 0) continue;
     for (int variant = 0; variant < kind.variants; ++variant) {
-      const SolverRows rows = SolverRows::ofStep(
-          *kind.make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant));
+      const SolverRows rows =
+          SolverRows::ofStep(*kind.make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant));
       EXPECT_EQ(rows.announced(), 3);
       expectWhole(rows);
     }
@@ -561,9 +590,9 @@ struct Moving {
     // Hinge axes out of the plane and of each other.
     for (int i = 0; i < 3; ++i) {
       const btQuaternion turn(vec(1, 0, 0), scalar(1 + 0.3 * i));
-      Joint& added = world.take_joint(
-          kind.make(*bodies[i], *bodies[i + 1], btTransform(turn, vec(0.5, 0, 0)),
-                    btTransform(turn, vec(-0.5, 0, 0)), variant));
+      Joint& added =
+          world.take_joint(kind.make(*bodies[i], *bodies[i + 1], btTransform(turn, vec(0.5, 0, 0)),
+                                     btTransform(turn, vec(-0.5, 0, 0)), variant));
       if (i == 1) joint = &added;
     }
     bodies[3]->applyCentralImpulse(vec(1, 2, 3));
@@ -756,7 +785,8 @@ TEST_P(Contract, LinearAndAngularFactorsOfZeroAreHarmless) {
   }
 }
 
-double topSpeedInTwoDimensions(const Kind& kind, int variant, const btQuaternion& turn, bool& finite) {
+double topSpeedInTwoDimensions(const Kind& kind, int variant, const btQuaternion& turn,
+                               bool& finite) {
   scenes::World world(0);
   btRigidBody* bodies[3];
   for (int i = 0; i < 3; ++i) {

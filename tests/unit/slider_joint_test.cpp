@@ -965,6 +965,18 @@ TEST(Slider, AServoSwingsAtItsFrequency) {
   EXPECT_NEAR(rig.along(), 0, 1e-2);
 }
 
+TEST(Slider, AServosLargeBoundIsNone) {
+  const auto way = [](btScalar max_force) {
+    RigSettings<Ours> settings;
+    Rig<Ours> rig(settings);
+    rig.joint->setLinMotorServo(scalar(0.5), scalar(0.01), 1, max_force);
+    for (int i = 0; i < 60; ++i) rig.step(1.0 / 60);
+    return rig.along();
+  };
+  EXPECT_NEAR(way(scalar(BT_LARGE_FLOAT)), way(scalar(1e4)), 1e-6);
+  EXPECT_NEAR(way(SIMD_INFINITY), way(scalar(1e4)), 1e-6);
+}
+
 TEST(Slider, AnAngularServoCountsTurns) {
   Rig<Ours> rig({});
   freeAngle(*rig.joint);

@@ -9,6 +9,8 @@
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -42,6 +44,9 @@ void stopIfSlow(btSolverBody& body) {
 // fight each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
 constexpr Scalar feed_forward = Scalar(0.6);
 
+// Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
+constexpr Scalar diverging_cfm = 1;
+
 // J v
 Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
@@ -54,6 +59,14 @@ Scalar motorInertia(const Row& row, const BodyPair& pair) {
                b = row.A_b.dot(pair.inv_inertia_b() * row.A_b);
   const Scalar inverse = a > 0 ? a : b;
   return inverse > 0 ? 1 / inverse : Scalar(0);
+}
+
+// J v at the end of the step, if nothing acted along the row.
+Scalar freeVelocity(const Lanes& L, const Lanes& A_a, const Lanes& A_b, const btRigidBody& a,
+                    const btRigidBody& b, Scalar dt) {
+  return L.head<3>().matrix().dot(freeLinear(b, dt) - freeLinear(a, dt)) -
+         A_a.head<3>().matrix().dot(freeAngular(a, dt)) +
+         A_b.head<3>().matrix().dot(freeAngular(b, dt));
 }
 
 // Turns so much more easily about one axis than about another that the other is lost in the rounding
@@ -115,6 +128,12 @@ struct Joint::Step {
       cfm[i] = firmness.cfm.orElse(default_cfm);
       rigid = rigid && cfm[i] == 0;
     }
+  }
+
+  // Whether Bullet's iteration would diverge for an equality.
+  bool tooSoft(const Joint& joint) const {
+    const int n = joint.m_firmness_differs ? max_firmness : 1;
+    return !std::all_of(cfm, cfm + n, [](Scalar c) { return c < diverging_cfm; });
   }
 
   // What the curvature adds to the mean velocity of the row in this step.
@@ -199,7 +218,8 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* orthogonal, const Bloc
                                          step.fps * motion.limit_erp);
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   AxisRow result;
-  if (!axis.isSimple(row.limit)) {
+  const Scalar cfm = row.limit ? motion.limit_cfm : motion.motor_cfm;
+  if (!axis.isSimple(row.limit) || !(cfm < diverging_cfm)) {
     result = solveCompound(row, orthogonal, block, motion);
   } else if (row.limit) {
     state.rest = Axis::limit;
@@ -239,6 +259,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
   const bool mix = !m_rows.bounded() && (!breaks || (m_rows[0].angular && equalities == n));
+  // (A solver of all rows at once asks for plain rows, and for the softness itself.)
+  if (!step.rigid && m_block_rows && step.tooSoft(*this)) return writeTooSoft(*info);
   if (!m_block_rows || !mix || isNeedle(m_rbA) || isNeedle(m_rbB)) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
@@ -279,6 +301,29 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 }
 
+// Rows of which an equality is so soft that Bullet's iteration would diverge: it is written as a rigid
+// row, to where the soft one would come by itself.
+PINTLE_NOINLINE void Joint::writeTooSoft(btConstraintInfo2& info) {
+  RowWriter out(info);
+  const Step step(*this, info, out.cfm());
+  const Scalar bound = m_rows.maxImpulse();
+  for (int i = 0; i < m_rows.size(); ++i) {
+    const Row& row = m_rows[i];
+    const LanesView L = row.lanesL(), A_a = row.lanesA_a(), A_b = row.lanesA_b();
+    if (row.axis >= 0) {
+      const AxisRow axis = act(row, nullptr, nullptr, step);
+      out.write(L, A_a, A_b, axis.target, axis.cfm, axis.lower, axis.upper);
+      continue;
+    }
+    const Scalar cfm = step.cfm[row.firmness], target = step.target(row);
+    const Scalar free = freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
+    if (cfm < diverging_cfm)
+      out.write(L, A_a, A_b, target, cfm, -bound, bound);
+    else
+      out.write(L, A_a, A_b, free + (target - free) / (1 + cfm), 0, -bound, bound);
+  }
+}
+
 AxisRow Joint::solveCompound(const Row& row, const BlockRow* orthogonal, const Block* block,
                              AxisMotion& motion) {
   const BodyPair pair(m_rbA, m_rbB);
@@ -296,14 +341,9 @@ AxisRow Joint::solveCompound(const Row& row, const BlockRow* orthogonal, const B
   const equations::Jacobian<Scalar> J{row.L, row.A_a, row.A_b};
   const Scalar own = equations::inverse_effective_mass(J, M, J);
   motion.K = alone.K > rounding_of_K * own ? alone.K : Scalar(0);
-  const Scalar dt = m_time_step;
-  const Vec3 v_ab = freeLinear(m_rbB, dt) - freeLinear(m_rbA, dt);
   AxisState& state = m_rows.axis(row.axis);
-  motion.free_velocity =
-      motion.gain + Scalar(state.sign) *
-                        (alone.L.head<3>().matrix().dot(v_ab) -
-                         alone.A_a.head<3>().matrix().dot(freeAngular(m_rbA, dt)) +
-                         alone.A_b.head<3>().matrix().dot(freeAngular(m_rbB, dt)) - alone.target());
+  const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
+  motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());
   return solveAxis(*state.axis, motion, state);
 }
 

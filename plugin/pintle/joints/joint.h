@@ -137,6 +137,7 @@ class Joint : public btTypedConstraint {
   bool m_block_rows = true;
   Formulation m_formulation = Formulation::conditioned;
 
+  void writeTooSoft(btConstraintInfo2& info);
   AxisRow act(const Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
   AxisRow solveCompound(const Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
