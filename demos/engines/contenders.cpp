@@ -2,6 +2,7 @@
 
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <pintle/solver/exact_joint_solver.h>
 
 #include "bullet.h"
 #include "multibody.h"
@@ -36,6 +37,8 @@ const std::vector<Contender>& contenders() {
     with("stock", "Bullet's joints", "#808080", make_stock_joint),
     with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
     with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
+    with("exact", "Pintle's on ExactJointSolver", "#d62728", make_conditioned_joint,
+         make<pintle::ExactJointSolver>),
     with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
          make<DantzigSolver>, false),
     {"multibody", "btMultiBody", "#009e73", false,
