@@ -259,8 +259,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
   const bool mix = !m_rows.bounded() && (!breaks || (m_rows[0].angular && equalities == n));
-  // (A solver of all rows at once asks for plain rows, and for the softness itself.)
-  if (!step.rigid && m_block_rows && step.tooSoft(*this)) return writeTooSoft(*info);
+  if (!step.rigid && !m_solved_at_once && step.tooSoft(*this)) return writeTooSoft(*info);
   if (!m_block_rows || !mix || isNeedle(m_rbA) || isNeedle(m_rbB)) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
@@ -316,7 +315,8 @@ PINTLE_NOINLINE void Joint::writeTooSoft(btConstraintInfo2& info) {
       continue;
     }
     const Scalar cfm = step.cfm[row.firmness], target = step.target(row);
-    const Scalar free = freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
+    // Bullet takes this part of the free velocity away.
+    const Scalar free = damping() * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
     if (cfm < diverging_cfm)
       out.write(L, A_a, A_b, target, cfm, -bound, bound);
     else

@@ -14,6 +14,7 @@ inline namespace PINTLE_PRECISION {
 
 class BodyPair;
 class Block;
+class ExactJointSolver;
 struct BlockRow;
 
 /// Which form of its equations a joint solves.
@@ -131,10 +132,12 @@ class Joint : public btTypedConstraint {
                        const char* force_field = "friction max torque") const;
 
  private:
+  friend class ExactJointSolver;
   struct Step;
 
   bool m_residuals_known = false;
   bool m_block_rows = true;
+  bool m_solved_at_once = false;  ///< by ExactJointSolver: the rows are not iterated
   Formulation m_formulation = Formulation::conditioned;
 
   void writeTooSoft(btConstraintInfo2& info);

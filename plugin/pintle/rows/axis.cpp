@@ -47,21 +47,19 @@ double meet(const Slope* slope, const AxisPart* part, double u_free, double K) {
       if (part[i].on) impulse += slope[i].at(u);
     return u - u_free - K * impulse;
   };
-  // excess grows with u and is linear between the ends; beyond them any two points tell the line.
-  int k = 0;
-  while (k < n && excess(ends[k]) < 0) ++k;
-  double left = k > 0 ? ends[k - 1] : k < n ? ends[k] - 1 : u_free;
-  double right = k < n ? ends[k] : left + 1;
-  // Parts only pull from u_free towards their targets. A part of a large bound ends far beyond, where
-  // nothing is left of the digits near here.
+  // Parts only pull from u_free towards their targets. (A part of a large bound ends far beyond, where
+  // nothing is left of the digits near here.)
   double least = u_free, most = u_free;
   for (int i = 0; i < Axis::parts; ++i) {
     if (!part[i].on) continue;
     least = std::min(least, slope[i].target);
     most = std::max(most, slope[i].target);
   }
-  left = std::clamp(left, least, most);
-  right = std::clamp(right, least, most);
+  // excess grows with u and is linear between the ends.
+  int k = 0;
+  while (k < n && excess(ends[k]) < 0) ++k;
+  const double left = k > 0 ? std::clamp(ends[k - 1], least, most) : least;
+  const double right = k < n ? std::clamp(ends[k], least, most) : most;
   const double f_left = excess(left), f_right = excess(right);
   return f_right > f_left ? left - f_left * (right - left) / (f_right - f_left) : left;
 }

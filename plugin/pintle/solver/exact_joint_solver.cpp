@@ -42,9 +42,9 @@ struct ExactJointSolver::Island {
   std::vector<double> error;                  ///< of all rows at the end of the step, by block
   std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
   std::vector<double> free_energy, energy, unit_energy;  ///< of each (JointSystem::energies)
-  std::vector<char> worse;    ///< whether a large error has grown, or energy has
-  std::vector<Joint*> plain;  ///< joints whose rows are plain for this step
-  int stiffenings = 0;        ///< in this step
+  std::vector<char> worse;                       ///< whether a large error has grown, or energy has
+  std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
+  int stiffenings = 0;                           ///< in this step
 };
 
 ExactJointSolver::ExactJointSolver() : m_island(std::make_unique<Island>()) {}
@@ -64,18 +64,21 @@ void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numCon
                                      const btContactSolverInfo& infoGlobal) {
   // Rows that are orthogonal within a joint serve a solver that takes one by one: joints that may
   // break, whose rows are iterated, keep them.
-  std::vector<Joint*>& plain = m_island->plain;
-  plain.clear();
+  std::vector<std::pair<Joint*, bool>>& at_once = m_island->at_once;
+  at_once.clear();
   for (int i = 0; i < numConstraints; ++i) {
     auto* joint = dynamic_cast<Joint*>(constraints[i]);
-    if (joint != nullptr && joint->getBlockRows() &&
-        joint->getBreakingImpulseThreshold() >= infinity) {
+    if (joint != nullptr && joint->getBreakingImpulseThreshold() >= infinity) {
+      at_once.emplace_back(joint, joint->getBlockRows());
       joint->setBlockRows(false);
-      plain.push_back(joint);
+      joint->m_solved_at_once = true;
     }
   }
   btSequentialImpulseConstraintSolver::convertJoints(constraints, numConstraints, infoGlobal);
-  for (Joint* joint : plain) joint->setBlockRows(true);
+  for (const auto& [joint, block] : at_once) {
+    joint->setBlockRows(block);
+    joint->m_solved_at_once = false;
+  }
 }
 
 btScalar ExactJointSolver::solveGroupCacheFriendlySetup(
