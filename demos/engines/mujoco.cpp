@@ -246,6 +246,7 @@ class MujocoEngine : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_mujoco(const Scene& scene, int iterations) {
+  mju_user_warning = [](const char*) {};  // else it writes a file where it is run
   if (!is_known(scene)) return nullptr;
   Xml xml(scene);
   if (xml.unknown()) return nullptr;
