@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds everything and runs all tests in both precisions.
-# Usage: run.sh [--preset release|debug|sanitizers] [ctest options]; PINTLE_CMAKE_OPTIONS is handed to cmake.
+# Builds and runs all tests in both precisions.
+# Usage: run.sh [--preset release|debug|sanitizers] [ctest options]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,6 +13,6 @@ fi
 source tests/setup.sh
 pintle_install_packages
 
-cmake --preset "$preset" ${PINTLE_CMAKE_OPTIONS:-}
-cmake --build --preset "$preset" --parallel "$(nproc)"
+cmake --preset "$preset"
+cmake --build --preset "$preset" --parallel "$(nproc)" --target pintle_tests
 ctest --preset "$preset" --parallel "$(nproc)" "$@"

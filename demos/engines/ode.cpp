@@ -2,8 +2,6 @@
 
 #include <ode/ode.h>
 
-#include <algorithm>
-
 #include "peers.h"
 
 namespace engines {
@@ -14,17 +12,6 @@ using scenes::Joint;
 using scenes::Kind;
 using scenes::Scene;
 using scenes::Vector3d;
-
-bool is_known(const Scene& scene) {
-  return !scene.contacts() &&
-         std::none_of(scene.joints.begin(), scene.joints.end(),
-                      [](const Joint& joint) {
-                        return joint.kind == Kind::cone_twist ||
-                               joint.kind == Kind::constant_velocity || joint.kind == Kind::wedge;
-                      }) &&
-         std::none_of(scene.bodies.begin(), scene.bodies.end(),
-                      [](const scenes::Body& body) { return body.damping != 0; });
-}
 
 class OdeEngine : public Engine {
  public:

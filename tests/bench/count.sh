@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # Prints the instructions of one step of each joint (buildJacobian + getInfo1 + getInfo2), by callgrind,
 # and its size in bytes, beside its stock counterpart's. Instruction counts repeat exactly.
-#   count.sh [PROGRAM]   default: the single precision build of tests/run.sh
+#   count.sh [PROGRAM]   default: the release build in single precision, which it makes
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 program=${1:-$here/../../build/release/tests/bench/pintle_count_single}
+if [ $# -eq 0 ]; then
+  (cd "$here/../.." && cmake --preset release >/dev/null && cmake --build --preset release --parallel "$(nproc)" --target pintle_count_single >/dev/null)
+fi
 command -v valgrind >/dev/null || { echo "count.sh: needs valgrind (Debian: valgrind)" >&2; exit 1; }
-[ -x "$program" ] || { echo "count.sh: no $program; run tests/run.sh first" >&2; exit 1; }
+[ -x "$program" ] || { echo "count.sh: no $program" >&2; exit 1; }
 
 instructions() {  # of the whole program
   valgrind --tool=callgrind --callgrind-out-file=/dev/null "$program" "$1" "$2" 2>&1 |

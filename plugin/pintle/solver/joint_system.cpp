@@ -11,7 +11,7 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Bodies take numbers of this size for no bound; Bullet's own is the largest of its type.
-constexpr Scalar unbounded = Scalar(BT_LARGE_FLOAT);
+constexpr Scalar no_bound = Scalar(BT_LARGE_FLOAT);
 
 // What is left of a pivot after this part of its row is rounding: of double, or, where rows came in
 // single precision, of what two of them that say the same differ by, squared.
@@ -45,7 +45,7 @@ bool isVoid(const btSolverConstraint& row) {
 }
 
 bool isBilateral(const btSolverConstraint& row) {
-  return row.m_lowerLimit <= -unbounded && row.m_upperLimit >= unbounded;
+  return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
 
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any.
