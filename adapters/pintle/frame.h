@@ -33,6 +33,8 @@ class Frame {
     return F;
   }
 
+  /// a.v, b.v, c.v
+  Lanes components(const Vec3& v) const { return m_x * v.x() + m_y * v.y() + m_z * v.z(); }
   /// a.a', b.b', c.c'
   Lanes dots(const Frame& f) const { return m_x * f.m_x + m_y * f.m_y + m_z * f.m_z; }
 

@@ -1,5 +1,6 @@
 // Purpose: a joint's step, many times, for an instruction counter (count.sh).
-//   count list            the cases: index, bytes, name, stock counterpart
+//   count list            the cases: index, bytes, name, stock counterpart, the case without the parts that
+//                         do not act in it, their number
 //   count INDEX REPEATS   runs one
 #include "joints.h"
 
@@ -31,8 +32,9 @@ int main(int argc, char** argv) {
       bench::JointStep step;
       allocated = 0;
       const auto joint = cases[i].make(step);
-      std::printf("%zu\t%zu\t%s\t%s\n", i, cases[i].bytes + allocated, cases[i].name,
-                  cases[i].stock ? cases[i].stock : "-");
+      const auto name = [](const char* of) { return of ? of : "-"; };
+      std::printf("%zu\t%zu\t%s\t%s\t%s\t%d\n", i, cases[i].bytes + allocated, cases[i].name,
+                  name(cases[i].stock), name(cases[i].without), cases[i].parts);
     }
     return 0;
   }

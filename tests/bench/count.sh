@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Prints the instructions of one step of each joint (buildJacobian + getInfo1 + getInfo2), by callgrind,
-# and its size in bytes, beside its stock counterpart's. Instruction counts repeat exactly.
+# and its size in bytes, beside its stock counterpart's; and which part of its instructions a limit takes
+# that is far, or a motor that is off. Instruction counts repeat exactly.
 #   count.sh [PROGRAM]   default: the release build in single precision, which it makes
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -18,15 +19,20 @@ instructions() {  # of the whole program
 # The difference of two runs leaves out all that is not repeated.
 few=100 many=300
 declare -A of
-printf '%-28s %12s %7s %12s %7s %6s\n' joint instructions bytes 'stock instr.' bytes ratio
-while IFS=$'\t' read -r index bytes name stock; do
+printf '%-28s %12s %7s %12s %7s %6s %9s\n' joint instructions bytes 'stock instr.' bytes ratio inactive
+while IFS=$'\t' read -r index bytes name stock without parts; do
   count=$((($(instructions "$index" $many) - $(instructions "$index" $few)) / (many - few)))
   of[$name]="$count $bytes"
   if [ "$stock" = - ]; then
     printf '%-28s %12d %7d\n' "$name" "$count" "$bytes"
   else
     read -r stock_count stock_bytes <<<"${of[$stock]}"
-    printf '%-28s %12d %7d %12d %7d %6s\n' "$name" "$count" "$bytes" "$stock_count" "$stock_bytes" \
-      "$(awk -v a="$count" -v b="$stock_count" 'BEGIN { printf "%.2f", a / b }')"
+    inactive=
+    if [ "$without" != - ]; then
+      read -r least _ <<<"${of[$without]}"
+      inactive=$(awk -v a="$count" -v b="$least" -v n="$parts" 'BEGIN { printf "%.1f %%", 100 * (a - b) / a / n }')
+    fi
+    printf '%-28s %12d %7d %12d %7d %6s %9s\n' "$name" "$count" "$bytes" "$stock_count" "$stock_bytes" \
+      "$(awk -v a="$count" -v b="$stock_count" 'BEGIN { printf "%.2f", a / b }')" "$inactive"
   fi
 done < <("$program" list)

@@ -25,6 +25,7 @@
 #include <BulletDynamics/ConstraintSolver/btUniversalConstraint.h>
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace bench {
@@ -34,13 +35,22 @@ struct Case {
   const char* stock;  ///< the case to compare with; null: this is one
   size_t bytes;
   std::function<std::unique_ptr<btTypedConstraint>(JointStep&)> make;
+  const char* without = nullptr;  ///< the case without the parts that do not act here, or null
+  int parts = 0;                  ///< how many those are
 };
+
+/// Has parts that do not act: they must cost next to nothing.
+inline Case inactive(Case with, const char* without, int parts = 1) {
+  with.without = without;
+  with.parts = parts;
+  return with;
+}
 
 template <class Hinge, class Setting>
 Case hinge(const char* name, const char* stock, Setting setting) {
   return {name, stock, sizeof(Hinge), [setting](JointStep& s) {
-            auto joint = std::make_unique<Hinge>(*s.a, *s.b, JointStep::frameA(),
-                                                 JointStep::frameB());
+            auto joint =
+                std::make_unique<Hinge>(*s.a, *s.b, JointStep::frameA(), JointStep::frameB());
             setting(*joint);
             return std::unique_ptr<btTypedConstraint>(std::move(joint));
           }};
@@ -114,7 +124,9 @@ inline std::vector<Case> sliders() {
       slider<pintle::SliderJoint>("slider, plain rows", "stock slider", plain),
       slider<pintle::SliderJoint>("slider", "stock slider", as_is),
       slider<btSliderConstraint>("stock slider, inside limit", nullptr, lin_inside),
-      slider<pintle::SliderJoint>("slider, inside limit", "stock slider, inside limit", lin_inside),
+      inactive(slider<pintle::SliderJoint>("slider, inside limit", "stock slider, inside limit",
+                                           lin_inside),
+               "slider"),
       slider<btSliderConstraint>("stock slider, limit", nullptr, lin_limit),
       slider<pintle::SliderJoint>("slider, limit, plain rows", "stock slider, limit",
                                   with_plain(lin_limit)),
@@ -128,7 +140,9 @@ inline std::vector<Case> sliders() {
                                   with_plain(turns)),
       slider<pintle::SliderJoint>("slider, turns", "stock slider, turns", turns),
       slider<btSliderConstraint>("stock slider, angle inside", nullptr, ang_inside),
-      slider<pintle::SliderJoint>("slider, angle inside", "stock slider, angle inside", ang_inside),
+      inactive(slider<pintle::SliderJoint>("slider, angle inside", "stock slider, angle inside",
+                                           ang_inside),
+               "slider, turns"),
       slider<btSliderConstraint>("stock slider, two limits", nullptr, two_axes),
       slider<pintle::SliderJoint>("slider, two limits", "stock slider, two limits", two_axes),
   };
@@ -144,6 +158,14 @@ inline std::vector<Case> others() {
   const auto inside = [](auto& joint) { joint.setLimit(-2, 2); };
   const auto motor = [](auto& joint) { joint.enableAngularMotor(true, 1, 1); };
   const auto both = [limit, motor](auto& joint) { limit(joint), motor(joint); };
+  // Set and turned off: motor, servo, friction, and the spring of a limit that is free.
+  const auto off = [](auto& joint) {
+    joint.enableAngularMotor(true, 1, 1);
+    joint.setMotorServo(1, 5, 1, 10);
+    joint.enableMotor(false);
+    joint.setFriction(1), joint.setFriction(0);
+    joint.setLimitSpring(5, 1);
+  };
   const auto with_plain = [plain](auto setting) {
     return [plain, setting](auto& joint) { plain(joint), setting(joint); };
   };
@@ -163,7 +185,8 @@ inline std::vector<Case> others() {
       hinge<Hinge>("hinge, plain rows", "stock hinge", plain),
       hinge<Hinge>("hinge", "stock hinge", as_is),
       hinge<Stock>("stock hinge, inside limit", nullptr, inside),
-      hinge<Hinge>("hinge, inside limit", "stock hinge, inside limit", inside),
+      inactive(hinge<Hinge>("hinge, inside limit", "stock hinge, inside limit", inside), "hinge"),
+      inactive(hinge<Hinge>("hinge, motor etc. off", "stock hinge", off), "hinge", 4),
       hinge<Stock>("stock hinge, limit", nullptr, limit),
       hinge<Hinge>("hinge, limit, plain rows", "stock hinge, limit", with_plain(limit)),
       hinge<Hinge>("hinge, limit", "stock hinge, limit", limit),
@@ -181,11 +204,11 @@ inline std::vector<Case> others() {
       ball<pintle::BallJoint>("ball, plain rows", "stock ball", plain),
       ball<pintle::BallJoint>("ball", "stock ball", as_is),
       universal<StockUniversal>("stock universal", nullptr, as_is),
-      universal<Universal>("universal, plain rows", "stock universal", plain),
-      universal<Universal>("universal", "stock universal", as_is),
       universal<StockUniversal>("stock universal, free", nullptr, free),
-      universal<Universal>("universal, free, plain", "stock universal, free", with_plain(free)),
+      universal<Universal>("universal, plain rows", "stock universal", plain),
       universal<Universal>("universal, free", "stock universal, free", free),
+      inactive(universal<Universal>("universal", "stock universal", as_is), "universal, free", 2),
+      universal<Universal>("universal, free, plain", "stock universal, free", with_plain(free)),
       universal<StockUniversal>("stock universal, limit", nullptr, universal_limit),
       universal<Universal>("universal, limit, plain", "stock universal, limit",
                            with_plain(universal_limit)),
@@ -194,8 +217,9 @@ inline std::vector<Case> others() {
       universal<Universal>("universal, motor", "stock universal, motor", universal_motor),
       hinge<ConstantVelocity>("constant velocity, plain", "stock universal", plain),
       hinge<ConstantVelocity>("constant velocity", "stock universal", as_is),
-      hinge<ConstantVelocity>("const. velocity, inside", "stock universal",
-                              [](auto& joint) { joint.setBendLimit(1); }),
+      inactive(hinge<ConstantVelocity>("const. velocity, inside", "stock universal",
+                                       [](auto& joint) { joint.setBendLimit(1); }),
+               "constant velocity"),
       hinge<ConstantVelocity>("const. velocity, limit", "stock universal, limit",
                               [](auto& joint) { joint.setBendLimit(btScalar(0.3)); }),
   };
@@ -259,7 +283,7 @@ inline std::vector<Case> ownJoints() {
                                        [](auto& contact) { contact.setTwoSided(true); }),
       free_joint<pintle::WedgeJoint>("wedge, free", as_is),
       free_joint<pintle::WedgeJoint>("wedge, free, plain rows", plain),
-      free_joint<pintle::WedgeJoint>("wedge, inside limit", inside),
+      inactive(free_joint<pintle::WedgeJoint>("wedge, inside limit", inside), "wedge, free"),
       free_joint<pintle::WedgeJoint>("wedge, limit", [](auto& wedge) { wedge.setLimit(-1, 0); }),
       free_joint<pintle::AngularLimit>("angle, inside limit", inside),
       free_joint<pintle::AngularLimit>("angle, limit", [](auto& angle) { angle.setLimit(-1, 0); }),
@@ -270,8 +294,8 @@ inline std::vector<Case> ownJoints() {
 template <class Joint, class Setting>
 Case coneTwist(const char* name, const char* stock, Setting setting) {
   return {name, stock, sizeof(Joint), [setting](JointStep& s) {
-            auto joint = std::make_unique<Joint>(*s.a, *s.b, JointStep::frameA(),
-                                                 JointStep::frameB());
+            auto joint =
+                std::make_unique<Joint>(*s.a, *s.b, JointStep::frameA(), JointStep::frameB());
             setting(*joint);
             return std::unique_ptr<btTypedConstraint>(std::move(joint));
           }};
@@ -288,8 +312,8 @@ inline std::vector<Case> coneTwists() {
   const auto active = [](auto& joint) { joint.setLimit(btScalar(0.3), btScalar(0.6), 1); };
   const auto both = [](auto& joint) {
     joint.setLimit(btScalar(0.3), btScalar(0.3), 1);
-    joint.setFrames(joint.getAFrame(), joint.getBFrame() *
-                                           btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(1.2))));
+    joint.setFrames(joint.getAFrame(), joint.getBFrame() * btTransform(btQuaternion(
+                                                               btVector3(1, 0, 0), btScalar(1.2))));
   };
   const auto locked = [](auto& joint) { joint.setLimit(0, 0, 1); };
   const auto motor = [](auto& joint) {
@@ -317,13 +341,16 @@ inline std::vector<Case> coneTwists() {
       s.set(joint);
     }));
     cases.push_back(coneTwist<Joint>(s.name, s.stock, s.set));
+    if (cases.back().name == std::string("cone, inside"))
+      cases.back() = inactive(cases.back(), "cone, free", 2);
   }
   return cases;
 }
 
 inline std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const auto& some : {others(), sliders(), locksAndHinges(), coneTwists(), ownJoints()}) all.insert(all.end(), some.begin(), some.end());
+  for (const auto& some : {others(), sliders(), locksAndHinges(), coneTwists(), ownJoints()})
+    all.insert(all.end(), some.begin(), some.end());
   return all;
 }
 

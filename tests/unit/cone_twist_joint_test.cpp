@@ -430,12 +430,6 @@ TEST(ConeTwistRows, TwistRowFromTheAxesIsThatOfTheSwing) {
               20 * double(SIMD_EPSILON) * double(swing.h_scale) * double(expected.norm()));
   }
   EXPECT_TRUE(pintle::equations::twist_row<btScalar>(V(1, 0, 0), V(-1, 0, 0)).allFinite());
-  for (int n = 0; n < 1000; ++n) {
-    const double angle = random.uniform(-pi, pi), size = random.uniform(0.01, 2);
-    EXPECT_NEAR(pintle::UnwrappedAngle::rough(scalar(size * std::cos(angle)),
-                                              scalar(size * std::sin(angle))),
-                angle, double(pintle::UnwrappedAngle::rough_error));
-  }
 }
 
 TEST(ConeTwistRows, TheTangentAheadHasTheConeBehindItAndIsTheNearestIfNothingMoves) {

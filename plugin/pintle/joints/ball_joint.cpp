@@ -69,7 +69,6 @@ PINTLE_FLATTEN void BallJoint::addRows(const BodyPair& pair, Rows& rows) const {
     addDocumentPositionRows(r_a, r_b, d, rows);
   else
     addConservingPositionRows(pair, r_a, r_b, d, rows);
-  if (m_setting.m_impulseClamp > 0) rows.clamp(m_setting.m_impulseClamp);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -51,8 +51,9 @@ class BallJoint : public Joint {
 
  protected:
   // The setting is open: what is no number is no setting.
-  Scalar damping() const override {
-    return m_setting.m_damping - m_setting.m_damping == 0 ? m_setting.m_damping : Scalar(1);
+  ImpulseSetting impulseSetting() const override {
+    const Scalar damping = m_setting.m_damping, clamp = m_setting.m_impulseClamp;
+    return {damping - damping == 0 ? damping : Scalar(1), clamp > 0 ? clamp : infinity};
   }
 
  private:

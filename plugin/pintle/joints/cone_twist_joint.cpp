@@ -8,7 +8,6 @@
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
-#include <pintle/rows/unwrapped_angle.h>
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 
@@ -186,6 +185,12 @@ equations::SwingSpans<Scalar> ConeTwistJoint::spans(Scalar softness) const {
   return {semiaxis(m_max_1), semiaxis(-m_min_1), semiaxis(m_max_2), semiaxis(-m_min_2)};
 }
 
+// The smallest side of the cone.
+Scalar ConeTwistJoint::innerSpan() const {
+  const auto e = spans(m_softness);
+  return btMin(btMin(e.above_1, e.below_1), btMin(e.above_2, e.below_2));
+}
+
 // What the settings come to, so that a step need not ask.
 void ConeTwistJoint::limitsChanged() {
   // Bullet's rows, scaled by the square of the relaxation, are none at 0.
@@ -198,7 +203,7 @@ void ConeTwistJoint::limitsChanged() {
   const bool locked_2 = getSwingSpan2() < m_fix_threshold;
   setRange(m_swing, 1, -1);
   m_circular = false;
-  m_inner_span = infinity;
+  m_cone_look = {};
   if (locked_1 && locked_2) {
     m_swings = Swings::locked;
   } else if (locked_1) {
@@ -210,15 +215,17 @@ void ConeTwistJoint::limitsChanged() {
   } else {
     m_swings = Swings::cone;
     const auto e = spans(m_softness);
-    m_inner_span = btMin(btMin(e.above_1, e.below_1), btMin(e.above_2, e.below_2));
-    m_circular = btMax(btMax(e.above_1, e.below_1), btMax(e.above_2, e.below_2)) == m_inner_span;
-    if (!off && m_inner_span < Scalar(pi)) {
+    const Scalar inner = innerSpan();
+    m_circular = btMax(btMax(e.above_1, e.below_1), btMax(e.above_2, e.below_2)) == inner;
+    if (!off && inner < Scalar(pi)) {
       m_swing.low = -infinity;
       m_swing.high = 0;
+      m_cone_look = CosineLimit(inner);
     }
   }
   const Scalar low = m_softness * m_twist_low, high = m_softness * m_twist_high;
   setRange(m_twist, off ? Scalar(1) : low, off ? Scalar(-1) : high);
+  if (m_twist.limited()) m_twist_look = {m_twist.low, m_twist.high};
   if (m_rotation) {
     m_rotation->axis.motor_gain = gain;
     m_rotation->reachable_target = limited(m_rotation->target, m_softness);
@@ -264,23 +271,22 @@ int ConeTwistJoint::getFlags() const {
 // --- motor ---------------------------------------------------------------------------------------
 
 void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
-  m_max_motor_impulse = span("max motor impulse", most);
-  m_normalized_motor = normalized;
-  if (m_rotation) rotation();
+  const Scalar impulse = span("max motor impulse", most);
+  Axis& axis = rotation();
+  m_rotation->max_motor_impulse = impulse;
+  axis.max_motor_impulse = impulse < 0 ? infinity : btMin(impulse, infinity);
+  axis.normalized_motor = normalized;
 }
 
-// The settings of motor and friction, as they are now.
+// The settings of motor and friction.
 Axis& ConeTwistJoint::rotation() {
   if (!m_rotation) {
     m_rotation = std::make_unique<Rotation>();
+    m_rotation->axis.max_motor_impulse = infinity;
     setRows(m_rotation->memory);
     limitsChanged();
   }
-  Axis& axis = m_rotation->axis;
-  axis.max_motor_impulse =
-      m_max_motor_impulse < 0 ? infinity : btMin(m_max_motor_impulse, infinity);
-  axis.normalized_motor = m_normalized_motor;
-  return axis;
+  return m_rotation->axis;
 }
 
 void ConeTwistJoint::enableMotor(bool b) {
@@ -514,9 +520,7 @@ inline equations::AngularRow<Scalar> ConeTwistJoint::coneRow(
 
 inline void ConeTwistJoint::addConeLimit(const At& at, const Turning& turning, Rows& rows) const {
   // The edge is no nearer than the smallest span is: no more is asked of a swing that is well inside.
-  const Scalar sine = btSqrt(btMax(Scalar(0), 1 - at.cosine * at.cosine));
-  const Scalar rough = UnwrappedAngle::rough(at.cosine, sine);
-  if (m_inner_span - rough <= turning.most + UnwrappedAngle::rough_error)
+  if (!m_cone_look.isFarInside(at.cosine, turning.most))
     addNearConeLimit(at, turning.gained(), rows);
 }
 
@@ -527,12 +531,12 @@ void ConeTwistJoint::addNearConeLimit(const At& at, Scalar gained, Rows& rows) c
   const Vec3 e_1 = at.b.c(), e_2 = at.b.b();
   const auto e = spans(m_softness);
   const bool document = m_circular && getFormulation() == Formulation::document;
-  const Scalar far = 1 + far_out / m_inner_span;
+  const Scalar far = 1 + far_out / innerSpan();
   const bool ahead =
       !spring && !document &&
       equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < far * far;
   const auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(s, at.x_b, e_1, e_2, e, w,
-                                                                      timeStep() / 2, gained / 2)
+                                                                      timeStep() / 2, gained)
                          : coneRow(at, s);
   const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, row.C))
@@ -556,9 +560,8 @@ inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, 
   const Scalar length = 1 + at.cosine;
   if (!(length > least_twist)) return;
   const auto to = at.twist();
-  const Scalar rough = inTurnOf(m_twist, -UnwrappedAngle::rough(to.x, to.y));
   // J_b is no longer than 2 / length.
-  if ((m_twist.distance(rough) - UnwrappedAngle::rough_error) * length <= 2 * turning.most)
+  if (!m_twist_look.isFarInside(to.x, -to.y, length, 2 * turning.most))
     addNearTwistLimit(at, turning.gained() * 2 / length, rows);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/joints/frame_joint.h>
+#include <pintle/rows/far_limit.h>
 
 #include <LinearMath/btQuaternion.h>
 
@@ -90,8 +91,10 @@ class ConeTwistJoint : public FrameJoint {
   void setMaxMotorImpulseNormalized(btScalar maxMotorImpulse) {
     setMotorBound(maxMotorImpulse, true);
   }
-  btScalar getMaxMotorImpulse() const { return m_max_motor_impulse; }
-  bool isMaxMotorImpulseNormalized() const { return m_normalized_motor; }
+  btScalar getMaxMotorImpulse() const { return m_rotation ? m_rotation->max_motor_impulse : -1; }
+  bool isMaxMotorImpulseNormalized() const {
+    return m_rotation && m_rotation->axis.normalized_motor;
+  }
   /// q: the rotation of body a against body b (of any length but 0). What is beyond the limits is
   /// cut off.
   void setMotorTarget(const btQuaternion& q);
@@ -161,6 +164,7 @@ class ConeTwistJoint : public FrameJoint {
   // one of them is first set.
   struct Rotation {
     Axis axis;
+    Scalar max_motor_impulse = -1;  ///< as set; below 0: any
     btQuaternion target = btQuaternion::getIdentity();
     btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
     RowMemory<8, axis_count> memory;
@@ -172,6 +176,7 @@ class ConeTwistJoint : public FrameJoint {
   void setMotorBound(Scalar most, bool normalized);
   void limitsChanged();
   equations::SwingSpans<Scalar> spans(Scalar softness) const;
+  Scalar innerSpan() const;
   Scalar swingRadius(Scalar about_1, Scalar about_2, Scalar softness) const;
   btQuaternion limited(const btQuaternion& q, Scalar softness) const;
   At at(const BodyPair& pair) const;
@@ -189,7 +194,7 @@ class ConeTwistJoint : public FrameJoint {
 
   Swings m_swings = Swings::cone;
   bool m_circular = true;
-  bool m_normalized_motor = false;
+  Scalar m_fix_threshold = Scalar(0.05f);
   std::unique_ptr<Rotation> m_rotation;
   Axis m_swing;  ///< the limit; its coordinate is the distance out of the cone, or the one swing
   Axis m_twist;  ///< the limit, of a against b
@@ -198,10 +203,9 @@ class ConeTwistJoint : public FrameJoint {
   Scalar m_min_2 = -BT_LARGE_FLOAT, m_max_2 = BT_LARGE_FLOAT;
   Scalar m_twist_low = -BT_LARGE_FLOAT, m_twist_high = BT_LARGE_FLOAT;
   Scalar m_softness = 1, m_relaxation = 1;
-  Scalar m_fix_threshold = Scalar(0.05f);
   Scalar m_damping = Scalar(0.01);
-  Scalar m_max_motor_impulse = -1;
-  Scalar m_inner_span = infinity;  ///< the smallest
+  CosineLimit m_cone_look;      ///< the smallest span of the cone
+  DirectionLimit m_twist_look;  ///< the range of the twist
   RowMemory<6, limits> m_row_memory;
 };
 

@@ -118,7 +118,7 @@ btScalar ConstantVelocityJoint::getShaftAngle() const {
 void ConstantVelocityJoint::setBendLimit(btScalar max_bend) {
   const Scalar most = bound("bend limit", max_bend);
   m_bend.high = most < SIMD_PI ? most : infinity;
-  m_limit_chord = most < SIMD_PI ? 2 * btSin(most / 2) : infinity;
+  m_bend_look = CosineLimit(most);
 }
 
 void ConstantVelocityJoint::setBendLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -167,13 +167,15 @@ void ConstantVelocityJoint::addRows(const BodyPair& pair, Rows& rows) const {
 
 // By the chord between the shafts' ends, 2 sin(bend/2), which moves no faster than the bend.
 inline bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair, const Vec3& x_a,
-                                                     const Vec3& x_b) const {
+                                                     const Vec3& x_b, Scalar cosine) const {
+  const AngularReach reach(pair, timeStep());
+  if (m_bend_look.isFarInside(cosine, reach.most())) return false;
   const Vec3 now = x_b - x_a;
   const Vec3 moved = timeStep() * (cross(pair.w_b(), x_b) - cross(pair.w_a(), x_a));
   // At twice the speed of now, as the step may be longer than the last.
   const Vec3 next = now + 2 * moved;
   const Scalar chord = btSqrt(btMax(now.dot(now), next.dot(next)));
-  return chord + AngularReach(pair, timeStep()).gained() >= m_limit_chord;
+  return chord + reach.gained() >= 2 * btSin(m_bend.high / 2);
 }
 
 inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& at,
@@ -186,7 +188,8 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
           ? equations::constant_velocity_dot_row<Scalar>({at.a.b(), at.a.c()}, {at.b.b(), at.b.c()})
           : equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX());
   const Scalar length2 = row.J_b.dot(row.J_b);
-  if (!BodyPair::is_finite(d.sum() + row.C + length2 + at.x_a.dot(at.x_b))) return;
+  const Scalar cosine = at.x_a.dot(at.x_b);
+  if (!BodyPair::is_finite(d.sum() + row.C + length2 + cosine)) return;
   if (document) {
     rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
   } else {
@@ -196,7 +199,7 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
   }
   addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
 
-  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at.x_a, at.x_b);
+  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at.x_a, at.x_b, cosine);
   if (near_limit || m_bend.driven()) {
     const auto bend = equations::cone_row(equations::swing(at.x_a, at.x_b), at.x_a, Scalar(0));
     // A spring acts from beyond its limit only.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/joints/frame_joint.h>
+#include <pintle/rows/far_limit.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 namespace pintle {
@@ -81,13 +82,14 @@ class ConstantVelocityJoint : public FrameJoint {
   void look(const Frames& at, UnwrappedAngle& shaft) const;
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& shaft,
                Rows& rows) const;
-  bool bendMayReachLimit(const BodyPair& pair, const Vec3& x_a, const Vec3& x_b) const;
+  bool bendMayReachLimit(const BodyPair& pair, const Vec3& x_a, const Vec3& x_b,
+                         Scalar cosine) const;
 
   static Axis freeBend();
 
-  Axis m_bend = freeBend();         ///< along the bend: its limit has one side
-  Axis m_shaft;                     ///< along the shaft angle: the motor
-  Scalar m_limit_chord = infinity;  ///< 2 sin(limit / 2)
+  Axis m_bend = freeBend();  ///< along the bend: its limit has one side
+  Axis m_shaft;              ///< along the shaft angle: the motor
+  CosineLimit m_bend_look;   ///< the limit
   UnwrappedAngle m_shaft_angle;
   RowMemory<6, 2> m_row_memory;
 };

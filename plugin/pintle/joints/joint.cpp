@@ -204,14 +204,15 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* orthogonal, const Bloc
   motion.fps = step.fps;
   motion.limit_erp = m_limit_erp.orElse(step.limit_erp);
   motion.motor_cfm = m_motor_cfm.orElse(0);
+  Parameter limit_cfm = m_limit_cfm;
   if (axis.own != nullptr) {
     motion.limit_erp = axis.own->limit_erp.orElse(motion.limit_erp);
     motion.motor_cfm = axis.own->motor_cfm.orElse(motion.motor_cfm);
+    if (axis.own->limit_cfm.isSet()) limit_cfm = axis.own->limit_cfm;
   }
   // As Bullet has it: the motor's unless the limit has its own.
   motion.limit_cfm =
-      m_limit_cfm.orElse(axis.drive == Axis::Drive::off ? Scalar(0) : motion.motor_cfm);
-  if (axis.own != nullptr) motion.limit_cfm = axis.own->limit_cfm.orElse(motion.limit_cfm);
+      limit_cfm.orElse(axis.drive == Axis::Drive::off ? Scalar(0) : motion.motor_cfm);
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
@@ -220,7 +221,9 @@ inline AxisRow Joint::act(const Row& row, const BlockRow* orthogonal, const Bloc
   AxisRow result;
   const Scalar cfm = row.limit ? motion.limit_cfm : motion.motor_cfm;
   if (!axis.isSimple(row.limit) || !(cfm < diverging_cfm)) {
-    result = solveCompound(row, orthogonal, block, motion);
+    // A copy of its own: the one here need not lie in memory for all that are simple.
+    AxisMotion compound = motion;
+    result = solveCompound(row, orthogonal, block, compound);
   } else if (row.limit) {
     state.rest = Axis::limit;
     result = limitPart(axis, motion, state.incoming).row;
@@ -243,8 +246,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   if (n == 0) return;
   RowWriter out(*info);
   const Step step(*this, *info, out.cfm());
-  const Scalar damped = damping();
-  info->m_damping = damped;
+  const ImpulseSetting setting = impulseSetting();
+  info->m_damping = setting.damping;
   const auto write_axis = [&](const Lanes& L, const Lanes& A_a, const Lanes& A_b, Scalar target,
                               const AxisRow& axis) {
     out.write(L, A_a, A_b, target + axis.target, axis.cfm, axis.lower, axis.upper);
@@ -258,10 +261,11 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
-  const bool mix = !m_rows.bounded() && (!breaks || (m_rows[0].angular && equalities == n));
+  const bool mix =
+      !(setting.max_impulse < infinity) && (!breaks || (m_rows[0].angular && equalities == n));
   if (!step.rigid && !m_solved_at_once && step.tooSoft(*this)) return writeTooSoft(*info);
   if (!m_block_rows || !mix || isNeedle(m_rbA) || isNeedle(m_rbB)) {
-    const Scalar bound = m_rows.maxImpulse();
+    const Scalar bound = setting.max_impulse;
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];
       out.write(row.lanesL(), row.lanesA_a(), row.lanesA_b(), step.target(row),
@@ -275,7 +279,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.rigid && damped == 1 && !breaks &&
+  const bool feed = step.rigid && setting.damping == 1 && !breaks &&
                     getOverrideNumSolverIterations() <= info->m_numIterations;
   m_iterations_left = feed ? info->m_numIterations : 0;
   if (!feed) m_residuals_known = false;
@@ -305,7 +309,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
 PINTLE_NOINLINE void Joint::writeTooSoft(btConstraintInfo2& info) {
   RowWriter out(info);
   const Step step(*this, info, out.cfm());
-  const Scalar bound = m_rows.maxImpulse();
+  const ImpulseSetting setting = impulseSetting();
+  const Scalar bound = setting.max_impulse;
   for (int i = 0; i < m_rows.size(); ++i) {
     const Row& row = m_rows[i];
     const LanesView L = row.lanesL(), A_a = row.lanesA_a(), A_b = row.lanesA_b();
@@ -316,7 +321,7 @@ PINTLE_NOINLINE void Joint::writeTooSoft(btConstraintInfo2& info) {
     }
     const Scalar cfm = step.cfm[row.firmness], target = step.target(row);
     // Bullet takes this part of the free velocity away.
-    const Scalar free = damping() * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
+    const Scalar free = setting.damping * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
     if (cfm < diverging_cfm)
       out.write(L, A_a, A_b, target, cfm, -bound, bound);
     else

@@ -23,6 +23,12 @@ enum class Formulation : unsigned char {
   conditioned  ///< the same constraint, well conditioned at every error; the default
 };
 
+/// As Bullet has it (btConstraintSetting).
+struct ImpulseSetting {
+  Scalar damping = 1;             ///< the part of the velocity that the rows take away
+  Scalar max_impulse = infinity;  ///< N s, of each equality; with a bound they are not mixed
+};
+
 /// A `btTypedConstraint` made of rows. Joints are added to a world, enabled, broken and read as any
 /// Bullet constraint is. Settings throw std::invalid_argument, naming joint, field and value, and
 /// then change nothing; a step never throws, allocates or locks. An object belongs to one world;
@@ -79,15 +85,15 @@ class Joint : public btTypedConstraint {
     updateState(pair);
     addRows(pair, rows);
   }
-  /// Bullet's damping: the part of the velocity that the rows take away.
-  virtual Scalar damping() const { return 1; }
+  virtual ImpulseSetting impulseSetting() const { return {}; }
   /// Three, by Row::firmness, if m_firmness_differs.
   virtual const Firmness* firmness() const { return nullptr; }
   /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
   /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
   /// had: the curvature is left out from there on, and by degrees before, on the side of losing energy.
+  /// Shafts keep theirs: up to a radian.
   Scalar curvedPart() const {
-    const Scalar part = 2 * m_angular_speed * m_time_step;
+    const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
     return btMax(Scalar(0), 1 - part * part);
   }
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
@@ -109,6 +115,8 @@ class Joint : public btTypedConstraint {
   /// Whether the curvature of its rows is that at the end of the step. Else it is that of now, and
   /// what the bodies' turning suggests is made of it.
   bool m_foresees_curvature = false;
+  /// Whether its bodies are shafts, which turn fast about axes that hold still.
+  bool m_turns_shafts = false;
 
   // Throw std::invalid_argument naming the joint, `field` and the value.
   [[noreturn]] void reject(const char* field, double value, const char* why) const;
@@ -139,6 +147,7 @@ class Joint : public btTypedConstraint {
   bool m_block_rows = true;
   bool m_solved_at_once = false;  ///< by ExactJointSolver: the rows are not iterated
   Formulation m_formulation = Formulation::conditioned;
+  int m_iterations_left = 0;  ///< until the residual is taken
 
   void writeTooSoft(btConstraintInfo2& info);
   AxisRow act(const Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
@@ -151,7 +160,6 @@ class Joint : public btTypedConstraint {
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
   Scalar m_time_step = Scalar(1) / 60;
   Scalar m_max_correction_speed = 8;
-  int m_iterations_left = 0;  ///< until the residual is taken
 };
 
 }  // namespace PINTLE_PRECISION

@@ -415,15 +415,20 @@ inline Acting SliderJoint::actingSlide(const BodyPair& pair, const Frames& at,
                                        Scalar curvature) const {
   Acting acting;
   acting.position = m_sign * at.axis_a.dot(at.d);
-  acting.limit = m_linear.limited() && m_linear.distance(acting.position) <= 0;
-  if (m_linear.limited() && !acting.limit) {
+  const bool driven = m_linear.driven();
+  acting.row = driven;
+  if (!m_linear.limited()) return acting;
+  const Scalar distance = m_linear.distance(acting.position);
+  acting.limit = distance <= 0;
+  if (!acting.limit) {
     const Vec3 lever_a = anchors.r_a + anchors.d;
     const Scalar speed = at.axis_a.dot(equations::relative_velocity(v, lever_a, anchors.r_b));
-    acting.limit = linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep())
-                       .of(m_linear)
-                       .reaches(m_linear, acting.position);
+    const Reach reach =
+        linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep());
+    if (!driven && distance > reach.most()) return acting;
+    acting.limit = reach.of(m_linear).reaches(m_linear, acting.position);
   }
-  acting.row = acting.limit || m_linear.driven();
+  acting.row = acting.limit || driven;
   return acting;
 }
 

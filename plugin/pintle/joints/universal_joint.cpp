@@ -170,6 +170,7 @@ btScalar UniversalJoint::getRelativePivotPosition(int axis_index) const {
 // --- settings ------------------------------------------------------------------------------------
 
 void UniversalJoint::setDefaults() {
+  m_turns_shafts = true;
   const Scalar most[2] = {SIMD_HALF_PI - limit_margin, SIMD_PI - limit_margin};
   for (int i = 0; i < 2; ++i) {
     Axis& axis = m_hinges[i].axis;

@@ -95,7 +95,10 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
   m_convex = limited && total < SIMD_PI - 8 * SIMD_EPSILON;
   m_reflex = limited && !m_convex;
   m_acute = limited && total < SIMD_HALF_PI;
-  if (limited) m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+  m_look = {};
+  if (!limited) return;
+  m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+  m_look = {low, high, btMin(total / 2, SIMD_HALF_PI)};
 }
 
 void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -158,26 +161,20 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const 
   const Vec3 r_b = pair.R_b() * view(m_frame_b.getOrigin());
   const Vec3 c_b = pair.R_b() * Vec3(view(m_frame_b.getBasis()).col(0));
   const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), r_b);
+  const Lanes components = a.components(c_b);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + c_b.sum() + a.a().sum() + a.b().sum() + a.c().sum())) return;
+  if (!BodyPair::is_finite(d.sum() + components[0] + components[1] + components[2])) return;
+  const bool acts =
+      m_side.driven() || (limited() && !m_look.isFarInside(components[0], components[1], 1,
+                                                           AngularReach(pair, timeStep()).most()));
   addPivotRows(pair, a.r(), r_b, d, rows);
-  if (!limited() && !m_side.driven()) return;
-  const AngularReach reach(pair, timeStep());
-  if (!m_side.driven() && isFarInside(a, c_b, reach.most())) return;
-  const Scalar gained = Reach{0, reach.gained()}.of(m_other_side).gained;
-  addWedgeRows({a, c_b, pair.w_b() - pair.w_a(), gained}, rows);
+  if (acts) addWedgeRows(pair, a, c_b, rows);
 }
 
-// The sine of an angle is no more than the angle: whether c_b is farther than `most` (rad) from the
-// planes that could hold it.
-inline bool WedgeJoint::isFarInside(const Frame& a, const Vec3& c_b, Scalar most) const {
-  const Scalar x = a.a().dot(c_b), y = a.b().dot(c_b);
-  const Scalar low = m_wedge.n_min.x() * x + m_wedge.n_min.y() * y;
-  const Scalar high = m_wedge.n_max.x() * x + m_wedge.n_max.y() * y;
-  return (m_convex ? btMin(low, high) : btMax(low, high)) > most;
-}
-
-inline void WedgeJoint::addWedgeRows(const Directions& at, Rows& rows) const {
+PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b,
+                                              Rows& rows) const {
+  const Scalar gained = Reach{0, AngularReach(pair, timeStep()).gained()}.of(m_other_side).gained;
+  const Directions at{a, c_b, pair.w_b() - pair.w_a(), gained};
   const Scalar dt = m_side.limit_spring.angular_frequency > 0 ? Scalar(0) : timeStep();
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
   Index side = low_side;

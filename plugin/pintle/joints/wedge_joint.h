@@ -3,6 +3,7 @@
 
 #include <pintle/equations/wedge.h>
 #include <pintle/joints/frame_joint.h>
+#include <pintle/rows/far_limit.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -82,8 +83,7 @@ class WedgeJoint : public FrameJoint {
   }
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
-  void addWedgeRows(const Directions& at, Rows& rows) const;
-  bool isFarInside(const Frame& a, const Vec3& c_b, Scalar most) const;
+  void addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b, Rows& rows) const;
   bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 
@@ -91,6 +91,7 @@ class WedgeJoint : public FrameJoint {
   Axis m_other_side;                 ///< the limits alone
   Axis m_corner;                     ///< along the turn to the extra plane
   equations::Wedge<Scalar> m_wedge;  ///< in the joint frame of body a
+  DirectionLimit m_look;             ///< of c_b, a cone or half of space that lies in the wedge
   bool m_convex = false;             ///< below pi
   bool m_reflex = false;             ///< from pi on
   bool m_acute = false;

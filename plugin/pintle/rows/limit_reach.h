@@ -14,17 +14,23 @@ inline Scalar inverseInertiaTrace(const btRigidBody& body) {
   return I_inv[0].x() + I_inv[1].y() + I_inv[2].z();
 }
 
-/// The first three lanes add up to a bound for half of the square of the angular acceleration
-/// (rad^2/s^4, about any axis) that the force and the torque on a body give it, wherever a joint holds
-/// it: a force F on the centre turns a body that is held at the distance r by at most
-/// F r / (r^2 + k^2) / m <= F / (2 k m), k its least radius of gyration; the trace of I^-1 is a bound
-/// for 1 / (m k^2).
+/// A bound for the angular acceleration (rad/s^2, about any axis) that the force and the torque on a body
+/// give it, wherever a joint holds it: a force F on the centre turns a body that is held at the
+/// distance r by at most F r / (r^2 + k^2) / m <= F / (2 k m), k its least radius of gyration; the trace
+/// of I^-1 is a bound for 1 / (m k^2).
+inline Scalar accelerationBound(const btRigidBody& body) {
+  const Scalar trace = inverseInertiaTrace(body);
+  return btSqrt(trace * body.getInvMass() * body.getTotalForce().length2()) / 2 +
+         trace * body.getTotalTorque().length();
+}
+
+/// Lanes of which the first three add up to no less than 0.8 of its square, without a square root:
+/// (x/2 + y)^2 <= 1.25 (x^2 + y^2).
 inline Lanes accelerationBound2(const btRigidBody& body) {
   const Scalar trace = inverseInertiaTrace(body);
   const LanesView F = lanes(body.getTotalForce()), T = lanes(body.getTotalTorque());
-  // (x + y)^2 / 2 <= x^2 + y^2
   const Lanes by_torque = trace * T;
-  return F * F * (Scalar(0.25) * trace * body.getInvMass()) + by_torque * by_torque;
+  return F * F * (trace * body.getInvMass()) + by_torque * by_torque;
 }
 
 /// How a coordinate may move in a step.
@@ -39,6 +45,8 @@ struct Reach {
     if (axis.drive == Axis::Drive::servo) return {0, infinity};
     return *this;
   }
+  /// Either way, at twice the speed of now (reaches).
+  Scalar most() const { return gained + 2 * btFabs(moved); }
   /// Whether the step may come to a limit of `axis`, or begins beyond it and will not leave it by
   /// itself: towards it at twice the speed of now, as the step may be longer than the last. `slack`: how
   /// far off `coordinate` may be.
@@ -52,28 +60,32 @@ struct Reach {
 /// How an angle (rad) may move in a step as two bodies turn against each other (b against a).
 class AngularReach {
  public:
-  AngularReach(const BodyPair& pair, Scalar dt)
-      : m_dt(dt),
-        m_w(lanes(pair.b().getAngularVelocity()) - lanes(pair.a().getAngularVelocity())),
-        m_gain2(accelerationBound2(pair.a()) + accelerationBound2(pair.b())) {}
+  AngularReach(const BodyPair& pair, Scalar dt) : m_pair(pair), m_dt(dt), m_most(atMost()) {}
 
   /// By how much forces add to the turn, at most.
-  Scalar gained() const { return 2 * m_dt * m_dt * btSqrt(sum(m_gain2)); }
+  Scalar gained() const {
+    return m_dt * m_dt * (accelerationBound(m_pair.a()) + accelerationBound(m_pair.b()));
+  }
   /// About the unit vector h, or the other way (sign -1).
   Reach about(const Vec3& h, Scalar sign = 1) const {
-    return {sign * m_dt * (h.x() * m_w[0] + h.y() * m_w[1] + h.z() * m_w[2]), gained()};
+    return {sign * m_dt * h.dot(m_pair.w_b() - m_pair.w_a()), gained()};
   }
-  /// About any axis, either way, at twice the speed of now (Reach::reaches).
-  Scalar most() const {
-    // 2 dt |w| + 2 dt^2 |gain|, by (x + y)^2 <= 2 (x^2 + y^2)
-    return m_dt * btSqrt(8 * sum(m_w * m_w + m_dt * m_dt * m_gain2));
-  }
+  /// No less than the turn about any axis, either way, at twice the speed of now (Reach::reaches).
+  Scalar most() const { return m_most; }
 
  private:
-  static Scalar sum(const Lanes& l) { return l[0] + l[1] + l[2]; }
+  // 2 dt |w| + gained(), by (x + y)^2 <= 2 (x^2 + y^2) for both bodies and
+  // (2 x + sqrt(2.5) y)^2 <= 6.5 (x^2 + y^2).
+  Scalar atMost() const {
+    const Lanes w = lanes(m_pair.b().getAngularVelocity()) - lanes(m_pair.a().getAngularVelocity());
+    const Lanes gain2 = accelerationBound2(m_pair.a()) + accelerationBound2(m_pair.b());
+    const Lanes sum = w * w + m_dt * m_dt * gain2;
+    return m_dt * btSqrt(Scalar(6.5) * (sum[2] + sum[0] + sum[1]));
+  }
 
+  const BodyPair& m_pair;
   Scalar m_dt;
-  Lanes m_w, m_gain2;
+  Scalar m_most;
 };
 
 /// Of a distance (m) along a unit vector, between points at these levers of the bodies: `speed` is J v of

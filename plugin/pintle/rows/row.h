@@ -67,14 +67,7 @@ class Rows {
   int axisCount() const { return m_axis_count; }
   AxisState& axis(int i) { return m_axes[i]; }
   const AxisState& axis(int i) const { return m_axes[i]; }
-  void clear() {
-    m_size = m_axis_rows = 0;
-    m_max_impulse = infinity;
-  }
-  /// Bounds the impulse (N s) of each equality, which then must not be mixed.
-  void clamp(Scalar max_impulse) { m_max_impulse = max_impulse; }
-  Scalar maxImpulse() const { return m_max_impulse; }
-  bool bounded() const { return m_max_impulse < infinity; }
+  void clear() { m_size = m_axis_rows = 0; }
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,
                    Scalar curvature = 0) {
@@ -127,9 +120,9 @@ class Rows {
 
   Row* m_rows;
   AxisState* m_axes;
-  int m_size = 0, m_axis_rows = 0;
+  int m_size = 0;
+  signed char m_axis_rows = 0;
   signed char m_capacity, m_axis_count;
-  Scalar m_max_impulse = infinity;
 };
 
 }  // namespace PINTLE_PRECISION

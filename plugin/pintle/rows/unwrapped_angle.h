@@ -69,8 +69,6 @@ class UnwrappedAngle {
   Scalar value() const { return remainder() + Scalar(2 * pi) * m_turns; }
   /// The same to within rough_error, without an arc tangent.
   Scalar roughValue() const { return Scalar(pi / 2) * (quarters(m_x, m_y) + 4 * m_turns); }
-  /// atan2(y, x) to within rough_error.
-  static Scalar rough(Scalar x, Scalar y) { return Scalar(pi / 2) * quarters(x, y); }
   static constexpr Scalar rough_error = Scalar(0.072);
 
  private:
