@@ -76,6 +76,23 @@ bool isNeedle(const btRigidBody& body) {
   return rounding_of_K * btMax(btMax(I[0], I[1]), I[2]) > btMin(btMin(I[0], I[1]), I[2]);
 }
 
+// Whether J M^-1 J^T of a row is nothing but the rounding of I^-1 in the world, R I^-1 R^T. An impulse
+// along it would turn the bodies anywhere, and further in each pass.
+bool isRounding(const Row& row, const BodyPair& pair) {
+  const auto product = [](const Vec3& x, const MatrixView& M, const Vec3& y) {
+    return x.dot(M * y);
+  };
+  const auto largest = [](const Vec3& x, const MatrixView& M) {
+    return x.cwiseAbs().dot(M.cwiseAbs() * x.cwiseAbs());
+  };
+  const Scalar linear = (pair.inv_mass_a() + pair.inv_mass_b()) * row.L.dot(row.L);
+  const Scalar K = linear + product(row.A_a, pair.inv_inertia_a(), row.A_a) +
+                   product(row.A_b, pair.inv_inertia_b(), row.A_b);
+  const Scalar terms =
+      largest(row.A_a, pair.inv_inertia_a()) + largest(row.A_b, pair.inv_inertia_b());
+  return !(K > 8 * SIMD_EPSILON * terms);
+}
+
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
   const auto* bytes = reinterpret_cast<const char*>(info.m_J1linearAxis);
@@ -260,12 +277,14 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
   const bool mix = !m_rows.bounded() && (!breaks || (m_rows[0].angular && equalities == n));
   if (!step.rigid && !m_solved_at_once && step.tooSoft(*this)) return writeTooSoft(*info);
-  if (!m_block_rows || !mix || isNeedle(m_rbA) || isNeedle(m_rbB)) {
+  const bool needle = isNeedle(m_rbA) || isNeedle(m_rbB);
+  if (!m_block_rows || !mix || needle) {
     const Scalar bound = m_rows.maxImpulse();
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];
+      const Scalar most = needle && isRounding(row, {m_rbA, m_rbB}) ? Scalar(0) : bound;
       out.write(row.lanesL(), row.lanesA_a(), row.lanesA_b(), step.target(row),
-                step.cfm[row.firmness], -bound, bound);
+                step.cfm[row.firmness], -most, most);
     }
     for (int i = equalities; i < n; ++i) {
       const Row& row = m_rows[i];
