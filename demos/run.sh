@@ -2,7 +2,7 @@
 # Builds the demos and runs them in single, then in double precision.
 #   run.sh [options of the demos]           every scene's table, beside the stock joints'
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
-#   run.sh extreme [--all]                  what becomes of joints under extreme conditions; --all: 10^6 steps too
+#   run.sh extreme [--all] [--case TEXT]    what becomes of joints under extreme conditions; --all: 10^6 steps too
 #   run.sh reference [--scene NAME]...      solves the stored reference solutions again
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

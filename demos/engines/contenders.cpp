@@ -23,7 +23,7 @@ std::unique_ptr<btConstraintSolver> make() {
 }
 
 Contender with(const char* name, const char* what, const char* colour, MakeJoint joints,
-               const scenes::SolverFactory& solver = {}, bool iterates = true) {
+               const scenes::SolverFactory& solver = {}, Iterates iterates = Iterates::always) {
   return {name, what, colour, iterates, [=](const scenes::Scene& scene, int iterations) {
             return make_bullet(scene, iterations, joints, solver);
           }};
@@ -38,16 +38,16 @@ const std::vector<Contender>& contenders() {
     with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
     with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
     with("exact", "Pintle's on ExactJointSolver", "#d62728", make_conditioned_joint,
-         make<pintle::ExactJointSolver>),
+         make<pintle::ExactJointSolver>, Iterates::with_bounds),
     with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
-         make<DantzigSolver>, false),
-    {"multibody", "btMultiBody", "#009e73", false,
+         make<DantzigSolver>, Iterates::never),
+    {"multibody", "btMultiBody", "#009e73", Iterates::never,
      [](const scenes::Scene& scene, int) { return make_multibody(scene); }},
 #if defined(PINTLE_ODE) && defined(BT_USE_DOUBLE_PRECISION)
-    {"ode", "ODE's iterative solver", "#56b4e9", true, make_ode},
+    {"ode", "ODE's iterative solver", "#56b4e9", Iterates::always, make_ode},
 #endif
 #if defined(PINTLE_MUJOCO) && defined(BT_USE_DOUBLE_PRECISION)
-    {"mujoco", "MuJoCo", "#d55e00", true, make_mujoco},
+    {"mujoco", "MuJoCo", "#d55e00", Iterates::always, make_mujoco},
 #endif
   };
   return list;

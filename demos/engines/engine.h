@@ -29,13 +29,24 @@ class Engine {
   virtual int rows() const { return 0; }
 };
 
+// Whether the number of iterations matters to a contender.
+enum class Iterates {
+  never,
+  with_bounds,  // where limits, motors or contacts are (Scene::bounded)
+  always
+};
+
 struct Contender {
   std::string name;
   std::string what;    // in words
   std::string colour;  // the same in every plot
-  bool iterates;       // the number of iterations matters to it
+  Iterates iterates;
   // Null: it cannot express the scene.
   std::function<std::unique_ptr<Engine>(const scenes::Scene&, int iterations)> make;
+
+  bool iterates_in(const scenes::Scene& scene) const {
+    return iterates == Iterates::always || (iterates == Iterates::with_bounds && scene.bounded());
+  }
 };
 
 // All that this build has, the stock joints first.

@@ -1,5 +1,6 @@
 // Prints the table of extreme cases: what becomes of each with stock joints, and with Pintle's.
-//   --all   also those of 10^6 steps
+//   --all         also those of 10^6 steps
+//   --case TEXT   only those with this in their name
 
 #include <cstdio>
 #include <cstring>
@@ -9,7 +10,12 @@
 int main(int argc, char** argv) {
   using extreme::Outcome;
   using extreme::Result;
-  const bool all = argc > 1 && std::strcmp(argv[1], "--all") == 0;
+  bool all = false;
+  std::string text;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--all") == 0) all = true;
+    if (std::strcmp(argv[i], "--case") == 0 && i + 1 < argc) text = argv[++i];
+  }
   std::printf(
       "## %s precision\n\n| joint | extreme | stock | document | pintle |\n|---|---|---|---|---|\n",
       engines::precision());
@@ -17,6 +23,7 @@ int main(int argc, char** argv) {
   std::string both_diverge, ours_worse;
   for (const extreme::Case& one : extreme::cases()) {
     if (one.is_long && !all) continue;
+    if (one.name().find(text) == std::string::npos) continue;
     const Result of_stock = run(one, engines::make_stock_joint),
                  of_document = run(one, engines::make_document_joint),
                  of_ours = run(one, engines::make_conditioned_joint);

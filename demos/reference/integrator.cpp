@@ -1,6 +1,7 @@
 #include "integrator.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -112,6 +113,46 @@ class System {
     project();
   }
 
+  // One of Bullet's, with joints that hold at its end (make_bullet_steps).
+  void bullet_step(double h) {
+    if (rows_ > 0) {
+      evaluate();
+      factorize();
+    }
+    VectorXd force = VectorXd::Zero(6 * Eigen::Index(bodies_.size()));
+    add_springs(force);
+    const std::vector<Coordinates> start = bodies_;
+    VectorXd v(force.size());
+    for (size_t i = 0; i < start.size(); ++i) {
+      v.segment<3>(6 * Eigen::Index(i)) =
+          start[i].v + h * (force.segment<3>(6 * Eigen::Index(i)) - Vector3d(0, 0, gravity_of(i)));
+      v.segment<3>(6 * Eigen::Index(i) + 3) = i == 0 ? start[i].w : after_gyroscopic(i, h);
+    }
+    constexpr int most_iterations = 200;
+    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+      for (size_t i = 1; i < start.size(); ++i) {
+        Coordinates& body = bodies_[i];
+        body.v = v.segment<3>(6 * Eigen::Index(i));
+        body.w = v.segment<3>(6 * Eigen::Index(i) + 3);
+        body.x = start[i].x + h * body.v;
+        body.q = (bullet_turn(body.w, h) * start[i].q).normalized();
+      }
+      if (rows_ == 0) return;
+      evaluate_values();
+      constexpr double rounding = 1e-12;
+      if (value_.cwiseAbs().maxCoeff() < rounding) return;
+      v -= W_ * factor_.solve(value_ / h);
+    }
+  }
+  engines::State state(int body) const {
+    const Coordinates& at = bodies_[size_t(body)];
+    engines::State state;
+    state.pose = Eigen::Translation3d(at.x) * at.q;
+    state.velocity = at.v;
+    state.angular_velocity = at.w;
+    return state;
+  }
+
   double energy() const {
     double sum = 0;
     for (size_t i = 1; i < bodies_.size(); ++i) {
@@ -153,6 +194,29 @@ class System {
     }
   };
 
+  double gravity_of(size_t body) const { return body == 0 ? 0 : scene_.gravity; }
+
+  // One step of Newton's method towards the implicit one (btRigidBody's default).
+  Vector3d after_gyroscopic(size_t i, double h) const {
+    const Matrix3d R = bodies_[i].q.toRotationMatrix();
+    const Vector3d w = R.transpose() * bodies_[i].w, L = scene_.bodies[i].inertia.cwiseProduct(w);
+    const Matrix3d I = scene_.bodies[i].inertia.asDiagonal();
+    const Matrix3d slope = I + h * (skew(w) * I - skew(L));
+    return R * (w - slope.inverse() * (h * w.cross(L)));
+  }
+  static Matrix3d skew(const Vector3d& u) {
+    Matrix3d S;
+    S << 0, -u.z(), u.y(), u.z(), 0, -u.x(), -u.y(), u.x(), 0;
+    return S;
+  }
+  // btTransformUtil::integrateTransform: above pi/4 a step it turns by less than w says.
+  static Quaterniond bullet_turn(const Vector3d& w, double h) {
+    const double speed = std::min(w.norm(), scenes::pi / 4 / h);
+    if (speed == 0) return Quaterniond::Identity();
+    const Vector3d axis = w * (std::sin(speed * h / 2) / speed);
+    return {std::cos(speed * h / 2), axis.x(), axis.y(), axis.z()};
+  }
+
   Matrix3d inverse_inertia(size_t i) const {
     const Matrix3d R = bodies_[i].q.toRotationMatrix();
     return R * scene_.bodies[i].inertia.cwiseInverse().asDiagonal() * R.transpose();
@@ -186,6 +250,17 @@ class System {
         }
       }
       row += count;
+    }
+  }
+
+  void evaluate_values() {
+    const Vector3d zero(0, 0, 0);
+    Taylor C[6];
+    int row = 0;
+    for (const Joint& joint : scene_.joints) {
+      constraints(joint.kind, Frame(bodies_[size_t(joint.a)], joint.in_a, zero, zero),
+                  Frame(bodies_[size_t(joint.b)], joint.in_b, zero, zero), C);
+      for (int i = 0; i < row_count(joint.kind); ++i) value_[row++] = C[i].value;
     }
   }
 
@@ -286,7 +361,23 @@ class System {
   Eigen::LDLT<MatrixXd> factor_;
 };
 
+class BulletSteps : public engines::Engine {
+ public:
+  explicit BulletSteps(const Scene& scene) : scene_(scene), system_(scene_) {}
+  void drive(double, double) override {}
+  void step(double dt) override { system_.bullet_step(dt); }
+  engines::State state(int body) const override { return system_.state(body); }
+
+ private:
+  Scene scene_;
+  System system_;
+};
+
 }  // namespace
+
+std::unique_ptr<engines::Engine> make_bullet_steps(const Scene& scene) {
+  return std::make_unique<BulletSteps>(scene);
+}
 
 Solution solve(const Scene& scene, double dt, double interval) {
   System system(scene);

@@ -5,8 +5,10 @@
 
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "../engines/engine.h"
 #include "../scenes/scene.h"
 
 namespace reference {
@@ -20,5 +22,11 @@ struct Solution {
 // Smooth scenes only: balls, hinges, sliders and fixed joints, springs, no limits, motors,
 // contacts or damping. Throws std::invalid_argument for others.
 Solution solve(const scenes::Scene& scene, double dt, double interval);
+
+// Bullet's own steps with joints that leave nothing: velocities first and positions by them, the
+// gyroscopic term and the turn of a body as Bullet has them, and impulses along the joints' rows at
+// the start of the step with which the joints hold at its end. The errors of such a run are those of
+// the steps, and of no joint. Throws as `solve` does.
+std::unique_ptr<engines::Engine> make_bullet_steps(const scenes::Scene& scene);
 
 }  // namespace reference

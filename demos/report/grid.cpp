@@ -71,9 +71,10 @@ std::vector<Row> measure(const Group& group, int repeats, const std::set<Key>& d
   std::vector<const Contender*> who;
   std::vector<int> steps;
   for (const Contender& contender : engines::contenders()) {
-    if (!contender.iterates && !group.first) continue;
+    const bool iterates = contender.iterates_in(*group.scene);
+    if (!iterates && !group.first) continue;
     Row row{engines::precision(), group.scene->name, contender.name,
-            contender.iterates ? group.iterations : 0, group.hz};
+            iterates ? group.iterations : 0, group.hz};
     if (done.count(key(row))) continue;
     const auto engine = contender.make(*group.scene, group.iterations);
     if (!engine) continue;

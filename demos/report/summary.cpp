@@ -8,9 +8,12 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 
+#include "../reference/integrator.h"
 #include "../scenes/catalog.h"
 #include "pareto.h"
 #include "table.h"
@@ -89,9 +92,24 @@ std::string share(const Ratio& ratio) {
   return ratio.share < 1 ? " (at " + number(100 * ratio.share) + " %)" : "";
 }
 
+// Of scenes and precisions, by the first error of each.
 struct Score {
   int scenes = 0, at_most_stock = 0, in_the_mean = 0, tenth = 0;
+  void count(const Ratio& errors) {
+    ++scenes;
+    at_most_stock += errors.most <= 1.05;
+    in_the_mean += errors.mean <= 1.05;
+    tenth += errors.mean <= 0.1;
+  }
 };
+
+std::string range(const Ratio& errors) {
+  return number(errors.mean) + " (" + number(errors.least) + " to " + number(errors.most) + ")";
+}
+
+std::string emphasized(bool first, Error error) {
+  return first ? std::string("**") + name(error) + "**" : name(error);
+}
 
 // A contender against another one: a line for a scene and error.
 Score compare(std::ostream& out, const Report& report, const std::vector<Scene>& all,
@@ -108,26 +126,150 @@ Score compare(std::ostream& out, const Report& report, const std::vector<Scene>&
         const auto own = report.front(precision, scene, error, ours);
         if (report.points(precision, scene, error, ours).empty() || theirs.empty()) continue;
         const Ratio errors = error_ratio(own, theirs), times = time_ratio(own, theirs);
-        out << "| " << scene.name << " | " << (first ? "**" : "") << name(error)
-            << (first ? "**" : "") << " | " << precision << " | " << number(errors.mean) << " ("
-            << number(errors.least) << " to " << number(errors.most) << ") | "
+        out << "| " << scene.name << " | " << emphasized(first, error) << " | " << precision
+            << " | " << range(errors) << " | "
             << (times.share > 0 ? number(times.mean) + share(times) : "never as good") << " | "
             << verdict(errors) << " |\n";
-        if (!first) continue;
-        ++score.scenes;
-        score.at_most_stock += errors.most <= 1.05;
-        score.in_the_mean += errors.mean <= 1.05;
-        score.tenth += errors.mean <= 0.1;
+        if (first) score.count(errors);
       }
     }
   }
   return score;
 }
 
-void print(std::ostream& out, const Score& score) {
-  out << "\nOf " << score.scenes << " scenes and precisions, by the first error of each: nowhere "
-      << "above stock's at equal run time " << score.at_most_stock << ", not above it in the mean "
-      << score.in_the_mean << ", at most a tenth of it in the mean " << score.tenth << ".\n";
+void print(std::ostream& out, const std::string& who, const Score& score) {
+  out << "- " << who << ": nowhere above stock's at equal run time " << score.at_most_stock
+      << ", not above it in the mean " << score.in_the_mean
+      << ", at most a tenth of it in the mean " << score.tenth << '\n';
+}
+
+// The errors of Bullet's steps with joints that leave nothing (reference/integrator.h), by scene and
+// steps a second; scenes that it does not solve have none.
+using StepErrors = std::map<std::string, std::map<int, measures::Errors>>;
+
+StepErrors errors_of_steps(const Report& report, const std::vector<Scene>& all) {
+  StepErrors errors;
+  for (const Scene& scene : all) {
+    std::set<int> lengths;
+    for (const Row& row : report.rows()) {
+      if (row.scene == scene.name) lengths.insert(row.hz);
+    }
+    try {
+      for (const int hz : lengths)
+        errors[scene.name][hz] =
+            measures::run(scene, *reference::make_bullet_steps(scene), 1. / hz).errors;
+    } catch (const std::invalid_argument&) {
+    }
+  }
+  return errors;
+}
+
+// Over all iterations, in double precision.
+double least_error(const Report& report, const Scene& scene, Error error, const std::string& who,
+                   int hz) {
+  double least = HUGE_VAL;
+  for (const Row& row : report.rows()) {
+    if (row.scene == scene.name && row.contender == who && row.hz == hz &&
+        row.precision == "double")
+      least = std::min(least, row.errors[size_t(error)]);
+  }
+  return least;
+}
+
+// Where the least error of Pintle's joints, on either solver, is that of Bullet's steps, at every length
+// of the step: no joint that holds can lessen it.
+bool is_of_the_steps(const Report& report, const StepErrors& steps, const Scene& scene,
+                     Error error) {
+  const auto of_scene = steps.find(scene.name);
+  if (of_scene == steps.end()) return false;
+  const auto follow_the_steps = [&](const std::string& who) {
+    return std::all_of(of_scene->second.begin(), of_scene->second.end(),
+                       [&](const auto& hz_and_errors) {
+                         constexpr double same = 1.1;
+                         const auto& [hz, errors] = hz_and_errors;
+                         const double ours = least_error(report, scene, error, who, hz);
+                         const double of_steps = errors[size_t(error)];
+                         return of_steps > 0 && ours < same * of_steps && of_steps < same * ours;
+                       });
+  };
+  return follow_the_steps("pintle") || follow_the_steps("exact");
+}
+
+void write_steps(std::ostream& out, const Report& report, const StepErrors& steps,
+                 const std::vector<Scene>& all) {
+  const char* const compared[] = {"stock", "pintle", "exact"};
+  out << "\n## What Bullet's steps alone leave\n\nBullet's own steps with joints that leave "
+         "nothing "
+         "(`demos/reference`), and the least error of each contender in steps of that length, over "
+         "all iterations; double precision.\n\n| scene | error | Hz | steps alone |";
+  for (const char* who : compared) out << ' ' << who << " |";
+  out << "\n|---|---|---|---|---|---|---|\n";
+  for (const Scene& scene : all) {
+    const auto of_scene = steps.find(scene.name);
+    if (of_scene == steps.end()) continue;
+    for (const Error error : scene.errors) {
+      if (error == Error::gap || error == Error::axis) continue;  // they leave none
+      for (const auto& [hz, errors] : of_scene->second) {
+        out << "| " << scene.name << " | " << name(error) << " | " << hz << " | "
+            << number(errors[size_t(error)]) << " |";
+        for (const char* who : compared)
+          out << ' ' << number(least_error(report, scene, error, who, hz)) << " |";
+        out << '\n';
+      }
+    }
+  }
+}
+
+// Pintle's joints on Bullet's solver and on the exact one, both against stock. Where the first error
+// is that of Bullet's steps, also the first of the joints' own.
+void write_brief(std::ostream& out, const Report& report, const StepErrors& steps,
+                 const std::vector<Scene>& all) {
+  Score pintle_score, exact_score, better_score;
+  std::string of_the_steps;
+  out << "| scene | error | precision | pintle / stock | exact / stock | verdict, by the better of "
+         "both "
+         "|\n|---|---|---|---|---|---|\n";
+  const auto write = [&](const Scene& scene, Error error, bool first) {
+    for (const std::string& precision : precisions) {
+      const auto stock = report.front(precision, scene, error, "stock");
+      if (stock.empty()) continue;
+      const auto ratio = [&](const char* ours) {
+        return error_ratio(report.front(precision, scene, error, ours), stock);
+      };
+      const Ratio pintle = ratio("pintle"), exact = ratio("exact");
+      const bool exact_is_better = exact.mean < pintle.mean;
+      const Ratio& better = exact_is_better ? exact : pintle;
+      out << "| " << scene.name << " | " << emphasized(first, error) << " | " << precision << " | "
+          << range(pintle) << " | " << range(exact) << " | "
+          << (exact_is_better ? "exact: " : "pintle: ") << verdict(better) << " |\n";
+      if (!first) continue;
+      pintle_score.count(pintle);
+      exact_score.count(exact);
+      better_score.count(better);
+    }
+  };
+  for (const Scene& scene : all) {
+    const Error first = scene.errors.front();
+    write(scene, first, true);
+    if (first == Error::gap || !is_of_the_steps(report, steps, scene, first)) continue;
+    of_the_steps += (of_the_steps.empty() ? "" : ", ") + scene.name;
+    for (const Error own : {Error::gap, Error::axis}) {
+      if (!scene.has(own)) continue;
+      write(scene, own, false);
+      break;
+    }
+  }
+  out << "\nOf " << better_score.scenes
+      << " scenes and precisions, by the first error of each, Pintle's joints\n\n";
+  print(out, "on Bullet's solver (pintle)", pintle_score);
+  print(out, "on `ExactJointSolver` (exact)", exact_score);
+  print(out, "on the better one of both, scene by scene", better_score);
+  if (!of_the_steps.empty())
+    out << "\nIn " << of_the_steps
+        << " the first error is that of Bullet's steps, which joints that leave nothing at all "
+           "have as "
+           "well (within a tenth, at every length of the step), and the joints' own error is given "
+           "below it; what is below the steps' error is so by errors that cancel.\n";
 }
 
 constexpr const char* legend =
@@ -138,19 +280,25 @@ constexpr const char* legend =
     "the other side's errors, and the part of them that is reached at all. Errors below rounding "
     "(8 epsilon: 1e-6, 2e-15) count as that.\n\n";
 
-void write_summary(std::ostream& out, const Report& report, const std::vector<Scene>& all) {
+void write_summary(std::ostream& out, const Report& report, const StepErrors& steps,
+                   const std::vector<Scene>& all) {
   out << "# Error against run time\n\nBy `bash demos/run.sh report`. " << legend;
   const auto& who = report.contenders();
   for (const std::string& ours : who) {
     if (ours == "stock") continue;
     out << "\n## " << ours << " against stock\n\n";
-    print(out, compare(out, report, all, ours, "stock", false));
+    const Score score = compare(out, report, all, ours, "stock", false);
+    out << "\nOf " << score.scenes << " scenes and precisions, by the first error of each:\n\n";
+    print(out, ours, score);
   }
   for (const std::string& peer : who) {
-    if (peer == "stock" || peer == "pintle" || peer == "document") continue;
-    out << "\n## pintle against " << peer << "\n\n";
-    compare(out, report, all, "pintle", peer, true);
+    if (peer == "stock" || peer == "pintle" || peer == "document" || peer == "exact") continue;
+    for (const char* ours : {"pintle", "exact"}) {
+      out << "\n## " << ours << " against " << peer << "\n\n";
+      compare(out, report, all, ours, peer, true);
+    }
   }
+  write_steps(out, report, steps, all);
 }
 
 void write_instructions(std::ostream& out, const std::string& path, const std::vector<Scene>& all,
@@ -240,10 +388,11 @@ int main(int argc, char** argv) {
 
   std::filesystem::create_directories(out);
   std::ofstream summary(out + "/summary.md");
-  write_summary(summary, report, measured);
+  const StepErrors steps = errors_of_steps(report, measured);
+  write_summary(summary, report, steps, measured);
   write_instructions(summary, argv[2], measured, report);
   std::ofstream brief(out + "/brief.md");  // for the README
-  print(brief, compare(brief, report, measured, "pintle", "stock", true));
+  write_brief(brief, report, steps, measured);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
   for (const Scene& scene : measured) {
     std::ofstream page(out + "/" + scene.name + ".md");

@@ -19,6 +19,12 @@ bool Scene::contacts() const {
   return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.collides; });
 }
 
+bool Scene::bounded() const {
+  return contacts() || std::any_of(joints.begin(), joints.end(), [](const Joint& joint) {
+           return joint.range.limited() || joint.motor.speed || joint.kind == Kind::cone_twist;
+         });
+}
+
 bool Scene::has(Error error) const {
   return std::find(errors.begin(), errors.end(), error) != errors.end();
 }

@@ -103,6 +103,8 @@ struct Scene {
   std::function<Vector3d(double time)> closed_form = {};
 
   bool contacts() const;
+  // Whether any impulse has a bound: of limits, motors or contacts.
+  bool bounded() const;
   bool has(Error error) const;
   // Indices, by which joints name them.
   int add(const Body& body);

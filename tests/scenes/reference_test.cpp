@@ -59,6 +59,27 @@ TEST(Reference, ConvergesWithTheFourthOrder) {
   EXPECT_NEAR(std::log2(coarse / half), 4, 0.3);
 }
 
+/// Bullet moves bodies by the velocity of the step's end: what starts from rest runs half a step ahead.
+TEST(Reference, BulletsStepsAreHalfAStepAhead) {
+  for (Scene scene : {scenes::pendulum_scene(), scenes::four_bar_scene()}) {
+    SCOPED_TRACE(scene.name);
+    constexpr double dt = 1. / 60;
+    constexpr int steps = 60;
+    scene.horizon = (steps + 1) * dt;
+    const std::vector<Vector3d> wanted =
+        reference::solve(scene, 1e-3, dt / 2).probe;  // from dt / 2 on
+    const auto engine = reference::make_bullet_steps(scene);
+    double error = 0, error_half_a_step_later = 0;
+    for (int step = 1; step <= steps; ++step) {
+      engine->step(dt);
+      const Vector3d probe = engine->state(scene.probe_body).pose * scene.probe;
+      error += (probe - wanted[size_t(2 * step - 1)]).norm();
+      error_half_a_step_later += (probe - wanted[size_t(2 * step)]).norm();
+    }
+    EXPECT_LT(error_half_a_step_later, 0.2 * error);
+  }
+}
+
 TEST(Reference, IsStoredForEverySceneThatNeedsIt) {
   for (Scene scene : scenes::catalog()) {
     if (!scene.has(scenes::Error::trajectory) || scene.closed_form) continue;
@@ -75,6 +96,7 @@ TEST(Reference, RefusesWhatItDoesNotSolve) {
   EXPECT_THROW(reference::solve(scenes::ragdoll_scene(), 1e-3, 0.05), std::invalid_argument);
   EXPECT_THROW(reference::solve(scenes::steering_scene(), 1e-3, 0.05), std::invalid_argument);
   EXPECT_THROW(reference::solve(scenes::cone_shoulder_scene(), 1e-3, 0.05), std::invalid_argument);
+  EXPECT_THROW(reference::make_bullet_steps(scenes::ragdoll_scene()), std::invalid_argument);
   EXPECT_THROW(reference::stored("no scene", 1), std::runtime_error);
 }
 

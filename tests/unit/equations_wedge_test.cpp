@@ -177,6 +177,42 @@ TYPED_TEST(Wedge, PlaneDistanceIsTheShortestTurnAndItsRowTheGradient) {
   }
 }
 
+TYPED_TEST(Wedge, EdgeDistanceIsTheTurnToItsNearerEndAndItsRowTheGradient) {
+  using T = TypeParam;
+  for (const Case& at : cases()) {
+    const auto C = [&](const auto& bodies) {
+      using std::atan2;
+      using std::sqrt;
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      const S along = axis_a(at.hinge, bodies, 2).dot(axis_b(at.hinge, bodies, 0));
+      const S across = sqrt(S(1) - along * along);
+      return along < S(0) ? S(-atan2(across, S(-along))) : S(-atan2(across, along));
+    };
+    const Vector3<T> c_b = at.hinge.axis_b(0).cast<T>(), w = at.hinge.axis_a(2).cast<T>();
+    const auto row = equations::edge_distance<T>(w, c_b);
+    const double length = double(cross(c_b, w).norm()), along = std::abs(double(c_b.dot(w)));
+    if (length < 0.01 || along < 0.01) continue;
+    const double tolerance = this->kTolerance / (length * length);
+    const Velocities J = angular_row(row.J_b);
+    ASSERT_LE(std::abs(double(row.C) - C(at.hinge.bodies)), tolerance);
+    ASSERT_LE(std::abs(double(row.J_b.norm()) - 1), this->kTolerance);
+    ASSERT_LE(mismatch(J, gradient(C, at.hinge.bodies)), tolerance);
+    ASSERT_LE(mismatch(J, difference(C, at.hinge.bodies)),
+              tolerance + difference_tolerance / (length * length));
+  }
+}
+
+TYPED_TEST(Wedge, BehindTheEdgeIsWhatIsAQuarterTurnFromBothSides) {
+  using T = TypeParam;
+  const Vector3<T> w = Vector3<T>::Unit(2);
+  const auto wedge = equations::wedge<T>(w, Vector3<T>::Unit(0), T(-0.4), T(1.1));
+  for (double angle = -pi; angle < pi; angle += 0.01) {
+    const Vector3<T> c_b(T(std::cos(angle)), T(std::sin(angle)), T(0.3));
+    const bool behind = std::cos(angle + 0.4) < 0 && std::cos(angle - 1.1) < 0;
+    EXPECT_EQ(equations::behind_edge<T>(wedge, w, c_b), behind) << angle;
+  }
+}
+
 TYPED_TEST(Wedge, NormalsAreUnitNormalToTheAxisAndAtTheLimits) {
   using T = TypeParam;
   Random random(3);

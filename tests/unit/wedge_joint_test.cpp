@@ -207,6 +207,25 @@ TEST(WedgeJoint, FromAnywhereOutsideItComesIn) {
   }
 }
 
+/// In the plane of the wedge both sides push alike there, one against the other.
+TEST(WedgeJoint, FromOppositeTheMiddleItComesInOverTheEdge) {
+  for (const double total : {0., 1., 30., 60., 90., 120., 170.}) {
+    for (const double off : {0., 1e-3, 0.3}) {  // of the way to where a side is nearer
+      const Wedge wedge = degreeWedge(20, 20 + total);
+      const double psi = wedge.middle() + pi + off * (pi - wedge.total()) / 2;
+      Arm arm(wedge, psi, pi / 2);
+      arm.cube.setDamping(scalar(0.5), scalar(0.5));
+      double fastest = 0;
+      for (int i = 0; i < 240; ++i) {
+        arm.steps(1);
+        fastest = std::max(fastest, arm.speed());
+      }
+      EXPECT_LT(arm.outside(), 1e-3) << total << " deg, off " << off;
+      EXPECT_LT(fastest, 1.1 * 8) << total << " deg, off " << off;
+    }
+  }
+}
+
 // --- at rest -------------------------------------------------------------------------------------
 
 struct Rest {

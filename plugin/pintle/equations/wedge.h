@@ -12,6 +12,8 @@
 //                 while c_b is behind both: beyond the edge either is no limit
 //   acute         and `middle` for a third plane: where c_b is behind both they pull it along the
 //                 edge at first, this one over it
+// Behind the edge (`behind_edge`) both planes turn c_b about w, against each other: from there the
+// shortest way in leads over the nearer end of the edge (`edge_distance`).
 // A plane's row is |c_b x n| long. `plane_distance` says the same as an angle: C the shortest turn
 // of c_b onto the plane, its row a unit vector at any error.
 // By the angle there is one row at any total angle (over 2 pi too, if the angle is unwrapped): with
@@ -88,6 +90,26 @@ AngularRow<T> plane_distance(const AngularRow<T>& plane, const Vector3<T>& fallb
 template <class T>
 const Vector3<T>& nearer_plane(const Wedge<T>& wedge, const Vector3<T>& w, const Vector3<T>& c_b) {
   return cross(wedge.middle, w).dot(c_b) < T(0) ? wedge.n_max : wedge.n_min;
+}
+
+/// Whether c_b is farther than a quarter of a turn about w from both sides of a wedge below pi.
+template <class T>
+bool behind_edge(const Wedge<T>& wedge, const Vector3<T>& w, const Vector3<T>& c_b) {
+  return cross(wedge.n_min, w).dot(c_b) < T(0) && cross(w, wedge.n_max).dot(c_b) < T(0);
+}
+
+/// C = minus the angle from c_b to the nearer end of the edge (rad, in [-pi/2, 0]), and J_b its exact
+/// gradient, a unit vector; c_b is not along w.
+template <class T>
+AngularRow<T> edge_distance(const Vector3<T>& w, const Vector3<T>& c_b) {
+  using std::atan2;
+  const T along = w.dot(c_b);
+  const Vector3<T> across = cross(c_b, along < T(0) ? Vector3<T>(-w) : w);
+  const T length = across.norm();
+  AngularRow<T> row;
+  row.C = -atan2(length, along < T(0) ? T(-along) : along);
+  row.J_b = across / length;
+  return row;
 }
 
 }  // namespace pintle::equations

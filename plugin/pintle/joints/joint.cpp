@@ -76,6 +76,23 @@ bool isNeedle(const btRigidBody& body) {
   return rounding_of_K * btMax(btMax(I[0], I[1]), I[2]) > btMin(btMin(I[0], I[1]), I[2]);
 }
 
+// Whether J M^-1 J^T of a row is nothing but the rounding of I^-1 in the world, R I^-1 R^T. An impulse
+// along it would turn the bodies anywhere, and further in each pass.
+bool isRounding(const Row& row, const BodyPair& pair) {
+  const auto product = [](const Vec3& x, const MatrixView& M, const Vec3& y) {
+    return x.dot(M * y);
+  };
+  const auto largest = [](const Vec3& x, const MatrixView& M) {
+    return x.cwiseAbs().dot(M.cwiseAbs() * x.cwiseAbs());
+  };
+  const Scalar linear = (pair.inv_mass_a() + pair.inv_mass_b()) * row.L.dot(row.L);
+  const Scalar K = linear + product(row.A_a, pair.inv_inertia_a(), row.A_a) +
+                   product(row.A_b, pair.inv_inertia_b(), row.A_b);
+  const Scalar terms =
+      largest(row.A_a, pair.inv_inertia_a()) + largest(row.A_b, pair.inv_inertia_b());
+  return !(K > 8 * SIMD_EPSILON * terms);
+}
+
 // The rows behind `info`, if they are those of Bullet's own solvers.
 const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
   const auto* bytes = reinterpret_cast<const char*>(info.m_J1linearAxis);
@@ -253,7 +270,6 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     out.write(L, A_a, A_b, target + axis.target, axis.cfm, axis.lower, axis.upper);
   };
 
-  const bool breaks = breakable();
   const int equalities = m_rows.equalities();
   if (n > equalities + 1) {
     m_solver_rows = solverRows(*info);
@@ -261,10 +277,14 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
-  const bool mix =
-      !(setting.max_impulse < infinity) && (!breaks || (m_rows[0].angular && equalities == n));
-  if (!step.rigid && !m_solved_at_once && step.tooSoft(*this)) return writeTooSoft(*info);
-  if (!m_block_rows || !mix || isNeedle(m_rbA) || isNeedle(m_rbB)) {
+  const auto mayMix = [&] {
+    return !(setting.max_impulse < infinity) &&
+           (!breakable() || (m_rows[0].angular && equalities == n));
+  };
+  if (isNeedle(m_rbA) || isNeedle(m_rbB) ||
+      (!step.rigid && !m_solved_at_once && step.tooSoft(*this)))
+    return writeDelicate(*info);
+  if (!m_block_rows || !mayMix()) {
     const Scalar bound = setting.max_impulse;
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];
@@ -279,7 +299,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.rigid && setting.damping == 1 && !breaks &&
+  const bool feed = step.rigid && setting.damping == 1 && !breakable() &&
                     getOverrideNumSolverIterations() <= info->m_numIterations;
   m_iterations_left = feed ? info->m_numIterations : 0;
   if (!feed) m_residuals_known = false;
@@ -304,13 +324,14 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 }
 
-// Rows of which an equality is so soft that Bullet's iteration would diverge: it is written as a rigid
-// row, to where the soft one would come by itself.
-PINTLE_NOINLINE void Joint::writeTooSoft(btConstraintInfo2& info) {
+// Plain rows of needles, and such of which an equality is so soft that Bullet's iteration would diverge: it
+// is written as a rigid row, to where the soft one would come by itself.
+PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
   RowWriter out(info);
   const Step step(*this, info, out.cfm());
   const ImpulseSetting setting = impulseSetting();
-  const Scalar bound = setting.max_impulse;
+  const BodyPair pair(m_rbA, m_rbB);
+  const bool needle = isNeedle(m_rbA) || isNeedle(m_rbB);
   for (int i = 0; i < m_rows.size(); ++i) {
     const Row& row = m_rows[i];
     const LanesView L = row.lanesL(), A_a = row.lanesA_a(), A_b = row.lanesA_b();
@@ -319,13 +340,15 @@ PINTLE_NOINLINE void Joint::writeTooSoft(btConstraintInfo2& info) {
       out.write(L, A_a, A_b, axis.target, axis.cfm, axis.lower, axis.upper);
       continue;
     }
-    const Scalar cfm = step.cfm[row.firmness], target = step.target(row);
-    // Bullet takes this part of the free velocity away.
-    const Scalar free = setting.damping * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
-    if (cfm < diverging_cfm)
-      out.write(L, A_a, A_b, target, cfm, -bound, bound);
-    else
-      out.write(L, A_a, A_b, free + (target - free) / (1 + cfm), 0, -bound, bound);
+    Scalar cfm = step.cfm[row.firmness], target = step.target(row);
+    if (!m_solved_at_once && !(cfm < diverging_cfm)) {
+      // Bullet takes this part of the free velocity away.
+      const Scalar free = setting.damping * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
+      target = free + (target - free) / (1 + cfm);
+      cfm = 0;
+    }
+    const Scalar bound = needle && isRounding(row, pair) ? Scalar(0) : setting.max_impulse;
+    out.write(L, A_a, A_b, target, cfm, -bound, bound);
   }
 }
 

@@ -178,7 +178,10 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame&
   const Scalar dt = m_side.limit_spring.angular_frequency > 0 ? Scalar(0) : timeStep();
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
   Index side = low_side;
-  if (limited()) {
+  if (isFarBehindEdge(at)) {
+    const auto row = equations::edge_distance<Scalar>(at.frame.c(), at.c_b);
+    rows.addAngularAxis(corner, row.J_b, row.C, m_corner, true);
+  } else if (limited()) {
     const Plane low(low_side, m_wedge.n_min, at, dt), high(high_side, m_wedge.n_max, at, dt);
     if (m_acute) {
       const Plane extra(corner, m_wedge.middle, at, dt);
@@ -197,6 +200,13 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame&
   if (near_side || !m_side.driven()) return;
   const auto to = equations::angle_about(at.frame.c(), at.frame.a(), at.c_b);
   rows.addAngularAxis(side, to.unit, angle(to), m_side, false);
+}
+
+// Near the edge the planes' rows lead over it together, and hold what rests there.
+inline bool WedgeJoint::isFarBehindEdge(const Directions& at) const {
+  if (!m_convex || getFormulation() == Formulation::document) return false;
+  const Vec3 c_b(at.frame.a().dot(at.c_b), at.frame.b().dot(at.c_b), at.frame.c().dot(at.c_b));
+  return 2 * c_b.z() * c_b.z() < 1 && equations::behind_edge<Scalar>(m_wedge, Vec3::Unit(2), c_b);
 }
 
 inline bool WedgeJoint::isInLowHalf(const Directions& at) const {

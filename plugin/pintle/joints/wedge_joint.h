@@ -18,7 +18,8 @@ class Frame;
 /// in the corner. Limits are dead stops.
 ///
 /// Document: the two planes by dot products, and the extra one while both are broken. Conditioned:
-/// the shortest turns to the same planes, and the extra one as soon as an acute corner is near.
+/// the shortest turns to the same planes, and the extra one as soon as an acute corner is near; from far behind
+/// the edge the shortest turn to it.
 class WedgeJoint : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -84,6 +85,7 @@ class WedgeJoint : public FrameJoint {
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
   void addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b, Rows& rows) const;
+  bool isFarBehindEdge(const Directions& at) const;
   bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 

@@ -20,7 +20,11 @@ constexpr double dependent_row = 1e-12;
 // Joints of a loop depend on each other, or nearly so. Impulses that nobody feels stay small by the
 // first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
 // velocities of 1 / d of it; the second bounds that: 1 / (2 sqrt(part)).
-constexpr double least_impulses = 1e-10, damped_correction = 1e-4;
+// In single precision rows that ought to say the same differ by up to a millionth. What they then contradict
+// each other in is a motion that the loop has, of which each step takes away d^2 over the first part: that
+// must be far larger, and small enough for heavy loads on light links.
+constexpr double least_impulses = sizeof(Scalar) == sizeof(double) ? 1e-10 : 3e-8;
+constexpr double damped_correction = 1e-4;
 // Rows of one joint that depend on each other but for this part are treated as those of a loop.
 constexpr double nearly_dependent = 1e-6;
 
