@@ -75,6 +75,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   bool stiffen(const btContactSolverInfo& info);
   void resetVelocities();
   void restart();
+  void beginReactions();
   bool findWorse();
   void calm();
   bool iteratePositions(const btContactSolverInfo& info);
