@@ -266,7 +266,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
   }
   if (iterations > 0) joints.endReactions();
-  joints.remember();
+  joints.remember(m_tmpSolverNonContactConstraintPool);
   if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
   if (iteratePositions(infoGlobal) || joints.fastest() > correction_speed) calm();

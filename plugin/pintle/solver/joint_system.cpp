@@ -130,8 +130,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
       m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
     findPoint(block, rows);
-    if (!m_topology->impulses.empty())
-      std::copy_n(&m_topology->impulses[block_rows * c], block_rows, block.impulse);
+    recall(block, rows, c);
   }
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
@@ -535,10 +534,23 @@ void JointSystem::endReactions() {
   solve();
 }
 
-void JointSystem::remember() {
-  m_topology->impulses.resize(block_rows * m_blocks.size());
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    std::copy_n(m_blocks[c].impulse, block_rows, &m_topology->impulses[block_rows * c]);
+// In the world: rows may have turned by the next step.
+void JointSystem::remember(const btConstraintArray& rows) {
+  m_topology->impulses.resize(3 * m_blocks.size());
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    Vector3d p = Vector3d::Zero();
+    if (m_blocks[c].point[0] >= 0)
+      for (const int i : m_blocks[c].point)
+        p += m_blocks[c].impulse[i] * inDouble(rows[m_blocks[c].row[i]].m_contactNormal1);
+    Eigen::Map<Vector3d>(&m_topology->impulses[3 * c]) = p;
+  }
+}
+
+void JointSystem::recall(JointBlock& block, const btConstraintArray& rows, size_t c) const {
+  if (m_topology->impulses.empty() || block.point[0] < 0) return;
+  const Eigen::Map<const Vector3d> p(&m_topology->impulses[3 * c]);
+  for (const int i : block.point)
+    block.impulse[i] = p.dot(inDouble(rows[block.row[i]].m_contactNormal1));
 }
 
 void JointSystem::writeImpulses(btConstraintArray& rows) const {

@@ -83,7 +83,7 @@ class JointSystem {
   void endReactions();
 
   /// Impulses are those with which the next step begins to tell how stiff the bodies are.
-  void remember();
+  void remember(const btConstraintArray& rows);
   /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
   /// loop cannot do together is left undone.
   void correct(const std::vector<double>& change);
@@ -147,6 +147,7 @@ class JointSystem {
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void touch(const btConstraintArray& rows, bool of_contacts);
+  void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
   void readBody(int body, const btSolverBody& from, double* u) const;
   void writeBody(int body, btSolverBody& to) const;
   void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;

@@ -28,8 +28,8 @@ struct Topology {
   /// elimination, and of each body; -1 for a body that has none.
   std::vector<int> component, body_component;
   int components = 0;
-  /// Of each joint, in the order of elimination: its impulses in the last step, which say how stiff the
-  /// bodies will be in the next. Empty before the first.
+  /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
+  /// world, which says how stiff the bodies will be in the next. Empty before the first.
   std::vector<double> impulses;
   unsigned long long last_use = 0;
 };
