@@ -262,6 +262,45 @@ TEST(ExactJointSolver, LoopsHold) {
   EXPECT_GT(end, 0.1 * energy);
 }
 
+// A body without joints strikes one link of a chain: the others, which nothing touches, take their part,
+// and it keeps what the contact gave it.
+TEST(ExactJointSolver, AStrokeIsSharedByTheWholeChain) {
+  scenes::CrowdSettings settings;
+  settings.make_solver = exact;
+  scenes::Crowd crowd(settings);
+  World& world = crowd.world();
+  world.bullet().setGravity(vec(0, 0, 0));
+  std::vector<btRigidBody*> bodies;
+  constexpr int links = 9;
+  for (int i = 0; i < links; ++i) {
+    bodies.push_back(&crowd.box(1, vec(0.45, 0.1, 0.1), at(i, 0, 0)));
+    if (i > 0)
+      world.add_joint<BallJoint>(*bodies[size_t(i) - 1], *bodies[size_t(i)], vec(0.5, 0, 0),
+                                 vec(-0.5, 0, 0));
+  }
+  bodies.push_back(&crowd.box(5, vec(0.2, 0.2, 0.2), at(links / 2, 0, 0.5)));
+  bodies.back()->setLinearVelocity(vec(0, 0, -5));
+  const auto momentum = [&] {
+    Eigen::Vector3d sum(0, 0, 0);
+    for (const btRigidBody* body : bodies)
+      sum += scenes::to_eigen(body->getLinearVelocity()) / double(body->getInvMass());
+    return sum;
+  };
+  const Eigen::Vector3d before = momentum();
+  for (int step = 0; step < 30; ++step) {
+    world.step(1. / 60);
+    ASSERT_LT((momentum() - before).norm(), support::is_double ? 1e-10 : 1e-3) << step;
+    for (int i = 1; i < links; ++i)
+      ASSERT_LT((scenes::point_in_world(*bodies[size_t(i) - 1], {0.5, 0, 0}) -
+                 scenes::point_in_world(*bodies[size_t(i)], {-0.5, 0, 0}))
+                    .norm(),
+                1e-2)
+          << step;
+  }
+  EXPECT_GT(bodies.back()->getLinearVelocity().z(), -4.5) << "it has struck";
+  EXPECT_NE(bodies.front()->getLinearVelocity().z(), 0) << "what it does not touch moves";
+}
+
 TEST(ExactJointSolver, ViolentMotionStaysBounded) {
   Random random(7);
   for (const double speed : {10., 100., 1000., 10000.}) {

@@ -89,4 +89,12 @@ TEST(ExactScenes, TrackRunsAndHolds) {
   EXPECT_GT(ours.lowest, -3);
 }
 
+// Bullet's hinges turn their rows from step to step: what the last one's impulses say must not depend
+// on them.
+TEST(ExactScenes, TrackOfBulletsHingesHolds) {
+  const auto ours = scenes::track<btHingeConstraint>(crowd(true, 3, 200));
+  EXPECT_LT(ours.mean_gap, 2e-3);
+  EXPECT_GT(ours.travel, 5);
+}
+
 }  // namespace

@@ -32,8 +32,6 @@ void BlockFactor::resize(const Elimination& elimination, const std::vector<int>&
   m_scratch.resize(size_t(most) * size);
 }
 
-void BlockFactor::clear() { std::fill(m_blocks.begin(), m_blocks.end(), 0.); }
-
 void BlockFactor::regularise(double part) {
   for (int c = 0; c < m_elimination->columns(); ++c)
     for (int p = 0; p < m_rows[size_t(c)]; ++p) block(c)[p * (block_rows + 1)] *= 1 + part;
@@ -104,37 +102,48 @@ void BlockFactor::factorise(double tolerance) {
   }
 }
 
-void BlockFactor::solve(double* x) const {
+// Takes what the column's solution will be from the rows below.
+inline void BlockFactor::eliminate(int c, double* x) const {
   const Elimination& e = *m_elimination;
-  const int columns = e.columns();
-  const auto blockAt = [this](int i) { return &m_blocks[size_t(i) * size]; };
-  for (int c = 0; c < columns; ++c) {
-    withConstant(m_rows[size_t(c)], [&](auto n) {
-      BlockColumn y = column(x, c);
-      const double* L = blockAt(c);
-      for (int p = 0; p + 1 < n; ++p) y -= y[p] * column(L, p);
-      column(x, c) = y;
-      for (int i = e.first(c); i < e.first(c + 1); ++i) {
-        const double* A = blockAt(i);
-        BlockColumn sum = column(x, e.row(i));
-        for (int p = 0; p < n; ++p) sum -= y[p] * column(A, p);
-        column(x, e.row(i)) = sum;
-      }
-    });
-  }
-  for (int c = columns - 1; c >= 0; --c) {
-    withConstant(m_rows[size_t(c)], [&](auto n) {
-      BlockColumn y = column(x, c).cwiseProduct(column(m_inverse.data(), c));
-      for (int i = e.first(c); i < e.first(c + 1); ++i) {
-        const double* A = blockAt(i);
-        const BlockColumn z = column(x, e.row(i));
-        for (int p = 0; p < n; ++p) y[p] -= column(A, p).dot(z);
-      }
-      const double* L = blockAt(c);
-      for (int p = n - 2; p >= 0; --p) y[p] -= column(L, p).dot(y);
-      column(x, c) = y;
-    });
-  }
+  withConstant(m_rows[size_t(c)], [&](auto n) {
+    BlockColumn y = column(x, c);
+    const double* L = &m_blocks[size_t(c) * size];
+    for (int p = 0; p + 1 < n; ++p) y -= y[p] * column(L, p);
+    column(x, c) = y;
+    for (int i = e.first(c); i < e.first(c + 1); ++i) {
+      const double* A = &m_blocks[size_t(i) * size];
+      BlockColumn sum = column(x, e.row(i));
+      for (int p = 0; p < n; ++p) sum -= y[p] * column(A, p);
+      column(x, e.row(i)) = sum;
+    }
+  });
+}
+
+// Puts the rows below, which are solved, into the column's.
+inline void BlockFactor::substitute(int c, double* x) const {
+  const Elimination& e = *m_elimination;
+  withConstant(m_rows[size_t(c)], [&](auto n) {
+    BlockColumn y = column(x, c).cwiseProduct(column(m_inverse.data(), c));
+    for (int i = e.first(c); i < e.first(c + 1); ++i) {
+      const double* A = &m_blocks[size_t(i) * size];
+      const BlockColumn z = column(x, e.row(i));
+      for (int p = 0; p < n; ++p) y[p] -= column(A, p).dot(z);
+    }
+    const double* L = &m_blocks[size_t(c) * size];
+    for (int p = n - 2; p >= 0; --p) y[p] -= column(L, p).dot(y);
+    column(x, c) = y;
+  });
+}
+
+void BlockFactor::solve(double* x) const {
+  const int columns = m_elimination->columns();
+  for (int c = 0; c < columns; ++c) eliminate(c, x);
+  for (int c = columns - 1; c >= 0; --c) substitute(c, x);
+}
+
+void BlockFactor::solve(double* x, const std::vector<int>& columns) const {
+  for (auto c = columns.begin(); c != columns.end(); ++c) eliminate(*c, x);
+  for (auto c = columns.rbegin(); c != columns.rend(); ++c) substitute(*c, x);
 }
 
 }  // namespace PINTLE_PRECISION

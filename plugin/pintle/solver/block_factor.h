@@ -24,9 +24,8 @@ class BlockFactor {
   /// `rows` of each column's block, in the order of elimination. Allocates if it has not been as large.
   void resize(const Elimination& elimination, const std::vector<int>& rows);
 
-  /// Zero, to be filled with K: column-major, block_rows numbers a column. Of diagonal blocks the
-  /// lower triangle is used.
-  void clear();
+  /// To be filled with K: column-major, block_rows numbers a column. Of diagonal blocks the lower
+  /// triangle is used.
   double* block(int i) { return &m_blocks[size_t(i) * size]; }
   /// Adds this part of itself to the diagonal.
   void regularise(double part);
@@ -39,6 +38,9 @@ class BlockFactor {
 
   /// x = K^-1 x; block_rows numbers a column of K.
   void solve(double* x) const;
+  /// The same, where x and what is asked of it are in some of the columns, which are sorted and closed:
+  /// with a column are all rows of its blocks (Elimination::close).
+  void solve(double* x, const std::vector<int>& columns) const;
 
   size_t bytes() const {
     return sizeof(double) * (m_blocks.capacity() + m_inverse.capacity() + m_scratch.capacity());
@@ -48,6 +50,8 @@ class BlockFactor {
   static constexpr size_t size = block_rows * block_rows;
 
   void factoriseDiagonal(int column, double tolerance);
+  void eliminate(int column, double* x) const;
+  void substitute(int column, double* x) const;
 
   const Elimination* m_elimination = nullptr;
   std::vector<int> m_rows;

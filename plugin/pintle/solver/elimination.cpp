@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
+#include <tuple>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -27,14 +28,15 @@ std::vector<Nodes> neighbours(int nodes, const std::vector<Elimination::Edge>& e
 
 void Elimination::analyse(int nodes, const std::vector<Edge>& edges) {
   std::vector<Nodes> adjacent = neighbours(nodes, edges);
-  std::set<std::pair<size_t, int>> by_degree;
-  for (int i = 0; i < nodes; ++i) by_degree.emplace(adjacent[size_t(i)].size(), i);
+  std::set<std::tuple<size_t, int, int>> by_degree;  // since which column, node
+  std::vector<int> since(size_t(nodes), 0);
+  for (int i = 0; i < nodes; ++i) by_degree.emplace(adjacent[size_t(i)].size(), 0, i);
 
   m_node.clear();
   m_column.assign(size_t(nodes), 0);
   Nodes merged;
   while (!by_degree.empty()) {
-    const int node = by_degree.begin()->second;
+    const int node = std::get<2>(*by_degree.begin());
     by_degree.erase(by_degree.begin());
     m_column[size_t(node)] = int(m_node.size());
     m_node.push_back(node);
@@ -42,13 +44,14 @@ void Elimination::analyse(int nodes, const std::vector<Edge>& edges) {
     const Nodes& clique = adjacent[size_t(node)];
     for (const int other : clique) {
       Nodes& list = adjacent[size_t(other)];
-      by_degree.erase({list.size(), other});
+      by_degree.erase({list.size(), since[size_t(other)], other});
       merged.clear();
       std::set_union(list.begin(), list.end(), clique.begin(), clique.end(),
                      std::back_inserter(merged));
       const auto gone = [&](int i) { return i == node || i == other; };
       list.assign(merged.begin(), std::remove_if(merged.begin(), merged.end(), gone));
-      by_degree.emplace(list.size(), other);
+      since[size_t(other)] = int(m_node.size());
+      by_degree.emplace(list.size(), since[size_t(other)], other);
     }
   }
 
@@ -77,6 +80,15 @@ int Elimination::block(int row, int column) const {
   const auto begin = m_row.begin() + m_first[size_t(column)];
   const auto end = m_row.begin() + m_first[size_t(column) + 1];
   return columns() + int(std::lower_bound(begin, end, row) - m_row.begin());
+}
+
+void Elimination::close(std::vector<char>& marked, std::vector<int>& list) const {
+  list.clear();
+  for (int c = 0; c < columns(); ++c) {
+    if (!marked[size_t(c)]) continue;
+    list.push_back(c);
+    for (int i = first(c); i < first(c + 1); ++i) marked[size_t(row(i))] = true;
+  }
 }
 
 size_t Elimination::bytes() const {

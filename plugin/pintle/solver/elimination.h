@@ -10,9 +10,10 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Symbolic factorisation of a symmetric matrix of blocks. Nodes are eliminated by least degree, the
-/// first of equals first: trees without fill-in, and loops with little. Columns and rows are counted
-/// in the order of elimination. Blocks are numbered: the diagonal ones as their column, then those
+/// Symbolic factorisation of a symmetric matrix of blocks. Nodes are eliminated by least degree, of
+/// equals the one whose degree has stood longest: trees from all their ends, without fill-in, and loops
+/// with little; what a node's solution depends on stays short. Columns and rows are counted in the order
+/// of elimination. Blocks are numbered: the diagonal ones as their column, then those
 /// below the diagonal, column by column.
 class Elimination {
  public:
@@ -30,6 +31,8 @@ class Elimination {
   int row(int block) const { return m_row[size_t(block - columns())]; }
   /// The block in which two columns meet; it exists if they share an edge.
   int block(int row, int column) const;
+  /// Marks with each marked column the rows of its blocks, and lists what is marked, in order.
+  void close(std::vector<char>& marked, std::vector<int>& columns) const;
   /// What the elimination of a column changes: for each pair of its blocks, the first one's row not
   /// after the second's, the block in their rows. In the order of first, then second.
   const int* targets(int column) const { return &m_target[m_first_target[size_t(column)]]; }

@@ -45,6 +45,14 @@ struct ExactJointSolver::Island {
   std::vector<char> worse;                       ///< whether a large error has grown, or energy has
   std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
   int stiffenings = 0;                           ///< in this step
+
+  /// A step that is the first to need these allocates nothing, either.
+  void reserve() {
+    const auto components = size_t(joints.topology().components);
+    for (std::vector<double>* of : {&largest, &next_largest, &free_energy, &energy, &unit_energy})
+      of->reserve(components);
+    worse.reserve(components);
+  }
 };
 
 ExactJointSolver::ExactJointSolver() : m_island(std::make_unique<Island>()) {}
@@ -125,6 +133,14 @@ void ExactJointSolver::restart() {
         &m_tmpSolverContactRollingFrictionConstraintPool})
     joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
   joints.begin(m_tmpSolverBodyPool);
+}
+
+void ExactJointSolver::beginReactions() {
+  m_island->joints.beginReactions(
+      m_tmpSolverBodyPool,
+      {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
+       &m_tmpSolverContactRollingFrictionConstraintPool},
+      m_tmpSolverNonContactConstraintPool);
 }
 
 // The errors at the end of the step, and the largest of each component, m or rad.
@@ -210,33 +226,47 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   };
   if (!joints.gather(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool))
     return solve_by_bullet();
+  m_island->reserve();
 
   solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifoldPtr, numManifolds,
                                                 constraints, numConstraints, infoGlobal,
                                                 debugDrawer);
   const int iterations =
       hasBounds() ? btMax(infoGlobal.m_numIterations, m_maxOverrideNumSolverIterations) : 0;
-  joints.factorise();
-  joints.begin(m_tmpSolverBodyPool);
+  // The impulses of the last step say how stiff the bodies will be. Among contacts, which load the
+  // joints anew, that is looked at again when they have done so.
   m_island->stiffenings = 0;
-  while (stiffen(infoGlobal) && joints.hasUnresolved()) {
+  const bool foreseen = stiffen(infoGlobal);
+  if (!foreseen) {
+    joints.factorise();
+    joints.begin(m_tmpSolverBodyPool);
+  }
+  while (!(foreseen && iterations > 0) && stiffen(infoGlobal) && joints.hasUnresolved()) {
   }
   joints.settle();
   joints.write(m_tmpSolverBodyPool);
 
-  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest.
+  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far
+  // as that matters to what has.
   int used = 0;
   m_leastSquaresResidual = 0;
+  if (iterations > 0) beginReactions();
   while (used < iterations) {
     m_leastSquaresResidual =
         solveSingleIteration(used++, bodies, numBodies, manifoldPtr, numManifolds, constraints,
                              numConstraints, infoGlobal, debugDrawer);
-    joints.read(m_tmpSolverBodyPool);
-    joints.solve();
-    if (used == iterations_of_load && stiffen(infoGlobal)) joints.settle();
-    joints.write(m_tmpSolverBodyPool);
+    joints.react(m_tmpSolverBodyPool);
+    if (used == iterations_of_load) {
+      joints.endReactions();
+      joints.write(m_tmpSolverBodyPool);
+      if (stiffen(infoGlobal)) joints.settle();
+      joints.write(m_tmpSolverBodyPool);
+      beginReactions();
+    }
     if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
   }
+  if (iterations > 0) joints.endReactions();
+  joints.remember(m_tmpSolverNonContactConstraintPool);
   if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
   if (iteratePositions(infoGlobal) || joints.fastest() > correction_speed) calm();

@@ -30,8 +30,9 @@ inline namespace PINTLE_PRECISION {
 ///
 /// Joints of closed loops, and joints that say the same, share their load by impulses of least size.
 /// Bodies that hold NaN have no joints for the step. A step never throws; it allocates only while
-/// islands grow or form anew. The same calls give the same bits. An instance is used from one thread
-/// at a time; `btConstraintSolverPoolMt` takes several.
+/// islands grow or form anew. The same calls give the same bits; of the last step an instance remembers
+/// what its joints bore. An instance is used from one thread at a time; `btConstraintSolverPoolMt` takes
+/// several.
 class ExactJointSolver : public btSequentialImpulseConstraintSolver {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -75,6 +76,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   bool stiffen(const btContactSolverInfo& info);
   void resetVelocities();
   void restart();
+  void beginReactions();
   bool findWorse();
   void calm();
   bool iteratePositions(const btContactSolverInfo& info);

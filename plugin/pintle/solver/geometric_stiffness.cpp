@@ -6,8 +6,10 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Of three by three numbers Jacobi's rotations converge in as many passes at most, to rounding.
+// Of three by three numbers Jacobi's rotations converge in as many passes at most. The axes are
+// orthonormal whatever is left; less than this part of a stiffness is next to nothing of it.
 constexpr int most_passes = 6;
+constexpr double negligible = 1e-6;
 
 // Turns axes p and q so that A(p, q) becomes 0.
 void rotate(Matrix3d& A, Matrix3d& V, int p, int q) {
@@ -37,7 +39,7 @@ Stiffening::Stiffening(const Matrix3d& stiffness) {
   for (int pass = 0; pass < most_passes; ++pass) {
     const double off = std::abs(A(0, 1)) + std::abs(A(0, 2)) + std::abs(A(1, 2));
     const double on = std::abs(A(0, 0)) + std::abs(A(1, 1)) + std::abs(A(2, 2));
-    if (!(off > 1e-12 * on)) break;
+    if (!(off > negligible * on)) break;
     rotate(A, axes, 0, 1);
     rotate(A, axes, 0, 2);
     rotate(A, axes, 1, 2);

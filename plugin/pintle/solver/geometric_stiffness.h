@@ -29,6 +29,7 @@ struct Stiffening {
   explicit Stiffening(const Matrix3d& stiffness);
 
   double most() const { return mu.maxCoeff(); }
+  bool any() const { return most() > 0; }
   /// Of f(mu).
   template <class Function>
   Matrix3d matrix(const Function& f) const {

@@ -67,7 +67,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   m_gathered.clear();
   m_joints.clear();
   m_all = true;
-  m_stiff = false;
+  m_stiff = m_loops = false;
   m_fastest = 0;
   const auto moving = [&](int body) {
     return bodies[body].internalGetInvMass().isZero() ? -1 : body;
@@ -99,7 +99,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   }
   if (m_joints.empty()) return false;
 
-  m_topology = &m_topologies.get(m_joints);
+  m_topology = &m_topologies.get(m_joints, m_gathered.front().joint);
   const Elimination& elimination = m_topology->elimination;
   const size_t n = m_joints.size();
   m_bodies.resize(size_t(bodies.size()));
@@ -130,12 +130,16 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
       block.deficit[r] = double(row.m_rhs) * K;
       block.rest[r] = -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
+      block.is_soft[r] = row.m_cfm > 0;
       m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
     findPoint(block, rows);
+    recall(block, rows, c);
   }
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
+  m_kept_u.reserve(m_u.size());
+  m_kept_rows.reserve(2 * m_x.size());
   return true;
 }
 
@@ -181,21 +185,25 @@ void JointSystem::setRow(JointBlock& block, int side, const btSolverConstraint& 
 void JointSystem::factorise() {
   const Elimination& elimination = m_topology->elimination;
   m_factor.resize(elimination, m_topology->rows);
-  m_factor.clear();
   const int columns = elimination.columns();
   for (int c = 0; c < columns; ++c) {
     const JointBlock& block = m_blocks[size_t(c)];
     double* K = m_factor.block(c);
-    for (int q = 0; q < block.rows; ++q) {
+    for (int q = 0; q < block_rows; ++q) {
       BlockColumn sum = BlockColumn::Zero();
-      for (int side = 0; side < 2; ++side)
-        for (int k = 0; k < 6; ++k) sum += block.J[side][k][q] * column(block.J[side][k]);
-      sum[q] += block.softness[q];
+      if (q < block.rows) {
+        for (int side = 0; side < 2; ++side) {
+          if (block.body[side] < 0) continue;
+          for (int k = 0; k < 6; ++k) sum += block.J[side][k][q] * column(block.J[side][k]);
+        }
+        sum[q] += block.softness[q];
+      }
       column(K, q) = sum;
     }
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
       const JointBlock& other = m_blocks[size_t(elimination.row(i))];
       double* to = m_factor.block(i);
+      std::fill_n(to, block_rows * block_rows, 0.);
       for (int s = 0; s < 2; ++s) {
         for (int t = 0; t < 2; ++t) {
           if (block.body[s] < 0 || block.body[s] != other.body[t]) continue;
@@ -208,14 +216,29 @@ void JointSystem::factorise() {
       }
     }
   }
-  m_loops = m_topology->loops || dependsOnItself();
+  if (!loops() && (m_topology->loops || dependsOnItself())) {
+    m_loops = true;
+    addLeastSoftness();
+  }
   if (loops()) {
     m_damped = m_factor;
     m_damped.regularise(damped_correction);
     m_damped_is_factor = false;
-    m_factor.regularise(least_impulses);
   }
   m_factor.factorise(dependent_row);
+}
+
+// As softness of the rows it holds in whatever is solved, and all of that agrees.
+void JointSystem::addLeastSoftness() {
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    JointBlock& block = m_blocks[c];
+    double* K = m_factor.block(int(c));
+    for (int r = 0; r < block.rows; ++r) {
+      const double least = least_impulses * K[r * (block_rows + 1)];
+      K[r * (block_rows + 1)] += least;
+      block.softness[r] += least;
+    }
+  }
 }
 
 // The sum of L x (r x L) of three directions is 2 r.
@@ -342,6 +365,8 @@ bool JointSystem::hasUnresolved() const {
 // To the next stiffening of each body.
 void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies) {
   for (Body& body : m_bodies) {
+    body.turns = body.stiffening.any() || body.next_stiffening.any();
+    if (!body.turns) continue;
     body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();
     body.stiffening = body.next_stiffening;
     body.stiff_angular = body.angular * body.stiffening.root();
@@ -349,7 +374,7 @@ void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies
   }
   for (JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
-      if (block.body[side] < 0) continue;
+      if (block.body[side] < 0 || !m_bodies[size_t(block.body[side])].turns) continue;
       Eigen::Map<Eigen::Matrix<double, block_rows, 3>> J(block.J[side][3]);
       J *= m_bodies[size_t(block.body[side])].turn;
     }
@@ -402,34 +427,134 @@ void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btCons
   }
 }
 
+void JointSystem::readBody(int i, const btSolverBody& from, double* u) const {
+  const Body& body = m_bodies[size_t(i)];
+  const btVector3 &v = from.m_deltaLinearVelocity, &w = from.m_deltaAngularVelocity;
+  for (int k = 0; k < 3; ++k) {
+    u[k] = body.linear[k] > 0 ? double(v[k]) / body.linear[k] : 0;
+    u[3 + k] = body.stiff_inverse(k, 0) * double(w[0]) + body.stiff_inverse(k, 1) * double(w[1]) +
+               body.stiff_inverse(k, 2) * double(w[2]);
+  }
+}
+
+void JointSystem::writeBody(int i, btSolverBody& to) const {
+  const Body& body = m_bodies[size_t(i)];
+  const double* u = &m_u[6 * size_t(i)];
+  for (int k = 0; k < 3; ++k) {
+    to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
+    to.m_deltaAngularVelocity[k] =
+        btScalar(body.stiff_angular(k, 0) * u[3] + body.stiff_angular(k, 1) * u[4] +
+                 body.stiff_angular(k, 2) * u[5]);
+  }
+}
+
+// Bodies without joints are none of the system's.
 void JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
-  for (size_t i = 0; i < m_bodies.size(); ++i) {
-    const btSolverBody& from = bodies[int(i)];
-    if (from.internalGetInvMass().isZero()) continue;
-    const Body& body = m_bodies[i];
-    double* u = &m_u[6 * i];
-    const btVector3 &v = from.m_deltaLinearVelocity, &w = from.m_deltaAngularVelocity;
-    for (int k = 0; k < 3; ++k) {
-      u[k] = body.linear[k] > 0 ? double(v[k]) / body.linear[k] : 0;
-      u[3 + k] = body.stiff_inverse(k, 0) * double(w[0]) + body.stiff_inverse(k, 1) * double(w[1]) +
-                 body.stiff_inverse(k, 2) * double(w[2]);
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i)
+    if (m_topology->body_component[i] >= 0) readBody(int(i), bodies[int(i)], &m_u[6 * i]);
+}
+
+void JointSystem::write(btAlignedObjectArray<btSolverBody>& bodies) const {
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i)
+    if (m_topology->body_component[i] >= 0) writeBody(int(i), bodies[int(i)]);
+}
+
+void JointSystem::touch(const btConstraintArray& rows, bool of_contacts) {
+  const auto& components = m_topology->body_component;
+  for (int i = 0; i < rows.size(); ++i) {
+    if (!of_contacts && rows[i].m_overrideNumSolverIterations == 0) continue;
+    for (const int body : {rows[i].m_solverBodyIdA, rows[i].m_solverBodyIdB}) {
+      const auto at = size_t(body);
+      if (at >= components.size() || components[at] < 0 || m_is_touched[at]) continue;
+      m_is_touched[at] = true;
+      m_touched.push_back(body);
     }
   }
 }
 
-void JointSystem::write(btAlignedObjectArray<btSolverBody>& bodies) const {
-  for (size_t i = 0; i < m_bodies.size(); ++i) {
-    btSolverBody& to = bodies[int(i)];
-    if (to.internalGetInvMass().isZero()) continue;
-    const Body& body = m_bodies[i];
-    const double* u = &m_u[6 * i];
-    for (int k = 0; k < 3; ++k) {
-      to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
-      to.m_deltaAngularVelocity[k] =
-          btScalar(body.stiff_angular(k, 0) * u[3] + body.stiff_angular(k, 1) * u[4] +
-                   body.stiff_angular(k, 2) * u[5]);
+void JointSystem::beginReactions(const btAlignedObjectArray<btSolverBody>& bodies,
+                                 std::initializer_list<const btConstraintArray*> contacts,
+                                 const btConstraintArray& rows) {
+  m_is_touched.assign(size_t(bodies.size()), false);
+  m_touched.clear();
+  touch(rows, false);
+  for (const btConstraintArray* of : contacts) touch(*of, true);
+
+  m_reacts.assign(m_blocks.size(), false);
+  m_first_reacting.clear();
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    for (const int body : m_blocks[c].body)
+      if (body >= 0 && m_is_touched[size_t(body)]) m_reacts[c] = true;
+    if (m_reacts[c]) m_first_reacting.push_back(int(c));
+  }
+  m_topology->elimination.close(m_reacts, m_reacting);
+  m_unreacted.clear();
+  for (const int body : m_touched)
+    m_unreacted.insert(m_unreacted.end(), &m_u[6 * size_t(body)], &m_u[6 * size_t(body)] + 6);
+  m_change.assign(m_u.size(), 0.);
+}
+
+void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
+  double* unreacted = m_unreacted.data();
+  for (const int body : m_touched) {
+    double* u = &m_u[6 * size_t(body)];
+    double* change = &m_change[6 * size_t(body)];
+    readBody(body, bodies[body], change);
+    for (int k = 0; k < 6; ++k) {
+      const double now = change[k];
+      change[k] -= u[k];
+      u[k] = now;
+      *unreacted++ += change[k];
     }
   }
+  for (const int c : m_reacting) column(m_x.data(), c).setZero();
+  for (const int c : m_first_reacting) {
+    const JointBlock& block = m_blocks[size_t(c)];
+    BlockColumn x = BlockColumn::Zero();
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0 || !m_is_touched[size_t(block.body[side])]) continue;
+      const double* change = &m_change[6 * size_t(block.body[side])];
+      for (int k = 0; k < 6; ++k) x -= change[k] * column(block.J[side][k]);
+    }
+    column(m_x.data(), c) = x;
+  }
+  m_factor.solve(m_x.data(), m_reacting);
+  for (const int c : m_first_reacting) {
+    const JointBlock& block = m_blocks[size_t(c)];
+    const BlockColumn x = column(m_x.data(), c);
+    for (int side = 0; side < 2; ++side) {
+      if (block.body[side] < 0 || !m_is_touched[size_t(block.body[side])]) continue;
+      double* u = &m_u[6 * size_t(block.body[side])];
+      for (int k = 0; k < 6; ++k) u[k] += x.dot(column(block.J[side][k]));
+    }
+  }
+  for (const int body : m_touched) writeBody(body, bodies[body]);
+}
+
+void JointSystem::endReactions() {
+  const double* unreacted = m_unreacted.data();
+  for (const int body : m_touched)
+    for (int k = 0; k < 6; ++k) m_u[6 * size_t(body) + size_t(k)] = *unreacted++;
+  solve();
+}
+
+// In the world: rows may have turned by the next step.
+void JointSystem::remember(const btConstraintArray& rows) {
+  m_topology->impulses.resize(3 * m_blocks.size());
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    Vector3d p = Vector3d::Zero();
+    if (m_blocks[c].point[0] >= 0)
+      for (const int i : m_blocks[c].point)
+        p += m_blocks[c].impulse[i] * inDouble(rows[m_blocks[c].row[i]].m_contactNormal1);
+    Eigen::Map<Vector3d>(&m_topology->impulses[3 * c]) = p;
+  }
+}
+
+void JointSystem::recall(JointBlock& block, const btConstraintArray& rows, size_t c) const {
+  if (m_topology->impulses.empty() || block.point[0] < 0) return;
+  const Eigen::Map<const Vector3d> p(&m_topology->impulses[3 * c]);
+  for (const int i : block.point)
+    block.impulse[i] = p.dot(inDouble(rows[block.row[i]].m_contactNormal1));
 }
 
 void JointSystem::writeImpulses(btConstraintArray& rows) const {
@@ -579,7 +704,8 @@ bool JointSystem::finite() const {
   return sum - sum == 0;
 }
 
-void JointSystem::release(btConstraintArray& rows, int iterations) const {
+void JointSystem::release(btConstraintArray& rows, int iterations) {
+  m_topology->impulses.clear();
   for (const JointBlock& block : m_blocks) {
     for (int r = 0; r < block.rows; ++r) {
       rows[block.row[r]].m_overrideNumSolverIterations = iterations;
@@ -592,8 +718,11 @@ size_t JointSystem::bytes() const {
   return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
          m_joints.capacity() * sizeof(Topology::Joint) + m_bodies.capacity() * sizeof(Body) +
-         (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity()) *
-             sizeof(double);
+         (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
+          m_unreacted.capacity() + m_change.capacity()) *
+             sizeof(double) +
+         m_is_touched.capacity() + m_reacts.capacity() +
+         (m_touched.capacity() + m_reacting.capacity() + m_first_reacting.capacity()) * sizeof(int);
 }
 
 }  // namespace PINTLE_PRECISION

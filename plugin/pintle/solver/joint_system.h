@@ -10,6 +10,8 @@
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
+#include <initializer_list>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -25,6 +27,7 @@ struct JointBlock {
   double rest[block_rows];      ///< the part of it that brings the row to rest: -J v
   double softness[block_rows];  ///< Sigma
   double impulse[block_rows];   ///< lambda
+  bool is_soft[block_rows];     ///< by the joint's own settings
   int angular_rows;
   int point[3];        ///< three rows that hold a point in all directions; -1: none do
   double lever[2][3];  ///< of the point, from each body's centre
@@ -67,6 +70,20 @@ class JointSystem {
   void settle();
   /// All rows are brought back to their targets, whatever others did to the bodies.
   void solve();
+
+  /// Between these two, Bullet's iteration changes the velocities of some bodies only: those of the
+  /// rows it is told of.
+  void beginReactions(const btAlignedObjectArray<btSolverBody>& bodies,
+                      std::initializer_list<const btConstraintArray*> contacts,
+                      const btConstraintArray& rows);
+  /// Reads the velocities of these bodies, and writes them as the joints make them: as solve() would,
+  /// but that only the joints which these velocities depend on are solved.
+  void react(btAlignedObjectArray<btSolverBody>& bodies);
+  /// Solves all joints for what they have reacted to.
+  void endReactions();
+
+  /// Impulses are those with which the next step begins to tell how stiff the bodies are.
+  void remember(const btConstraintArray& rows);
   /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
   /// loop cannot do together is left undone.
   void correct(const std::vector<double>& change);
@@ -88,7 +105,7 @@ class JointSystem {
   /// False if a velocity holds NaN or infinity.
   bool finite() const;
   /// Leaves the rows to Bullet's iteration, as if they had never been taken.
-  void release(btConstraintArray& rows, int iterations) const;
+  void release(btConstraintArray& rows, int iterations);
 
   const std::vector<JointBlock>& blocks() const { return m_blocks; }
   /// The largest velocity that a row is to have at its target, m/s or rad/s.
@@ -104,6 +121,7 @@ class JointSystem {
     Matrix3d angular, inverse;  ///< S of the body alone, and its inverse
     Stiffening stiffening, next_stiffening;
     Matrix3d turn;  ///< from the coordinates u with the one to those with the next
+    bool turns;     ///< whether these differ
     Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
     double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
     Matrix3d stiffness;  ///< of the levers of its joints, N m s
@@ -114,6 +132,7 @@ class JointSystem {
 
   void scale(Body& body, const btSolverBody& of) const;
   bool dependsOnItself();
+  void addLeastSoftness();
   bool loops() const { return m_loops; }
   /// What the row lacks now.
   BlockColumn residual(const JointBlock& block) const;
@@ -127,10 +146,14 @@ class JointSystem {
   void addLoads(double dt);
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
+  void touch(const btConstraintArray& rows, bool of_contacts);
+  void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
+  void readBody(int body, const btSolverBody& from, double* u) const;
+  void writeBody(int body, btSolverBody& to) const;
   void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
 
   Topologies m_topologies;
-  const Topology* m_topology = nullptr;
+  Topology* m_topology = nullptr;
   struct Gathered {
     btTypedConstraint* joint;
     int row[block_rows], index[block_rows];
@@ -142,6 +165,11 @@ class JointSystem {
   std::vector<double> m_u;  ///< 6 a body
   std::vector<double> m_x;  ///< block_rows a block
   std::vector<double> m_kept_u, m_kept_rows;
+  std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
+  std::vector<int> m_touched, m_reacting;    ///< the same as lists
+  std::vector<int> m_first_reacting;         ///< those that hold a touched body
+  std::vector<double> m_unreacted;           ///< 6 a touched body: u without the joints' reactions
+  std::vector<double> m_change;              ///< 6 a body: of u, by Bullet's last iteration
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
   double m_fastest = 0;

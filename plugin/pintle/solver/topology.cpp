@@ -81,10 +81,10 @@ void analyse(Topology& topology) {
 
 }  // namespace
 
-const Topology& Topologies::get(const std::vector<Topology::Joint>& joints) {
+Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void* first) {
   ++m_uses;
   for (const auto& known : m_known) {
-    if (known->joints == joints) {
+    if (known->first == first && known->joints == joints) {
       known->last_use = m_uses;
       return *known;
     }
@@ -95,6 +95,8 @@ const Topology& Topologies::get(const std::vector<Topology::Joint>& joints) {
   auto place = std::find_if(m_known.begin(), m_known.end(), gone);
   if (place == m_known.end()) place = m_known.insert(place, std::make_unique<Topology>());
   (*place)->joints = joints;
+  (*place)->first = first;
+  (*place)->impulses.clear();
   (*place)->last_use = m_uses;
   analyse(**place);
   return **place;
@@ -107,7 +109,8 @@ size_t Topologies::bytes() const {
         sizeof(Topology) + known->elimination.bytes() +
         known->joints.capacity() * sizeof(Topology::Joint) +
         (known->rows.capacity() + known->component.capacity() + known->body_component.capacity()) *
-            sizeof(int);
+            sizeof(int) +
+        known->impulses.capacity() * sizeof(double);
   return sum;
 }
 

@@ -18,6 +18,7 @@ struct Topology {
     }
   };
   std::vector<Joint> joints;
+  const void* first = nullptr;  ///< of the joints, by which islands of the same shape differ
   Elimination elimination;
   std::vector<int> rows;  ///< in the order of elimination
   /// Whether some joints close a loop, which may be by the ground: then some of them may say again
@@ -27,13 +28,16 @@ struct Topology {
   /// elimination, and of each body; -1 for a body that has none.
   std::vector<int> component, body_component;
   int components = 0;
+  /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
+  /// world, which says how stiff the bodies will be in the next. Empty before the first.
+  std::vector<double> impulses;
   unsigned long long last_use = 0;
 };
 
 class Topologies {
  public:
   /// The analysis of these joints: one that stands, or a new one.
-  const Topology& get(const std::vector<Topology::Joint>& joints);
+  Topology& get(const std::vector<Topology::Joint>& joints, const void* first);
   size_t bytes() const;
 
  private:

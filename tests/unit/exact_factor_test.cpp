@@ -1,0 +1,115 @@
+// The order in which ExactJointSolver eliminates joints, and its factor of their K.
+#include <pintle/solver/block_factor.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+namespace {
+
+using pintle::BlockFactor;
+using pintle::Elimination;
+
+std::vector<Elimination::Edge> chain(int joints, bool closed) {
+  std::vector<Elimination::Edge> edges;
+  for (int i = 0; i + 1 < joints; ++i) edges.emplace_back(i, i + 1);
+  if (closed) edges.emplace_back(joints - 1, 0);
+  return edges;
+}
+
+// What the solution of one joint depends on.
+int depth(const Elimination& elimination, int node) {
+  std::vector<char> marked(size_t(elimination.columns()), false);
+  std::vector<int> columns;
+  marked[size_t(elimination.column(node))] = true;
+  elimination.close(marked, columns);
+  return int(columns.size());
+}
+
+TEST(Elimination, AChainIsEliminatedFromBothEndsWithoutFill) {
+  constexpr int joints = 101;
+  Elimination elimination;
+  elimination.analyse(joints, chain(joints, false));
+  EXPECT_EQ(elimination.blocks(), joints + joints - 1);
+  EXPECT_EQ(depth(elimination, joints / 2), 1);
+  for (int i = 0; i < joints; ++i) EXPECT_LE(depth(elimination, i), joints / 2 + 1) << i;
+}
+
+TEST(Elimination, ALoopIsEliminatedByHalves) {
+  constexpr int joints = 128, halvings = 7;
+  Elimination elimination;
+  elimination.analyse(joints, chain(joints, true));
+  EXPECT_LE(elimination.blocks(), joints + 2 * joints);
+  // Two neighbours at each halving.
+  for (int i = 0; i < joints; ++i) EXPECT_LE(depth(elimination, i), 2 * halvings + 1) << i;
+}
+
+// K of blocks of several sizes, positive definite, in a loop with a branch.
+struct Problem {
+  Problem() {
+    constexpr int joints = 9;
+    auto edges = chain(joints - 1, true);
+    edges.emplace_back(3, joints - 1);
+    elimination.analyse(joints, edges);
+    std::vector<int> rows;
+    for (int c = 0; c < joints; ++c) rows.push_back(1 + c % pintle::block_rows);
+    factor.resize(elimination, rows);
+    std::mt19937 generator(5);
+    std::uniform_real_distribution<double> number(-1, 1);
+    K.setZero(joints * n, joints * n);
+    for (int c = 0; c < joints; ++c) {
+      for (int r = 0; r < rows[size_t(c)]; ++r) K(n * c + r, n * c + r) = 30;
+      for (int i = elimination.first(c); i < elimination.first(c + 1); ++i)
+        for (int q = 0; q < rows[size_t(c)]; ++q)
+          for (int p = 0; p < rows[size_t(elimination.row(i))]; ++p)
+            K(n * elimination.row(i) + p, n * c + q) = K(n * c + q, n * elimination.row(i) + p) =
+                number(generator);
+    }
+    for (int c = 0; c < joints; ++c) {
+      set(factor.block(c), c, c);
+      for (int i = elimination.first(c); i < elimination.first(c + 1); ++i)
+        set(factor.block(i), elimination.row(i), c);
+    }
+    factor.factorise(1e-12);
+    b.setZero(joints * n);
+    for (int c = 0; c < joints; ++c)
+      for (int r = 0; r < rows[size_t(c)]; ++r) b[n * c + r] = number(generator);
+  }
+  void set(double* block, int row, int column) {
+    Eigen::Map<Eigen::MatrixXd>(block, n, n) = K.block(n * row, n * column, n, n);
+  }
+
+  static constexpr int n = pintle::block_rows;
+  Elimination elimination;
+  BlockFactor factor;
+  Eigen::MatrixXd K;
+  Eigen::VectorXd b;
+};
+
+TEST(BlockFactor, Solves) {
+  Problem problem;
+  Eigen::VectorXd x = problem.b;
+  problem.factor.solve(x.data());
+  EXPECT_LT((problem.K * x - problem.b).norm(), 1e-13);
+}
+
+TEST(BlockFactor, SolvesForSomeColumnsAsForAll) {
+  Problem problem;
+  constexpr int n = Problem::n;
+  for (int asked = 0; asked < problem.elimination.columns(); ++asked) {
+    std::vector<char> marked(size_t(problem.elimination.columns()), false);
+    std::vector<int> columns;
+    marked[size_t(asked)] = true;
+    problem.elimination.close(marked, columns);
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(problem.b.size());
+    all.segment<n>(n * asked) = problem.b.segment<n>(n * asked);
+    Eigen::VectorXd some = all;
+    problem.factor.solve(all.data());
+    problem.factor.solve(some.data(), columns);
+    for (const int c : columns)
+      EXPECT_LT((all.segment<n>(n * c) - some.segment<n>(n * c)).norm(), 1e-15) << asked;
+  }
+}
+
+}  // namespace
