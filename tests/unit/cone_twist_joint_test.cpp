@@ -940,6 +940,32 @@ TEST(ConeTwistMotor, IsBoundedByItsImpulseAlongTheWay) {
   }
 }
 
+TEST(ConeTwistMotor, TurnsAtAVelocityUntilATargetIsSet) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Random random(seed);
+    LimbSettings settings;
+    settings.at_centre = true;
+    Limb<Ours> limb(random, settings);
+    const btVector3 velocity = random.unit() * 2;
+    limb.joint->setMotorVelocity(velocity);
+    limb.joint->enableMotor(true);
+    for (int i = 0; i < 20; ++i) limb.step();
+    const btMatrix3x3 F_b = (limb.b->getCenterOfMassTransform() * limb.frame_b).getBasis();
+    const btVector3 turning = limb.a->getAngularVelocity() - limb.b->getAngularVelocity();
+    EXPECT_LT((turning - F_b * velocity).length(), 1e-3) << seed;
+    const btQuaternion target = rotation(0.5, 0.3, 0.2);
+    limb.joint->setMotorTargetInConstraintSpace(target);
+    for (int i = 0; i < 120; ++i) limb.step();
+    EXPECT_LT(error(limb, target), 1e-3) << seed;
+    // And no farther than a limit.
+    limb.joint->setLimit(1, 1, scalar(0.5));
+    limb.joint->setMotorVelocity(vec(3, 0, 0));
+    limb.joint->setMaxMotorImpulse(scalar(0.1));
+    for (int i = 0; i < 120; ++i) limb.step();
+    EXPECT_NEAR(limb.joint->getTwist(), 0.5, 1e-2) << seed;
+  }
+}
+
 TEST(ConeTwistMotor, HoldsItsTargetAgainstGravityAndBlowsWhereStockSwingsOn) {
   const btQuaternion target = rotation(0.9, 0.5, 0.6);
   const auto last = [&](auto* type) {

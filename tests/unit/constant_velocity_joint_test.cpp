@@ -378,6 +378,47 @@ TEST(ConstantVelocityBend, FrictionHoldsUpToItsTorqueAndTakesItAwayBeyond) {
   EXPECT_NEAR(rig.joint().getBendFrictionImpulse(), -0.2 * Rig::dt, 1e-5);
 }
 
+TEST(ConstantVelocityBend, MotorTurnsItAtItsSpeedWithItsTorque) {
+  for (const double speed : {0.5, -0.5}) {
+    Rig rig;
+    rig.b().setCenterOfMassTransform(btTransform(btQuaternion(vec(0, 1, 0), scalar(1))));
+    rig.joint().enableBendMotor(true, scalar(speed), 10);
+    for (int i = 0; i < 60; ++i) rig.step();
+    EXPECT_NEAR(rig.bend(), 1 + speed, 2e-3);
+    rig.joint().enableBendMotor(false);
+    rig.b().setAngularVelocity(vec(0, 0, 0));
+    rig.joint().enableBendMotor(true, scalar(100 * speed), scalar(0.2));
+    rig.step();
+    EXPECT_NEAR(rig.joint().getBendMotorImpulse(), std::copysign(0.2, speed) * Rig::dt, 1e-6);
+    EXPECT_NEAR(rig.b().getAngularVelocity().length(), 0.2 * Rig::dt / Rig::inertia, 1e-3);
+  }
+}
+
+TEST(ConstantVelocityBend, ServoHoldsItUpToItsTorque) {
+  for (const double target : {0., 0.3, 2.}) {
+    SCOPED_TRACE(target);
+    Rig rig;
+    rig.b().setCenterOfMassTransform(btTransform(btQuaternion(vec(0, 0.6, 0.8), scalar(0.7))));
+    rig.joint().setBendServo(scalar(target), 3, 1, 5);
+    for (int i = 0; i < 180; ++i) rig.step();
+    EXPECT_NEAR(rig.bend(), target, 1e-3);
+    // What goes round a straight one meets no damper.
+    if (target > 0) {
+      EXPECT_LT(rig.b().getAngularVelocity().length(), 1e-3);
+    }
+  }
+  // Out of its reach.
+  Rig rig;
+  rig.b().setCenterOfMassTransform(btTransform(btQuaternion(vec(0, 1, 0), scalar(0.5))));
+  rig.joint().setBendServo(scalar(0.5), 3, 1, scalar(0.2));
+  for (int i = 0; i < 60; ++i) {
+    rig.b().applyTorque(vec(0, 0.3, 0));
+    rig.step();
+  }
+  EXPECT_GT(rig.bend(), 0.7);
+  EXPECT_NEAR(rig.joint().getBendMotorImpulse(), -0.2 * Rig::dt, 1e-5);
+}
+
 // --- the motor -----------------------------------------------------------------------------------
 
 // Two cubes on hinges along their own x, at a bend; the joint's motor between them.
@@ -439,6 +480,40 @@ TEST(ConstantVelocityMotor, TurnsBothShaftsByTheBendWithItsTorque) {
   }
 }
 
+TEST(ConstantVelocityMotor, ServoTurnsTheShaftsToTheirAngleOverAnyNumberOfTurns) {
+  ShaftRig rig(radians(40));
+  const double from = double(rig.joint().getShaftAngle());
+  // The bearings make the shafts as much heavier as the lever is shorter.
+  rig.joint().setMotorServo(scalar(from + 10), 5, 5, 20);
+  for (int i = 0; i < 600; ++i) rig.step();
+  EXPECT_NEAR(rig.joint().getShaftAngle(), from + 10, 1e-2);
+  EXPECT_NEAR(rig.speed_a(), 0, 1e-2);
+  rig.joint().enableMotor(false);
+  for (int i = 0; i < 30; ++i) {
+    rig.load(-1);
+    rig.step();
+  }
+  EXPECT_NEAR(rig.speed_a(), 0.5 / (2 * ShaftRig::inertia), 2e-2) << "it lets go";
+}
+
+TEST(ConstantVelocityMotor, FrictionHoldsTheShaftsUpToItsTorque) {
+  ShaftRig rig(radians(40));
+  rig.joint().setFriction(scalar(0.3));
+  const auto turn = [&](double torque) {
+    for (int i = 0; i < 60; ++i) {
+      rig.load(-torque);
+      rig.step();
+    }
+  };
+  // Along both shafts together, as the motor's torque.
+  turn(0.25);
+  EXPECT_NEAR(rig.speed_a(), 0, 1e-3);
+  EXPECT_NEAR(rig.joint().getFrictionImpulse(), -0.25 * ShaftRig::dt, 1e-4);
+  turn(0.5);
+  EXPECT_NEAR(rig.speed_a(), 0.2 / (2 * ShaftRig::inertia), 2e-2);
+  EXPECT_NEAR(rig.joint().getFrictionImpulse(), -0.3 * ShaftRig::dt, 1e-5);
+}
+
 TEST(ConstantVelocityMotor, HasNoLeverOnAStraightShaft) {
   ShaftRig rig(radians(2));
   rig.joint().enableMotor(true, 6, 20);
@@ -483,6 +558,10 @@ TEST(ConstantVelocity, RefusesBadSettingsAndStaysAsItWas) {
                         {"damping", "inf", [](J& j) { j.setBendLimitSpring(1, infinite); }},
                         {"bounce", "-1", [](J& j) { j.setBendLimitBounce(-1); }},
                         {"friction", "-1", [](J& j) { j.setBendFriction(-1); }},
+                        {"bend", "-1", [](J& j) { j.setBendServo(-1, 1, 1, 1); }},
+                        {"bend", "nan", [](J& j) { j.setBendServo(nan_value, 1, 1, 1); }},
+                        {"friction", "-2", [](J& j) { j.setFriction(-2); }},
+                        {"velocity", "nan", [](J& j) { j.enableBendMotor(true, nan_value, 1); }},
                         {"velocity", "nan", [](J& j) { j.enableMotor(true, nan_value, 1); }},
                         {"torque", "-1", [](J& j) { j.enableMotor(true, 1, -1); }},
                         {"parameter", "99", [](J& j) { j.setParam(99, 1); }}}) {

@@ -192,6 +192,13 @@ void set(ConstantVelocityJoint& joint, int variant) {
     joint.setAngularOnly(true);
     joint.setBendFriction(2);
   }
+  if (variant == 6) {
+    joint.setBendLimit(scalar(0.3));
+    joint.enableBendMotor(true, 1, 5);
+    joint.setMotorServo(1, 5, 1, 10);
+    joint.setFriction(1);
+  }
+  if (variant == 7) joint.setBendServo(scalar(0.4), 5, 1, 10);
 }
 
 void set(SliderJoint& slider, int variant) {
@@ -237,12 +244,71 @@ void set(SliderJoint& slider, int variant) {
   }
 }
 
+// Where the frames that the test gave meet, these are apart: the cone has no direction in its middle.
+btQuaternion turnFrame(ConeTwistJoint& joint, double x, double y, double z) {
+  const btVector3 turn = support::vec(x, y, z);
+  const btQuaternion q(turn.normalized(), turn.length());
+  joint.setFrames(joint.getAFrame(), joint.getBFrame() * btTransform(q.inverse()));
+  return q;
+}
+
+void set(ConeTwistJoint& joint, int variant) {
+  if (variant == 1) {
+    turnFrame(joint, 0.4, 0.9, 0.7);
+    joint.setLimit(1, 1, scalar(0.3));
+  }
+  if (variant == 2) {
+    turnFrame(joint, 0.4, 0.9, 0.7);
+    joint.setLimit(1, scalar(1.5), scalar(0.3), scalar(0.8));
+  }
+  if (variant == 3) {
+    turnFrame(joint, 0, 0, 0.7);
+    joint.setLimit(scalar(0.6), scalar(0.02), 0);
+    joint.setTwistLimitSpring(3, scalar(0.5));
+  }
+  if (variant == 4) {
+    turnFrame(joint, 0.3, 0, 0);
+    joint.setLimit(0, 0, scalar(0.2));
+  }
+  if (variant == 5) {
+    turnFrame(joint, -0.4, 0.9, 0.7);
+    joint.setSwingLimits(scalar(-0.1), scalar(0.8), 0, scalar(0.9));
+    joint.setTwistLimit(scalar(0.1), scalar(0.3));
+    joint.setSwingLimitSpring(3, scalar(0.5));
+  }
+  if (variant == 6) {
+    joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
+    joint.setMaxMotorImpulseNormalized(3);
+    joint.enableMotor(true);
+  }
+  if (variant == 7) {
+    joint.setLimit(scalar(1.2), scalar(1.4), scalar(0.5));
+    joint.setMotorTargetInConstraintSpace(turnFrame(joint, 0.4, 0.9, 0.7));
+    joint.setMaxMotorImpulse(3);
+    joint.enableMotor(true);
+    joint.setFriction(2);
+  }
+  if (variant == 8) {
+    joint.setAngularOnly(true);
+    joint.setLimit(0, scalar(0.1), scalar(0.1));
+    joint.setFriction(2);
+    joint.enableMotor(true);
+  }
+  if (variant == 9) {
+    joint.setLimit(scalar(0.5), scalar(0.5), scalar(0.5));
+    joint.setMotorVelocity(support::vec(1, 2, -1));
+    joint.setMaxMotorImpulse(scalar(0.5));
+    joint.enableMotor(true);
+  }
+}
+
 // --- the list ------------------------------------------------------------------------------------
 
 struct Nature {
   bool holds = true;
   const char* free_body = "A";
   const char* blows_up = "";
+  bool limits_look_ahead = false;
 };
 
 template <class J>
@@ -255,6 +321,7 @@ void add(std::vector<Kind>& list, const char* name, int variants, const Nature& 
     kind.holds = nature.holds;
     kind.free_body = nature.free_body;
     kind.blows_up = nature.blows_up;
+    kind.limits_look_ahead = nature.limits_look_ahead;
     kind.make = [form](btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
                        const btTransform& frame_b, int variant) {
       auto joint = std::make_unique<J>(a, b, frame_a, placed<J>(frame_b));
@@ -272,7 +339,8 @@ void add(std::vector<Kind>& list, const char* name, int variants, const Nature& 
 }  // namespace
 
 std::vector<Kind> all() {
-  const Nature at_times = {false, "A", ""}, plane = {true, "A", "three rows for two freedoms ask for what the plane forbids"};
+  const Nature at_times = {false, "A", ""},
+               plane = {true, "A", "three rows for two freedoms ask for what the plane forbids"};
   std::vector<Kind> list;
   add<QuaternionHinge>(list, "QuaternionHinge", 6);
   add<BallJoint>(list, "BallJoint", 4);
@@ -281,8 +349,8 @@ std::vector<Kind> all() {
   add<WedgeJoint>(list, "WedgeJoint", 6);
   add<AngularLimit>(list, "AngularLimit", 5, at_times);
   add<UniversalJoint>(list, "UniversalJoint", 6);
-  add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 6);
-  add<ConeTwistJoint>(list, "ConeTwistJoint", 9, at_times);
+  add<ConstantVelocityJoint>(list, "ConstantVelocityJoint", 8);
+  add<ConeTwistJoint>(list, "ConeTwistJoint", 10, {false, "A", "", true});
   add<SliderJoint>(list, "SliderJoint", 6, {true, "B", ""});
   add<pintle::FixedJoint>(list, "FixedJoint", 3);
   add<pintle::DotHinge>(list, "DotHinge", 6);

@@ -19,7 +19,7 @@ namespace {
 constexpr Scalar least_span = Scalar(1e-4), most_span = Scalar(1e6);
 // 1 + cos(swing) below which the twist has too few digits, and moves too fast, to be held.
 constexpr Scalar least_twist = Scalar(0.005);
-// Nearer to its target (rad) than this, the motor's way there has no direction worth following.
+// Nearer to its target (rad) than this, or slower (rad/s), the motor has no direction worth following.
 constexpr Scalar near_target = Scalar(0.1);
 // Farther out of the cone (rad, across its smallest span) the way back is that to its nearest point.
 constexpr Scalar far_out = Scalar(0.05);
@@ -290,7 +290,21 @@ Axis& ConeTwistJoint::rotation() {
 }
 
 void ConeTwistJoint::enableMotor(bool b) {
-  if (b || m_rotation) rotation().drive = b ? Axis::Drive::pose : Axis::Drive::off;
+  if (!b && !m_rotation) return;
+  Axis& axis = rotation();
+  axis.drive = b ? m_rotation->drive : Axis::Drive::off;
+}
+
+void ConeTwistJoint::setMotorDrive(Axis::Drive drive) {
+  rotation();
+  m_rotation->drive = drive;
+  enableMotor(isMotorEnabled());
+}
+
+void ConeTwistJoint::setMotorVelocity(const btVector3& velocity) {
+  point("motor velocity", velocity);
+  setMotorDrive(Axis::Drive::rate);
+  m_rotation->velocity = velocity;
 }
 
 void ConeTwistJoint::setFriction(btScalar max_torque) {
@@ -309,7 +323,7 @@ void ConeTwistJoint::setMotorTargetInConstraintSpace(const btQuaternion& q) {
   const Scalar length = q.length();
   if (!(length > SIMD_EPSILON && length < infinity))
     reject("motor target", length, "must have a length");
-  rotation();
+  setMotorDrive(Axis::Drive::pose);
   m_rotation->target = limited(q / length, 1);
   m_rotation->reachable_target = limited(m_rotation->target, m_softness);
 }
@@ -472,16 +486,24 @@ ConeTwistJoint::Locks ConeTwistJoint::addLocks(const At& at, Rows& rows) const {
 // Motor and friction: about the way to the target, and about two axes across it, so that the motor's
 // bound is that of one straight push. Returns how far (rad) the motor turns the bodies in this step.
 Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows) const {
+  // The way to the target, or the velocity, of b against a.
   Vec3 error = Vec3::Zero(), along = at.x_b, across = at.b.b();
-  Scalar angle = 0;
+  Scalar length = 0, turn = 0;
   if (isMotorEnabled()) {
-    const btMatrix3x3 target(m_rotation->reachable_target);
-    const Mat3 F_a = at.pair.R_a() * view(m_frame_a.getBasis());
     const Mat3 F_b = at.pair.R_b() * view(m_frame_b.getBasis());
-    error = equations::orientation_error<Scalar>(F_a, F_b * view(target));
-    angle = error.norm();
-    if (angle > near_target) {
-      along = error / angle;
+    if (m_rotation->axis.drive == Axis::Drive::rate) {
+      error = F_b * -view(m_rotation->velocity);
+      length = error.norm();
+      turn = timeStep() * length;
+    } else {
+      const Mat3 F_a = at.pair.R_a() * view(m_frame_a.getBasis());
+      const btMatrix3x3 target(m_rotation->reachable_target);
+      error = equations::orientation_error<Scalar>(F_a, F_b * view(target));
+      length = error.norm();
+      turn = m_rotation->axis.motor_gain * length;
+    }
+    if (length > near_target) {
+      along = error / length;
       across = any_tangent(along);
     }
   }
@@ -491,19 +513,19 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
   };
   if (locks.count == 2) {
     add(cross(locks.about[0], locks.about[1]));
-    return m_rotation->axis.motor_gain * angle;
+    return turn;
   }
   if (locks.count == 1) {
     across = locks.about[0];
     along -= along.dot(across) * across;
-    const Scalar length = along.norm();
-    along = length > near_target ? Vec3(along / length) : any_tangent(across);
+    const Scalar left = along.norm();
+    along = left > near_target ? Vec3(along / left) : any_tangent(across);
   } else {
     add(across);
   }
   add(cross(along, across));
   add(along);
-  return m_rotation->axis.motor_gain * angle;
+  return turn;
 }
 
 // C > 0 outside, and J_a.

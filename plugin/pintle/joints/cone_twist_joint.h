@@ -126,6 +126,9 @@ class ConeTwistJoint : public FrameJoint {
   /// the joint as its bodies alone make it swing. Frequency 0: a hard limit again.
   void setSwingLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
   void setTwistLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
+  /// Makes the motor turn a against b at `velocity` (rad/s, along the axes of frame b), as far as the
+  /// limits let it and until a target is set, with the same bound.
+  void setMotorVelocity(const btVector3& velocity);
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) about each of the axes of frame b.
   void setFriction(btScalar max_torque);
 
@@ -164,13 +167,16 @@ class ConeTwistJoint : public FrameJoint {
   // one of them is first set.
   struct Rotation {
     Axis axis;
-    Scalar max_motor_impulse = -1;  ///< as set; below 0: any
+    Scalar max_motor_impulse = -1;          ///< as set; below 0: any
+    Axis::Drive drive = Axis::Drive::pose;  ///< what enableMotor turns on
+    btVector3 velocity = {0, 0, 0};
     btQuaternion target = btQuaternion::getIdentity();
     btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
     RowMemory<8, axis_count> memory;
   };
 
   Axis& rotation();
+  void setMotorDrive(Axis::Drive drive);
   void setUp(const btTransform& frame_a, const btTransform& frame_b);
   Scalar span(const char* field, Scalar value) const;
   void setMotorBound(Scalar most, bool normalized);

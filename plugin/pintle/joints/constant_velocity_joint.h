@@ -43,6 +43,15 @@ class ConstantVelocityJoint : public FrameJoint {
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) against a change of the bend's
   /// angle; its direction may turn. 0: none.
   void setBendFriction(btScalar max_torque);
+  /// Velocity motor of the bend's angle: target speed (rad/s) and the most that it may apply (N m, >= 0
+  /// or infinite). A straight joint has no direction to bend in; to straighten one, take a servo.
+  void enableBendMotor(bool on, btScalar velocity, btScalar max_torque);
+  /// Turns the bend's motor, velocity motor or servo as it was set last, on or off.
+  void enableBendMotor(bool on);
+  /// Holds a bend (rad, 0 to pi) by a spring (frequency > 0 in Hz, damping ratio >= 0) of at most
+  /// max_torque (N m, >= 0 or infinite), until told otherwise.
+  void setBendServo(btScalar target_bend, btScalar frequency_hz, btScalar damping_ratio,
+                    btScalar max_torque);
 
   /// How far the shafts have turned under the bend (rad, with all turns since the joint was made):
   /// it grows at W while both turn at W about their own shafts, right-handed, and the bend stays
@@ -58,13 +67,24 @@ class ConstantVelocityJoint : public FrameJoint {
   /// their own Bullet's solver takes about 3 / sin(bend)^2 iterations to reach the speed under a
   /// load.
   void enableMotor(bool on, btScalar velocity, btScalar max_torque);
+  /// Turns the motor, velocity motor or servo as it was set last, on or off.
+  void enableMotor(bool on);
+  /// Holds a shaft angle (rad, any number of turns) by a spring (frequency > 0 in Hz, damping ratio
+  /// >= 0) of at most max_torque (N m, >= 0 or infinite) with the same lever, until told otherwise.
+  void setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
+                     btScalar max_torque);
+  /// Dry friction of at most max_torque (N m, >= 0 or infinite) against the shafts' turning, with the
+  /// same lever. 0: none.
+  void setFriction(btScalar max_torque);
   static constexpr btScalar minMotorSine() { return btScalar(0.1); }
 
-  /// Impulses of the last step (N m s): of the bend, negative as they straighten it; of the motor,
-  /// positive along the shaft angle.
+  /// Impulses of the last step (N m s): of the bend, negative as they straighten it; of motor and
+  /// friction of the shafts, positive along the shaft angle.
   btScalar getBendLimitImpulse() const { return axisImpulse(0, Axis::limit); }
   btScalar getBendFrictionImpulse() const { return axisImpulse(0, Axis::friction); }
+  btScalar getBendMotorImpulse() const { return axisImpulse(0, Axis::motor); }
   btScalar getMotorImpulse() const { return axisImpulse(1, Axis::motor); }
+  btScalar getFrictionImpulse() const { return axisImpulse(1, Axis::friction); }
 
   /// The frames, and the cone of the bend.
   void drawJoint(btIDebugDraw& drawer) const override;
@@ -87,9 +107,11 @@ class ConstantVelocityJoint : public FrameJoint {
 
   static Axis freeBend();
 
-  Axis m_bend = freeBend();  ///< along the bend: its limit has one side
-  Axis m_shaft;              ///< along the shaft angle: the motor
-  CosineLimit m_bend_look;   ///< the limit
+  Axis m_bend = freeBend();                           ///< along the bend: its limit has one side
+  Axis m_shaft;                                       ///< along the shaft angle: the motor
+  Axis::Drive m_bend_drive = Axis::Drive::velocity;   ///< what enableBendMotor turns on
+  Axis::Drive m_shaft_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
+  CosineLimit m_bend_look;                            ///< the limit
   UnwrappedAngle m_shaft_angle;
   RowMemory<6, 2> m_row_memory;
 };

@@ -44,6 +44,12 @@ void stopIfSlow(btSolverBody& body) {
 // fight each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
 constexpr Scalar feed_forward = Scalar(0.6);
 
+// The part in which two steps agree.
+Scalar lasting(Scalar now, Scalar last) {
+  if (!(now * last > least_speed * least_speed)) return 0;
+  return btFabs(now) < btFabs(last) ? now : last;
+}
+
 // Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
 constexpr Scalar diverging_cfm = 1;
 
@@ -91,6 +97,16 @@ bool isRounding(const Row& row, const BodyPair& pair) {
   const Scalar terms =
       largest(row.A_a, pair.inv_inertia_a()) + largest(row.A_b, pair.inv_inertia_b());
   return !(K > 8 * SIMD_EPSILON * terms);
+}
+
+// The velocity of a body as the solver has it.
+Vec3 linear(const btSolverBody& body) {
+  return view(body.m_linearVelocity) + view(body.m_externalForceImpulse) +
+         view(body.m_deltaLinearVelocity);
+}
+Vec3 angular(const btSolverBody& body) {
+  return view(body.m_angularVelocity) + view(body.m_externalTorqueImpulse) +
+         view(body.m_deltaAngularVelocity);
 }
 
 // The rows behind `info`, if they are those of Bullet's own solvers.
@@ -193,14 +209,19 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   const BodyPair pair(m_rbA, m_rbB);
   if (pair.finite()) prepare(pair, m_rows);
   // Other rows: the residuals are not theirs.
-  if (m_rows.size() != before) m_residuals_known = false;
+  if (m_rows.size() != before) forgetResiduals();
   info->m_numConstraintRows = m_rows.size();
   info->nub = 0;
 }
 
+PINTLE_NOINLINE void Joint::forgetResiduals() {
+  m_residuals_known = false;
+  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).seen = false;
+}
+
 // What acts along an axis in this step. `orthogonal` is its row after the elimination in `block`, whose
 // target is what the equalities' targets came to in it; both null: as it stands.
-inline AxisRow Joint::act(const Row& row, const BlockRow* orthogonal, const Block* block,
+inline AxisRow Joint::act(Row& row, const BlockRow* orthogonal, const Block* block,
                           const Step& step) {
   AxisState& state = m_rows.axis(row.axis);
   const Axis& axis = *state.axis;
@@ -292,7 +313,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
                 step.cfm[row.firmness], -bound, bound);
     }
     for (int i = equalities; i < n; ++i) {
-      const Row& row = m_rows[i];
+      Row& row = m_rows[i];
       write_axis(row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, act(row, nullptr, nullptr, step));
     }
     return;
@@ -316,6 +337,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const bool several = n > equalities + 1;
   for (int i = equalities; i < n; ++i) {
     BlockRow to;
+    m_rows[i].target = 0;
     if (several)
       block.orthogonalize(to, m_rows[i]);
     else
@@ -333,7 +355,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
   const BodyPair pair(m_rbA, m_rbB);
   const bool needle = isNeedle(m_rbA) || isNeedle(m_rbB);
   for (int i = 0; i < m_rows.size(); ++i) {
-    const Row& row = m_rows[i];
+    Row& row = m_rows[i];
     const LanesView L = row.lanesL(), A_a = row.lanesA_a(), A_b = row.lanesA_b();
     if (row.axis >= 0) {
       const AxisRow axis = act(row, nullptr, nullptr, step);
@@ -352,7 +374,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
   }
 }
 
-AxisRow Joint::solveCompound(const Row& row, const BlockRow* orthogonal, const Block* block,
+AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
                              AxisMotion& motion) {
   const BodyPair pair(m_rbA, m_rbB);
   BlockRow alone;
@@ -372,7 +394,22 @@ AxisRow Joint::solveCompound(const Row& row, const BlockRow* orthogonal, const B
   AxisState& state = m_rows.axis(row.axis);
   const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
   motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());
-  return solveAxis(*state.axis, motion, state);
+  // What others did to a given impulse's coordinate, and what of that lasts, they are going to do again.
+  if (state.seen) {
+    const Scalar now = row.correction;
+    row.correction = lasting(now, row.residual);
+    row.residual = now;
+    state.seen = false;
+    state.foreseen = true;
+  } else if (!state.foreseen) {
+    row.residual = row.correction = 0;
+  }
+  const Scalar alone_velocity = motion.free_velocity - motion.gain;
+  motion.free_velocity += row.correction;
+  const AxisRow result = solveAxis(*state.axis, motion, state);
+  state.given = result.lower == result.upper;
+  if (state.given) row.target = alone_velocity + motion.K * result.upper;
+  return result;
 }
 
 Scalar Joint::axisImpulse(int axis, Axis::Part part) const {
@@ -390,6 +427,14 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
       axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
     }
   }
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+    Row& row = m_rows[i];
+    AxisState& axis = m_rows.axis(row.axis);
+    if (!axis.given) continue;
+    const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
+    row.correction = axis.sign * now - row.target;
+    axis.seen = true;
+  }
   if (m_iterations_left == 0) return;
   --m_iterations_left;
   if (m_iterations_left % 2 == 0) {
@@ -397,21 +442,12 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
     stopIfSlow(b);
   }
   if (m_iterations_left > 0) return;
-  const auto linear = [](const btSolverBody& body) -> Vec3 {
-    return view(body.m_linearVelocity) + view(body.m_externalForceImpulse) +
-           view(body.m_deltaLinearVelocity);
-  };
-  const auto angular = [](const btSolverBody& body) -> Vec3 {
-    return view(body.m_angularVelocity) + view(body.m_externalTorqueImpulse) +
-           view(body.m_deltaAngularVelocity);
-  };
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
   for (int i = 0; i < m_rows.equalities(); ++i) {
     Row& row = m_rows[i];
     const Scalar now = velocity(row, v_ab, w_a, w_b) - row.target;
     const Scalar last = m_residuals_known ? row.residual : Scalar(0);
-    const bool lasts = now * last > least_speed * least_speed;
-    row.correction = lasts ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
+    row.correction = feed_forward * lasting(now, last);
     row.residual = now;
   }
   m_residuals_known = true;

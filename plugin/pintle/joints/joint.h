@@ -149,9 +149,10 @@ class Joint : public btTypedConstraint {
   Formulation m_formulation = Formulation::conditioned;
   int m_iterations_left = 0;  ///< until the residual is taken
 
+  void forgetResiduals();
   void writeDelicate(btConstraintInfo2& info);
-  AxisRow act(const Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
-  AxisRow solveCompound(const Row& row, const BlockRow* orthogonal, const Block* block,
+  AxisRow act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
+  AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
 
   Rows m_rows;

@@ -38,7 +38,13 @@ struct Spring {
 
 /// Settings along a coordinate. Units are those of the coordinate: rad, rad/s, N m s for an angle.
 struct Axis {
-  enum class Drive : unsigned char { off, velocity, pose, servo };
+  enum class Drive : unsigned char {
+    off,
+    velocity,
+    pose,  ///< to coordinate 0, in parts
+    rate,  ///< at the speed that stands in the place of the coordinate
+    servo
+  };
   enum Part { motor, friction, limit, parts };
 
   Scalar low = 1, high = -1;  ///< low > high: free
@@ -112,11 +118,16 @@ struct AxisState {
       Axis::parts;  ///< the part that takes what the others leave; `parts`: none acts
   /// J v = sign * d/dt of the coordinate (+1 or -1): which way Bullet counts the impulse.
   signed char sign = 1;
-  bool acted = false;  ///< whether there is a row in this step
+  bool acted : 1;     ///< whether there is a row in this step
+  bool given : 1;     ///< whether it is an impulse, given whatever other joints do
+  bool seen : 1;      ///< whether a solver has shown what they did to it
+  bool foreseen : 1;  ///< whether that is reckoned with in this step
 
+  AxisState() : acted(false), given(false), seen(false), foreseen(false) {}
   void beginStep() {
     last_incoming = acted ? incoming : 0;
-    acted = false;
+    if (!given) seen = false;
+    acted = given = foreseen = false;
   }
   /// No part acts so far.
   void clear() {

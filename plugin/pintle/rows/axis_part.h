@@ -75,8 +75,9 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
 
 inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
   if (axis.drive != Axis::Drive::servo) {
-    const Scalar target = axis.drive == Axis::Drive::pose ? -m.fps * axis.motor_gain * m.position
-                                                          : m.motor_factor * axis.motor_velocity;
+    const Scalar target = axis.drive == Axis::Drive::pose   ? -m.fps * axis.motor_gain * m.position
+                          : axis.drive == Axis::Drive::rate ? m.position
+                                                            : m.motor_factor * axis.motor_velocity;
     const Scalar most = m.motor_inertia * axis.max_motor_impulse + axis.max_motor_force / m.fps;
     const Scalar bound = btMin(most, infinity);
     return rigidPart(target, m.motor_cfm, -bound, bound);
