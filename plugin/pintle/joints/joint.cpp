@@ -44,10 +44,15 @@ void stopIfSlow(btSolverBody& body) {
 // fight each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
 constexpr Scalar feed_forward = Scalar(0.6);
 
-// The part in which two steps agree.
-Scalar lasting(Scalar now, Scalar last) {
-  if (!(now * last > least_speed * least_speed)) return 0;
-  return btFabs(now) < btFabs(last) ? now : last;
+// Whether a residual of now and one before say the same.
+bool agree(Scalar now, Scalar before) { return now * before > least_speed * least_speed; }
+
+// An impulse that is given, as that of a soft spring, does not see what other joints do to its coordinate
+// in the step. They are going to do again what they did; half of what has changed is taken over in a
+// step, as springs that bear on each other would else answer each other for ever, and next to nothing
+// of what was not there before, which may be a blow.
+Scalar foresee(Scalar now, Scalar before) {
+  return agree(now, before) ? (now + before) / 2 : now / 16;
 }
 
 // Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
@@ -394,15 +399,12 @@ AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* 
   AxisState& state = m_rows.axis(row.axis);
   const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
   motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());
-  // What others did to a given impulse's coordinate, and what of that lasts, they are going to do again.
   if (state.seen) {
-    const Scalar now = row.correction;
-    row.correction = lasting(now, row.residual);
-    row.residual = now;
+    row.correction = foresee(row.residual, row.correction);
     state.seen = false;
     state.foreseen = true;
   } else if (!state.foreseen) {
-    row.residual = row.correction = 0;
+    row.correction = 0;
   }
   const Scalar alone_velocity = motion.free_velocity - motion.gain;
   motion.free_velocity += row.correction;
@@ -432,7 +434,7 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
     AxisState& axis = m_rows.axis(row.axis);
     if (!axis.given) continue;
     const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
-    row.correction = axis.sign * now - row.target;
+    row.residual = axis.sign * now - row.target;
     axis.seen = true;
   }
   if (m_iterations_left == 0) return;
@@ -447,7 +449,8 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
     Row& row = m_rows[i];
     const Scalar now = velocity(row, v_ab, w_a, w_b) - row.target;
     const Scalar last = m_residuals_known ? row.residual : Scalar(0);
-    row.correction = feed_forward * lasting(now, last);
+    row.correction =
+        agree(now, last) ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
     row.residual = now;
   }
   m_residuals_known = true;
