@@ -26,6 +26,18 @@ struct Case {
   Hinge hinge;
   Vector reference;  // of body a, in its joint frame
 };
+
+// An angle, whose row is a unit vector; it is made unit with `length`.
+template <class T, class Function>
+void expectUnitRow(const equations::AngularRow<T>& row, const Function& C,
+                   const Bodies<double>& bodies, double tolerance, double length) {
+  const Velocities J = angular_row(row.J_b);
+  ASSERT_LE(std::abs(double(row.C) - C(bodies)), tolerance);
+  ASSERT_LE(std::abs(double(row.J_b.norm()) - 1), Wedge<T>::kTolerance);
+  ASSERT_LE(mismatch(J, gradient(C, bodies)), tolerance);
+  ASSERT_LE(mismatch(J, difference(C, bodies)),
+            tolerance + difference_tolerance / (length * length));
+}
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const Hinge& hinge : hinges({0, 1e-8, -1, -pi, pi - 1e-8, pi}, {0, 1})) {
@@ -160,12 +172,7 @@ TYPED_TEST(Wedge, PlaneDistanceIsTheShortestTurnAndItsRowTheGradient) {
     // As the plane's row, and over the length of what it is made unit with.
     const double tolerance =
         this->kTolerance / std::hypot(at.reference.x(), at.reference.y()) / length;
-    const Velocities J = angular_row(row.J_b);
-    ASSERT_LE(std::abs(double(row.C) - C(at.hinge.bodies)), tolerance);
-    ASSERT_LE(std::abs(double(row.J_b.norm()) - 1), this->kTolerance);
-    ASSERT_LE(mismatch(J, gradient(C, at.hinge.bodies)), tolerance);
-    ASSERT_LE(mismatch(J, difference(C, at.hinge.bodies)),
-              tolerance + difference_tolerance / (length * length));
+    ASSERT_NO_FATAL_FAILURE(expectUnitRow(row, C, at.hinge.bodies, tolerance, length));
   }
   // Along the normal every way is as short.
   const Vector3<T> x = Vector3<T>::Unit(0), z = Vector3<T>::Unit(2);
@@ -193,12 +200,7 @@ TYPED_TEST(Wedge, EdgeDistanceIsTheTurnToItsNearerEndAndItsRowTheGradient) {
     const double length = double(cross(c_b, w).norm()), along = std::abs(double(c_b.dot(w)));
     if (length < 0.01 || along < 0.01) continue;
     const double tolerance = this->kTolerance / (length * length);
-    const Velocities J = angular_row(row.J_b);
-    ASSERT_LE(std::abs(double(row.C) - C(at.hinge.bodies)), tolerance);
-    ASSERT_LE(std::abs(double(row.J_b.norm()) - 1), this->kTolerance);
-    ASSERT_LE(mismatch(J, gradient(C, at.hinge.bodies)), tolerance);
-    ASSERT_LE(mismatch(J, difference(C, at.hinge.bodies)),
-              tolerance + difference_tolerance / (length * length));
+    ASSERT_NO_FATAL_FAILURE(expectUnitRow(row, C, at.hinge.bodies, tolerance, length));
   }
 }
 

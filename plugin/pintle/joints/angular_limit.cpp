@@ -89,15 +89,13 @@ void AngularLimit::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio)
 
 void AngularLimit::enableAngularMotor(bool enable, btScalar target_velocity, btScalar max_impulse) {
   setAxisMotor(m_axis, enable, target_velocity, max_impulse);
-  m_drive = Axis::Drive::velocity;
 }
 
-void AngularLimit::enableMotor(bool enable) { m_axis.drive = enable ? m_drive : Axis::Drive::off; }
+void AngularLimit::enableMotor(bool enable) { m_axis.enable(enable); }
 
 void AngularLimit::setMotorServo(btScalar target_angle, btScalar frequency_hz,
                                  btScalar damping_ratio, btScalar max_torque) {
   setAxisServo(m_axis, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_drive = Axis::Drive::servo;
 }
 
 void AngularLimit::setFriction(btScalar max_torque) { setAxisFriction(m_axis, max_torque); }

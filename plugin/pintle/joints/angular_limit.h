@@ -88,7 +88,6 @@ class AngularLimit : public FrameJoint {
 
   Axis m_axis;
   UnwrappedAngle m_angle;
-  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
   bool m_turn_given = false;
   RowMemory<1, 1> m_row_memory;
 };

@@ -282,6 +282,7 @@ void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
 Axis& ConeTwistJoint::rotation() {
   if (!m_rotation) {
     m_rotation = std::make_unique<Rotation>();
+    m_rotation->axis.chosen = Axis::Drive::pose;
     m_rotation->axis.max_motor_impulse = infinity;
     setRows(m_rotation->memory);
     limitsChanged();
@@ -290,20 +291,12 @@ Axis& ConeTwistJoint::rotation() {
 }
 
 void ConeTwistJoint::enableMotor(bool b) {
-  if (!b && !m_rotation) return;
-  Axis& axis = rotation();
-  axis.drive = b ? m_rotation->drive : Axis::Drive::off;
-}
-
-void ConeTwistJoint::setMotorDrive(Axis::Drive drive) {
-  rotation();
-  m_rotation->drive = drive;
-  enableMotor(isMotorEnabled());
+  if (b || m_rotation) rotation().enable(b);
 }
 
 void ConeTwistJoint::setMotorVelocity(const btVector3& velocity) {
   point("motor velocity", velocity);
-  setMotorDrive(Axis::Drive::rate);
+  rotation().choose(Axis::Drive::rate);
   m_rotation->velocity = velocity;
 }
 
@@ -323,7 +316,7 @@ void ConeTwistJoint::setMotorTargetInConstraintSpace(const btQuaternion& q) {
   const Scalar length = q.length();
   if (!(length > SIMD_EPSILON && length < infinity))
     reject("motor target", length, "must have a length");
-  setMotorDrive(Axis::Drive::pose);
+  rotation().choose(Axis::Drive::pose);
   m_rotation->target = limited(q / length, 1);
   m_rotation->reachable_target = limited(m_rotation->target, m_softness);
 }

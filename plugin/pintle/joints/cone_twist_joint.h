@@ -167,8 +167,7 @@ class ConeTwistJoint : public FrameJoint {
   // one of them is first set.
   struct Rotation {
     Axis axis;
-    Scalar max_motor_impulse = -1;          ///< as set; below 0: any
-    Axis::Drive drive = Axis::Drive::pose;  ///< what enableMotor turns on
+    Scalar max_motor_impulse = -1;  ///< as set; below 0: any
     btVector3 velocity = {0, 0, 0};
     btQuaternion target = btQuaternion::getIdentity();
     btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
@@ -176,7 +175,6 @@ class ConeTwistJoint : public FrameJoint {
   };
 
   Axis& rotation();
-  void setMotorDrive(Axis::Drive drive);
   void setUp(const btTransform& frame_a, const btTransform& frame_b);
   Scalar span(const char* field, Scalar value) const;
   void setMotorBound(Scalar most, bool normalized);

@@ -135,34 +135,26 @@ void ConstantVelocityJoint::setBendFriction(btScalar max_torque) {
 
 void ConstantVelocityJoint::enableBendMotor(bool on, btScalar velocity, btScalar max_torque) {
   setAxisForceMotor(m_bend, on, velocity, max_torque);
-  m_bend_drive = Axis::Drive::velocity;
 }
 
-void ConstantVelocityJoint::enableBendMotor(bool on) {
-  m_bend.drive = on ? m_bend_drive : Axis::Drive::off;
-}
+void ConstantVelocityJoint::enableBendMotor(bool on) { m_bend.enable(on); }
 
 void ConstantVelocityJoint::setBendServo(btScalar target_bend, btScalar frequency_hz,
                                          btScalar damping_ratio, btScalar max_torque) {
   if (!(target_bend >= 0 && target_bend <= SIMD_PI))
     reject("servo target bend", target_bend, "must be in [0, pi]");
   setAxisServo(m_bend, target_bend, frequency_hz, damping_ratio, max_torque);
-  m_bend_drive = Axis::Drive::servo;
 }
 
 void ConstantVelocityJoint::enableMotor(bool on, btScalar velocity, btScalar max_torque) {
   setAxisForceMotor(m_shaft, on, velocity, max_torque);
-  m_shaft_drive = Axis::Drive::velocity;
 }
 
-void ConstantVelocityJoint::enableMotor(bool on) {
-  m_shaft.drive = on ? m_shaft_drive : Axis::Drive::off;
-}
+void ConstantVelocityJoint::enableMotor(bool on) { m_shaft.enable(on); }
 
 void ConstantVelocityJoint::setMotorServo(btScalar target_angle, btScalar frequency_hz,
                                           btScalar damping_ratio, btScalar max_torque) {
   setAxisServo(m_shaft, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_shaft_drive = Axis::Drive::servo;
 }
 
 void ConstantVelocityJoint::setFriction(btScalar max_torque) {

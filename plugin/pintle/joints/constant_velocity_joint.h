@@ -107,11 +107,9 @@ class ConstantVelocityJoint : public FrameJoint {
 
   static Axis freeBend();
 
-  Axis m_bend = freeBend();                           ///< along the bend: its limit has one side
-  Axis m_shaft;                                       ///< along the shaft angle: the motor
-  Axis::Drive m_bend_drive = Axis::Drive::velocity;   ///< what enableBendMotor turns on
-  Axis::Drive m_shaft_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
-  CosineLimit m_bend_look;                            ///< the limit
+  Axis m_bend = freeBend();  ///< along the bend: its limit has one side
+  Axis m_shaft;              ///< along the shaft angle: the motor
+  CosineLimit m_bend_look;   ///< the limit
   UnwrappedAngle m_shaft_angle;
   RowMemory<6, 2> m_row_memory;
 };

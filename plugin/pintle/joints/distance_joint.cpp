@@ -59,15 +59,13 @@ void DistanceJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio
 
 void DistanceJoint::enableMotor(bool enable, btScalar target_velocity, btScalar max_impulse) {
   setAxisMotor(m_axis, enable, target_velocity, max_impulse);
-  m_drive = Axis::Drive::velocity;
 }
 
-void DistanceJoint::enableMotor(bool enable) { m_axis.drive = enable ? m_drive : Axis::Drive::off; }
+void DistanceJoint::enableMotor(bool enable) { m_axis.enable(enable); }
 
 void DistanceJoint::setMotorServo(btScalar target_distance, btScalar frequency_hz,
                                   btScalar damping_ratio, btScalar max_force) {
   setAxisServo(m_axis, target_distance, frequency_hz, damping_ratio, max_force, "servo max force");
-  m_drive = Axis::Drive::servo;
 }
 
 void DistanceJoint::setFriction(btScalar max_force) {

@@ -84,9 +84,8 @@ class DistanceJoint : public FrameJoint {
   Scalar curvature(const BodyPair& pair, const Points& at) const;
   bool rigidRod() const { return m_axis.locked() && !(m_axis.limit_spring.angular_frequency > 0); }
 
-  Axis m_axis;                                  ///< along the distance
-  Vec3 m_direction = Vec3::Unit(0);             ///< the last one from a to b, world
-  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
+  Axis m_axis;                       ///< along the distance
+  Vec3 m_direction = Vec3::Unit(0);  ///< the last one from a to b, world
   RowMemory<1, 1> m_row_memory;
 };
 

@@ -35,8 +35,8 @@ btScalar FrameJoint::getParam(int num, int axis) const {
   }
 }
 
-void FrameJoint::addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
-                              const Vec3& d, Rows& rows) const {
+void FrameJoint::addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
+                              Rows& rows) const {
   if (m_angular_only) return;
   if (getFormulation() == Formulation::document)
     addDocumentPositionRows(r_a, r_b, d, rows);

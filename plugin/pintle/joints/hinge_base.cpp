@@ -156,12 +156,9 @@ void HingeBase::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
 void HingeBase::enableAngularMotor(bool enableMotor, btScalar targetVelocity,
                                    btScalar maxMotorImpulse) {
   setAxisMotor(m_axis, enableMotor, targetVelocity, maxMotorImpulse);
-  m_drive = Axis::Drive::velocity;
 }
 
-void HingeBase::enableMotor(bool enableMotor) {
-  m_axis.drive = enableMotor ? m_drive : Axis::Drive::off;
-}
+void HingeBase::enableMotor(bool enableMotor) { m_axis.enable(enableMotor); }
 
 void HingeBase::setMaxMotorImpulse(btScalar maxMotorImpulse) {
   m_axis.max_motor_impulse = bound("max motor impulse", maxMotorImpulse);
@@ -169,8 +166,7 @@ void HingeBase::setMaxMotorImpulse(btScalar maxMotorImpulse) {
 
 void HingeBase::setMotorTargetVelocity(btScalar motorTargetVelocity) {
   m_axis.motor_velocity = finite("motor target velocity", motorTargetVelocity);
-  m_drive = Axis::Drive::velocity;
-  enableMotor(getEnableAngularMotor());
+  m_axis.choose(Axis::Drive::velocity);
 }
 
 void HingeBase::setMotorTarget(btScalar targetAngle, btScalar dt) {
@@ -198,7 +194,6 @@ void HingeBase::setMotorTarget(const btQuaternion& qAinB, btScalar dt) {
 void HingeBase::setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
                               btScalar max_torque) {
   setAxisServo(m_axis, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_drive = Axis::Drive::servo;
 }
 
 void HingeBase::setFriction(btScalar max_torque) { setAxisFriction(m_axis, max_torque); }

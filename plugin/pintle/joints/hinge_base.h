@@ -150,7 +150,6 @@ class HingeBase : public FrameJoint {
   Scalar angle() const { return m_sign * m_twist.value(); }
 
   Scalar m_limit_softness = Scalar(0.9);
-  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
   bool m_turn_given = false;
   bool m_use_reference_frame_a;
 };

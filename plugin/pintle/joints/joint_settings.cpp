@@ -84,7 +84,8 @@ void Joint::setAxisMotor(Axis& axis, bool on, Scalar velocity, Scalar max_impuls
   finite("motor target velocity", velocity);
   axis.max_motor_impulse = bound("max motor impulse", max_impulse);
   axis.motor_velocity = velocity;
-  axis.drive = on ? Axis::Drive::velocity : Axis::Drive::off;
+  axis.chosen = Axis::Drive::velocity;
+  axis.enable(on);
 }
 
 void Joint::setAxisForceMotor(Axis& axis, bool on, Scalar velocity, Scalar max_force,
@@ -102,7 +103,8 @@ void Joint::setAxisServo(Axis& axis, Scalar target, Scalar frequency_hz, Scalar 
   axis.max_servo_force = bound(force_field, max_force);
   axis.servo_target = target;
   axis.servo_spring = {SIMD_2_PI * frequency_hz, damping_ratio};
-  axis.drive = Axis::Drive::servo;
+  axis.chosen = Axis::Drive::servo;
+  axis.enable(true);
 }
 
 void Joint::setAxisFriction(Axis& axis, Scalar max_force, const char* force_field) const {

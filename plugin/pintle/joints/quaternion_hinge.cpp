@@ -109,8 +109,7 @@ void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, co
   if (limit) {
     const auto row =
         equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), limit->turns());
-    rows.addAngularAxis(0, row.J_b, m_sign * row.C, m_half_sine_axis, true,
-                        m_sign > 0 ? 1 : -1);
+    rows.addAngularAxis(0, row.J_b, m_sign * row.C, m_half_sine_axis, true, m_sign > 0 ? 1 : -1);
   }
 }
 

@@ -182,24 +182,18 @@ void SliderJoint::feelChanged() {
                                 set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG), m_lim_ang.softness};
 }
 
-void SliderJoint::setPoweredLinMotor(bool onOff) {
-  m_linear.drive = onOff ? m_linear_drive : Axis::Drive::off;
-}
+void SliderJoint::setPoweredLinMotor(bool onOff) { m_linear.enable(onOff); }
 void SliderJoint::setTargetLinMotorVelocity(btScalar targetLinMotorVelocity) {
   m_linear.motor_velocity = finite("target linear motor velocity", targetLinMotorVelocity);
-  m_linear_drive = Axis::Drive::velocity;
-  setPoweredLinMotor(getPoweredLinMotor());
+  m_linear.choose(Axis::Drive::velocity);
 }
 void SliderJoint::setMaxLinMotorForce(btScalar maxLinMotorForce) {
   m_linear.max_motor_force = bound("max linear motor force", maxLinMotorForce);
 }
-void SliderJoint::setPoweredAngMotor(bool onOff) {
-  m_angular.drive = onOff ? m_angular_drive : Axis::Drive::off;
-}
+void SliderJoint::setPoweredAngMotor(bool onOff) { m_angular.enable(onOff); }
 void SliderJoint::setTargetAngMotorVelocity(btScalar targetAngMotorVelocity) {
   m_angular.motor_velocity = -finite("target angular motor velocity", targetAngMotorVelocity);
-  m_angular_drive = Axis::Drive::velocity;
-  setPoweredAngMotor(getPoweredAngMotor());
+  m_angular.choose(Axis::Drive::velocity);
 }
 void SliderJoint::setMaxAngMotorForce(btScalar maxAngMotorForce) {
   m_angular.max_motor_force = bound("max angular motor force", maxAngMotorForce);
@@ -215,12 +209,10 @@ void SliderJoint::setAngLimitSpring(btScalar frequency_hz, btScalar damping_rati
 void SliderJoint::setLinMotorServo(btScalar target, btScalar frequency_hz, btScalar damping_ratio,
                                    btScalar max_force) {
   setAxisServo(m_linear, target, frequency_hz, damping_ratio, max_force, "servo max force");
-  m_linear_drive = Axis::Drive::servo;
 }
 void SliderJoint::setAngMotorServo(btScalar target_angle, btScalar frequency_hz,
                                    btScalar damping_ratio, btScalar max_torque) {
   setAxisServo(m_angular, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_angular_drive = Axis::Drive::servo;
 }
 
 void SliderJoint::setLinFriction(btScalar max_force) {

@@ -251,8 +251,6 @@ class SliderJoint : public FrameJoint {
   Feel m_dir_lin, m_dir_ang, m_lim_lin, m_lim_ang, m_ortho_lin, m_ortho_ang;
   Firmness m_firmnesses[firmnesses];
   int m_flags = 0;
-  Axis::Drive m_linear_drive = Axis::Drive::velocity;  ///< what setPowered... turns on
-  Axis::Drive m_angular_drive = Axis::Drive::velocity;
   bool m_turn_given = false;
   RowMemory<6, axes> m_row_memory;
 };

@@ -234,21 +234,14 @@ bool UniversalJoint::isLimited(int limitIndex) const {
 }
 
 void UniversalJoint::enableMotor(int axis, bool on, btScalar velocity, btScalar max_torque) {
-  Hinge& h = hinge(axis);
-  setAxisForceMotor(h.axis, on, velocity, max_torque);
-  h.drive = Axis::Drive::velocity;
+  setAxisForceMotor(hinge(axis).axis, on, velocity, max_torque);
 }
 
-void UniversalJoint::enableMotor(int axis, bool on) {
-  Hinge& h = hinge(axis);
-  h.axis.drive = on ? h.drive : Axis::Drive::off;
-}
+void UniversalJoint::enableMotor(int axis, bool on) { hinge(axis).axis.enable(on); }
 
 void UniversalJoint::setMotorServo(int axis, btScalar target_angle, btScalar frequency_hz,
                                    btScalar damping_ratio, btScalar max_torque) {
-  Hinge& h = hinge(axis);
-  setAxisServo(h.axis, target_angle, frequency_hz, damping_ratio, max_torque);
-  h.drive = Axis::Drive::servo;
+  setAxisServo(hinge(axis).axis, target_angle, frequency_hz, damping_ratio, max_torque);
 }
 
 void UniversalJoint::setLimitSpring(int axis, btScalar frequency_hz, btScalar damping_ratio) {

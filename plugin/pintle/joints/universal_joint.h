@@ -140,7 +140,6 @@ class UniversalJoint : public FrameJoint {
   struct Hinge {
     Axis axis;
     AxisParameters parameters;
-    Axis::Drive drive = Axis::Drive::velocity;  ///< what enableMotor turns on
     bool turn_given = false;
   };
   struct Frames;

@@ -108,15 +108,13 @@ void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
 
 void WedgeJoint::enableAngularMotor(bool enable, btScalar target_velocity, btScalar max_impulse) {
   setAxisMotor(m_side, enable, target_velocity, max_impulse);
-  m_drive = Axis::Drive::velocity;
 }
 
-void WedgeJoint::enableMotor(bool enable) { m_side.drive = enable ? m_drive : Axis::Drive::off; }
+void WedgeJoint::enableMotor(bool enable) { m_side.enable(enable); }
 
 void WedgeJoint::setMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
                                btScalar max_torque) {
   setAxisServo(m_side, target_angle, frequency_hz, damping_ratio, max_torque);
-  m_drive = Axis::Drive::servo;
 }
 
 void WedgeJoint::setFriction(btScalar max_torque) { setAxisFriction(m_side, max_torque); }

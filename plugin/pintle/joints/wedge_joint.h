@@ -97,7 +97,6 @@ class WedgeJoint : public FrameJoint {
   bool m_convex = false;             ///< below pi
   bool m_reflex = false;             ///< from pi on
   bool m_acute = false;
-  Axis::Drive m_drive = Axis::Drive::velocity;  ///< what enableMotor turns on
   RowMemory<3 + axes, axes> m_row_memory;
 };
 

@@ -53,6 +53,7 @@ struct Axis {
   Spring limit_spring;
 
   Drive drive = Drive::off;
+  Drive chosen = Drive::velocity;  ///< what enable turns on
   /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
   bool normalized_motor = false;
   Scalar motor_velocity = 0;
@@ -65,6 +66,12 @@ struct Axis {
   Scalar max_friction = 0;     ///< N m
 
   const AxisParameters* own = nullptr;  ///< before the joint's
+
+  void choose(Drive how) {
+    chosen = how;
+    enable(drive != Drive::off);
+  }
+  void enable(bool on) { drive = on ? chosen : Drive::off; }
 
   bool limited() const { return low <= high; }
   bool locked() const { return low == high; }
