@@ -132,9 +132,13 @@ struct AxisState {
 
   AxisState() : acted(false), given(false), seen(false), foreseen(false) {}
   void beginStep() {
-    last_incoming = acted ? incoming : 0;
-    if (!given) seen = false;
-    acted = given = foreseen = false;
+    if (acted) {
+      last_incoming = incoming;
+      acted = given = foreseen = false;
+    } else {
+      last_incoming = 0;
+      seen = false;
+    }
   }
   /// No part acts so far.
   void clear() {
