@@ -220,6 +220,22 @@ TEST_P(Contract, RowsAreFiniteAndWholeOfDegenerateBodies) {
   }
 }
 
+void expectFiniteAfterASecond(scenes::World& world, const Pair& pair, btTypedConstraint& joint) {
+  btSphereShape shape(1);  // Bullet's world asks for one
+  for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
+    body->setCollisionShape(&shape);
+    body->setActivationState(DISABLE_DEACTIVATION);
+    world.bullet().addRigidBody(body, 0, 0);
+  }
+  world.bullet().addConstraint(&joint, true);
+  for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+  EXPECT_TRUE(support::is_finite(*pair.a));
+  EXPECT_TRUE(support::is_finite(*pair.b));
+  world.bullet().removeConstraint(&joint);
+  world.bullet().removeRigidBody(pair.a.get());
+  world.bullet().removeRigidBody(pair.b.get());
+}
+
 TEST_P(Contract, DegenerateBodiesStayFiniteInAWorld) {
   for (const Degenerate& degenerate : degenerates()) {
     SCOPED_TRACE(degenerate.name);
@@ -228,21 +244,8 @@ TEST_P(Contract, DegenerateBodiesStayFiniteInAWorld) {
       Random random(13);
       Pair pair = randomPair(random);
       degenerate.make(pair, random);
-      btSphereShape shape(1);  // Bullet's world asks for one
       scenes::World world(0);
-      for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
-        body->setCollisionShape(&shape);
-        body->setActivationState(DISABLE_DEACTIVATION);
-        world.bullet().addRigidBody(body, 0, 0);
-      }
-      const auto joint = make(pair, variant);
-      world.bullet().addConstraint(joint.get(), true);
-      for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
-      EXPECT_TRUE(support::is_finite(*pair.a));
-      EXPECT_TRUE(support::is_finite(*pair.b));
-      world.bullet().removeConstraint(joint.get());
-      world.bullet().removeRigidBody(pair.a.get());
-      world.bullet().removeRigidBody(pair.b.get());
+      expectFiniteAfterASecond(world, pair, *make(pair, variant));
     }
   }
 }
@@ -255,20 +258,9 @@ TEST_P(Contract, NeedlesStayFinite) {
     pair.a = support::body(1, vec(1, 1, 1e-8), random.pose(1));
     pair.b = support::body(0, vec(0, 0, 0), random.pose(1));
     move(*pair.a, random, 3, 5);
-    btSphereShape shape(1);
+    SCOPED_TRACE(n);
     scenes::World world(0);
-    for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
-      body->setCollisionShape(&shape);
-      body->setActivationState(DISABLE_DEACTIVATION);
-      world.bullet().addRigidBody(body, 0, 0);
-    }
-    const auto joint = make(pair);
-    world.bullet().addConstraint(joint.get(), true);
-    for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
-    EXPECT_TRUE(support::is_finite(*pair.a)) << n;
-    world.bullet().removeConstraint(joint.get());
-    world.bullet().removeRigidBody(pair.a.get());
-    world.bullet().removeRigidBody(pair.b.get());
+    expectFiniteAfterASecond(world, pair, *make(pair));
   }
 }
 
@@ -294,23 +286,10 @@ TEST_P(Contract, SoftnessOnWhichBulletDivergesStaysFinite) {
       Random random(14);
       Pair pair = randomPair(random);
       meet(pair);
-      btSphereShape shape(1);
       scenes::World world;
       world.bullet().getSolverInfo().m_globalCfm = scalar(cfm);
-      for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
-        body->setCollisionShape(&shape);
-        body->setActivationState(DISABLE_DEACTIVATION);
-        world.bullet().addRigidBody(body, 0, 0);
-      }
-      const auto joint = make(pair, variant);
-      world.bullet().addConstraint(joint.get(), true);
-      for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
-      EXPECT_TRUE(support::is_finite(*pair.a));
-      EXPECT_TRUE(support::is_finite(*pair.b));
+      expectFiniteAfterASecond(world, pair, *make(pair, variant));
       EXPECT_LT(double(pair.a->getLinearVelocity().length()), 1e3);
-      world.bullet().removeConstraint(joint.get());
-      world.bullet().removeRigidBody(pair.a.get());
-      world.bullet().removeRigidBody(pair.b.get());
     }
   }
 }
