@@ -1,6 +1,6 @@
-// A ball is dropped on a plane, from 1 m, and bounces until it rests: each time with the part e of its
-// speed, and so in half of a time that is e times the last one.
+// A ball is dropped on a plane, from 1 m, and bounces until it rests.
 
+#include "bouncing.h"
 #include "catalog.h"
 
 namespace scenes {
@@ -18,14 +18,8 @@ Scene bounce_scene(double restitution) {
   scene.probe_body = ball;
   scene.horizon = scene.seconds;
   scene.closed_form = [=](double time) -> Vector3d {
-    const double g = standard_gravity;
-    double speed = std::sqrt(2 * g * height);
-    double since = time + speed / g;  // it was thrown up
-    while (speed > 1e-6 && since > 2 * speed / g) {
-      since -= 2 * speed / g;
-      speed *= restitution;
-    }
-    return {0, 0, speed > 1e-6 ? since * (speed - g * since / 2) : 0};
+    const double g = standard_gravity, speed = std::sqrt(2 * g * height);
+    return {0, 0, bouncing(time + speed / g, speed, g, restitution)};  // as if it was thrown up
   };
   return scene;
 }

@@ -54,6 +54,10 @@ RecoveryResult recovery(const RecoverySettings& settings, Configure configure = 
   World world(scene.gravity, settings.iterations, settings.make_solver);
   const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
   btRigidBody &a = *bodies[1], &b = *bodies[2];
+  // With the rounding of a quaternion, as users turn bodies: stock's fixed joint is lost by it.
+  btQuaternion turn;
+  b.getCenterOfMassTransform().getBasis().getRotation(turn);
+  b.setCenterOfMassTransform(btTransform(turn, b.getCenterOfMassPosition()));
   configure(world.add_joint<Hinge>(a, b, to_bullet(joint.in_a), to_bullet(joint.in_b)));
 
   const auto axis_angle = [&] {

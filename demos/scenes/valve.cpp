@@ -2,9 +2,8 @@
 // that wraps its limits to one turn sees 0 to 0, give or take rounding, for whole turns: it locks, or
 // it never stops.
 
+#include "bouncing.h"
 #include "catalog.h"
-
-#include <algorithm>
 
 namespace scenes {
 
@@ -23,10 +22,13 @@ Scene valve_scene(double turns, double speed) {
   scene.probe_body = wheel;
   scene.probe = {1, 0, 0};  // 1 m off the axis: metres are radians
   scene.horizon = scene.seconds;
-  // The motor takes it to its speed with its whole torque.
+  // The motor takes it to its speed with its whole torque, also after each rebound.
   const auto way = [=](double time) {
-    const double start = std::min(time, speed / acceleration);
-    return std::min(stop, acceleration * start * start / 2 + speed * (time - start));
+    const double restitution = 0.3;  // that hinges have
+    const double start = speed / acceleration, there = stop / speed + start / 2;
+    if (time < start) return acceleration * time * time / 2;
+    if (time < there) return speed * (time - start / 2);
+    return stop - bouncing(time - there, restitution * speed, acceleration, restitution);
   };
   scene.closed_form = [=](double time) {
     const double angle = time < one_way ? way(time) : stop - way(time - one_way);

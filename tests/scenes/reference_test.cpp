@@ -96,6 +96,8 @@ TEST(Reference, RefusesWhatItDoesNotSolve) {
   EXPECT_THROW(reference::solve(scenes::ragdoll_scene(), 1e-3, 0.05), std::invalid_argument);
   EXPECT_THROW(reference::solve(scenes::steering_scene(), 1e-3, 0.05), std::invalid_argument);
   EXPECT_THROW(reference::solve(scenes::cone_shoulder_scene(), 1e-3, 0.05), std::invalid_argument);
+  EXPECT_THROW(reference::solve(scenes::recovery_scene(), 1e-3, 0.05), std::invalid_argument);
+  EXPECT_THROW(reference::solve(scenes::bounce_scene(), 1e-3, 0.05), std::invalid_argument);
   EXPECT_THROW(reference::make_bullet_steps(scenes::ragdoll_scene()), std::invalid_argument);
   EXPECT_THROW(reference::stored("no scene", 1), std::runtime_error);
 }

@@ -65,6 +65,18 @@ TEST_P(Scenes, ARunRepeatsExactly) {
   EXPECT_TRUE(first.rows > 0 || only_limits);
 }
 
+/// Sixteen times shorter steps leave an eighth of the error at most: closed forms are what Bullet's steps tend to.
+TEST(ClosedForms, AreApproachedByShorterSteps) {
+  const engines::Contender& pintle = *engines::find_contender("pintle");
+  for (const Scene& scene :
+       {scenes::valve_scene(), scenes::bounce_scene(), scenes::door_scene(1)}) {
+    const auto error = [&](double hz) {
+      return measures::run(scene, *pintle.make(scene, 10), 1 / hz)[measures::Error::trajectory];
+    };
+    EXPECT_LT(error(960), error(60) / 8) << scene.name;
+  }
+}
+
 /// Joints that hold leave the errors of Bullet's steps, and no more: in the redundant loop of the
 /// linkage, too, where rounding makes rows that ought to say the same contradict each other.
 TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
