@@ -390,12 +390,14 @@ AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* 
     Block::take(alone, row);
     Block(pair).weigh(alone);
   }
-  // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors.
+  // A coordinate that the bodies' factors hold (2D games) has a K of rounding errors. One of less than epsilon
+  // Bullet's solver passes over: where it does not hold the joint, a spring is not to pull at it alone.
   const equations::InverseMass<Scalar> M{pair.inv_mass_a(), pair.inv_mass_b(), pair.inv_inertia_a(),
                                          pair.inv_inertia_b()};
   const equations::Jacobian<Scalar> J{row.L, row.A_a, row.A_b};
   const Scalar own = equations::inverse_effective_mass(J, M, J);
-  motion.K = alone.K > rounding_of_K * own ? alone.K : Scalar(0);
+  const Scalar passed_over = m_solved_at_once ? Scalar(0) : SIMD_EPSILON;
+  motion.K = alone.K > btMax(rounding_of_K * own, passed_over) ? alone.K : Scalar(0);
   AxisState& state = m_rows.axis(row.axis);
   const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
   motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());

@@ -88,7 +88,15 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Fram
   };
   add(p, curvature[0]);
   add(q, curvature[1]);
-  if (!m_angular_only) addConservingPositionRows(pair, at.a.r(), at.b.r(), d, rows);
+  if (m_angular_only) return;
+  // Bullet turns no body further in a step, whatever its velocity: such ones come apart in every step.
+  // Held at one point, they would swing about each other for seconds; at two, they are braked.
+  constexpr Scalar most_turn = Scalar(pi / 4);
+  const Scalar dt = timeStep(), w2 = btMax(w_a.squaredNorm(), w_b.squaredNorm());
+  if (w2 * dt * dt > most_turn * most_turn)
+    addDocumentPositionRows(at.a.r(), at.b.r(), d, rows);
+  else
+    addConservingPositionRows(pair, at.a.r(), at.b.r(), d, rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
