@@ -18,8 +18,7 @@ namespace {
 // further off is brought together as ERP says.
 constexpr double free_correction = 1;
 
-constexpr int most_joint_rows = 8;  // of a joint of Pintle's
-constexpr int most_rows = 16;       // of a stock joint
+constexpr int most_rows = 16;  // of a stock joint
 
 // Bullet's rows of a stock joint, for any pose of its bodies.
 class StockRows {
@@ -122,10 +121,9 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     speed[r] = 0;
     most[r] = double(infinity);
   }
-  if (const auto* joint = dynamic_cast<const Joint*>(block.joint)) {
-    RowMemory<most_joint_rows, most_joint_rows> memory;
-    Rows now(memory);
-    joint->addRows(BodyPair(a, pose_a, b, pose_b), now);
+  if (block.ours != nullptr) {
+    Rows now(m_memory);
+    block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
     for (int r = 0; r < block.rows; ++r) {
       if (block.index[r] >= now.equalities()) continue;
       const Row& row = now[block.index[r]];

@@ -74,8 +74,9 @@ void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numCon
   // break, whose rows are iterated, keep them.
   std::vector<std::pair<Joint*, bool>>& at_once = m_island->at_once;
   at_once.clear();
+  AsJoint as_joint;
   for (int i = 0; i < numConstraints; ++i) {
-    auto* joint = dynamic_cast<Joint*>(constraints[i]);
+    Joint* joint = as_joint(constraints[i]);
     if (joint != nullptr && joint->getBreakingImpulseThreshold() >= infinity) {
       at_once.emplace_back(joint, joint->getBlockRows());
       joint->setBlockRows(false);

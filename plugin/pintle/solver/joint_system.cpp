@@ -1,6 +1,7 @@
 #include <pintle/solver/joint_system.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/joints/joint.h>
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +61,25 @@ constexpr double stiff = 1, unresolved = 4;
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
 
+// A J^T of two joints' rows for a body, to their block of K.
+void addProduct(double* to, const double (&A)[6][block_rows], const double (&J)[6][block_rows],
+                int rows) {
+  for (int q = 0; q < rows; ++q) {
+    BlockColumn sum = column(to, q);
+    for (int k = 0; k < 6; ++k) sum += J[k][q] * column(A[k]);
+    column(to, q) = sum;
+  }
+}
+
 }  // namespace
+
+Joint* AsJoint::operator()(btTypedConstraint* constraint) {
+  if (m_last == nullptr || *m_last != typeid(*constraint)) {
+    m_last = &typeid(*constraint);
+    m_is_joint = dynamic_cast<Joint*>(constraint) != nullptr;
+  }
+  return m_is_joint ? static_cast<Joint*>(constraint) : nullptr;
+}
 
 bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
                          btConstraintArray& rows) {
@@ -73,6 +92,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     return bodies[body].internalGetInvMass().isZero() ? -1 : body;
   };
   const btTypedConstraint* last = nullptr;
+  AsJoint as_joint;
   int index = 0;
   for (int i = 0; i < rows.size(); ++i, ++index) {
     btSolverConstraint& row = rows[i];
@@ -90,7 +110,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     row.m_overrideNumSolverIterations = 0;
     if (m_joints.empty() || m_gathered.back().joint != joint ||
         m_joints.back().rows == block_rows) {
-      m_gathered.push_back({joint, {}, {}});
+      m_gathered.push_back({joint, as_joint(joint), {}, {}});
       m_joints.push_back({0, {moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
     }
     const int r = m_joints.back().rows++;
@@ -106,7 +126,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   for (int i = 0; i < bodies.size(); ++i) {
     Body& body = m_bodies[size_t(i)];
     body.stiffening = Stiffening();
-    body.load = 0;
+    body.load = body.known_load = 0;
     body.kick.setZero();
     if (moving(i) >= 0) scale(body, bodies[i]);
   }
@@ -118,6 +138,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     JointBlock& block = m_blocks[c];
     std::memset(static_cast<void*>(&block), 0, sizeof(block));
     block.joint = from.joint;
+    block.ours = from.ours;
     block.rows = joint.rows;
     for (int side = 0; side < 2; ++side) block.body[side] = joint.body[side];
     for (int r = 0; r < block.rows; ++r) {
@@ -189,29 +210,18 @@ void JointSystem::factorise() {
   for (int c = 0; c < columns; ++c) {
     const JointBlock& block = m_blocks[size_t(c)];
     double* K = m_factor.block(c);
-    for (int q = 0; q < block_rows; ++q) {
-      BlockColumn sum = BlockColumn::Zero();
-      if (q < block.rows) {
-        for (int side = 0; side < 2; ++side) {
-          if (block.body[side] < 0) continue;
-          for (int k = 0; k < 6; ++k) sum += block.J[side][k][q] * column(block.J[side][k]);
-        }
-        sum[q] += block.softness[q];
-      }
-      column(K, q) = sum;
-    }
+    std::fill_n(K, block_rows * block_rows, 0.);
+    for (int side = 0; side < 2; ++side)
+      if (block.body[side] >= 0) addProduct(K, block.J[side], block.J[side], block.rows);
+    for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.softness[r];
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
       const JointBlock& other = m_blocks[size_t(elimination.row(i))];
       double* to = m_factor.block(i);
       std::fill_n(to, block_rows * block_rows, 0.);
       for (int s = 0; s < 2; ++s) {
         for (int t = 0; t < 2; ++t) {
-          if (block.body[s] < 0 || block.body[s] != other.body[t]) continue;
-          for (int q = 0; q < block.rows; ++q) {
-            BlockColumn sum = column(to, q);
-            for (int k = 0; k < 6; ++k) sum += block.J[s][k][q] * column(other.J[t][k]);
-            column(to, q) = sum;
-          }
+          if (block.body[s] >= 0 && block.body[s] == other.body[t])
+            addProduct(to, other.J[t], block.J[s], block.rows);
         }
       }
     }
@@ -222,7 +232,14 @@ void JointSystem::factorise() {
   }
   if (loops()) {
     m_damped = m_factor;
-    m_damped.regularise(damped_correction);
+    for (int c = 0; c < columns; ++c) {
+      JointBlock& block = m_blocks[size_t(c)];
+      double* K = m_damped.block(c);
+      for (int r = 0; r < block.rows; ++r) {
+        block.damping[r] = damped_correction * K[r * (block_rows + 1)];
+        K[r * (block_rows + 1)] += block.damping[r];
+      }
+    }
     m_damped_is_factor = false;
   }
   m_factor.factorise(dependent_row);
@@ -282,6 +299,15 @@ void JointSystem::addLoads(double dt) {
   }
 }
 
+// Whether a body bears so much more or less than when its stiffness was looked at that it may be another.
+bool JointSystem::loadsChanged() const {
+  return std::any_of(m_bodies.begin(), m_bodies.end(), [](const Body& body) {
+    if (body.known_load == 0) return body.load > stiff;
+    const double ratio = (1 + body.load) / (1 + body.known_load);
+    return ratio > same_stiffness || ratio * same_stiffness < 1;
+  });
+}
+
 void JointSystem::addLevers(const btConstraintArray& rows) {
   for (Body& body : m_bodies) body.stiffness.setZero();
   for (const JointBlock& block : m_blocks) {
@@ -336,14 +362,13 @@ bool JointSystem::dependsOnItself() {
 bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
                           const btConstraintArray& rows, Scalar dt) {
   addLoads(double(dt));
-  if (!m_stiff && std::none_of(m_bodies.begin(), m_bodies.end(),
-                               [](const Body& body) { return body.load > stiff; }))
-    return false;
+  if (!loadsChanged()) return false;
   addLevers(rows);
   bool changed = false;
   for (Body& body : m_bodies) {
     Stiffening& next = body.next_stiffening;
     next = Stiffening();
+    body.known_load = body.load;
     if (body.load > stiff) {
       next = Stiffening(double(dt) * body.angular.transpose() * body.stiffness * body.angular);
       if (!(next.most() > stiff)) next = Stiffening();
@@ -367,16 +392,20 @@ void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies
   for (Body& body : m_bodies) {
     body.turns = body.stiffening.any() || body.next_stiffening.any();
     if (!body.turns) continue;
-    body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();
+    const Matrix3d root = body.next_stiffening.root();
+    body.turn = body.stiffening.any() ? Matrix3d(body.stiffening.inverseRoot() * root) : root;
     body.stiffening = body.next_stiffening;
-    body.stiff_angular = body.angular * body.stiffening.root();
+    body.stiff_angular = body.angular * root;
     body.stiff_inverse = body.stiffening.inverseRoot() * body.inverse;
   }
   for (JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
       if (block.body[side] < 0 || !m_bodies[size_t(block.body[side])].turns) continue;
-      Eigen::Map<Eigen::Matrix<double, block_rows, 3>> J(block.J[side][3]);
-      J *= m_bodies[size_t(block.body[side])].turn;
+      const Matrix3d& turn = m_bodies[size_t(block.body[side])].turn;
+      const auto J = &block.J[side][3];
+      const BlockColumn before[] = {column(J[0]), column(J[1]), column(J[2])};
+      for (int k = 0; k < 3; ++k)
+        column(J[k]) = turn(0, k) * before[0] + turn(1, k) * before[1] + turn(2, k) * before[2];
     }
   }
   addNeighbours(bodies);
@@ -614,12 +643,15 @@ void JointSystem::settle() {
   applyDamped();
 }
 
-// Rows keep of their targets what they have reached.
+// Rows keep of their targets what they have reached: all but their damping.
 void JointSystem::applyDamped() {
   if (!m_damped_is_factor) m_damped.factorise(dependent_row);
   m_damped_is_factor = true;
   apply(m_damped);
-  for (JointBlock& block : m_blocks) column(block.deficit) -= residual(block);
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    JointBlock& block = m_blocks[c];
+    column(block.deficit) -= column(block.damping).cwiseProduct(column(m_x.data(), int(c)));
+  }
 }
 
 void JointSystem::solve() {
@@ -628,14 +660,14 @@ void JointSystem::solve() {
 }
 
 void JointSystem::correct(const std::vector<double>& change) {
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_blocks[c].deficit) += column(change.data(), int(c));
   if (loops()) {
     m_x = change;
     applyDamped();
-    return;
+  } else {
+    solve();
   }
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_blocks[c].deficit) += column(change.data(), int(c));
-  solve();
 }
 
 void JointSystem::keep() {

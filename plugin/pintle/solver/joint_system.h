@@ -11,13 +11,27 @@
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 #include <initializer_list>
+#include <typeinfo>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class Joint;
+
+/// dynamic_cast to a joint of Pintle's of one after the other, most of them of the type of the one before.
+class AsJoint {
+ public:
+  Joint* operator()(btTypedConstraint* constraint);
+
+ private:
+  const std::type_info* m_last = nullptr;
+  bool m_is_joint = false;
+};
+
 /// The rows of a joint, or some of them, that the system holds: one block of K.
 struct JointBlock {
   btTypedConstraint* joint;
+  const Joint* ours;  ///< the same as a joint of Pintle's; null: a stock one
   int rows;
   int row[block_rows];          ///< in Bullet's pool
   int index[block_rows];        ///< among the rows of the joint
@@ -26,6 +40,7 @@ struct JointBlock {
   double deficit[block_rows];   ///< what J v lacks before any impulse
   double rest[block_rows];      ///< the part of it that brings the row to rest: -J v
   double softness[block_rows];  ///< Sigma
+  double damping[block_rows];   ///< of what rows of a loop may be unable to do together
   double impulse[block_rows];   ///< lambda
   bool is_soft[block_rows];     ///< by the joint's own settings
   int angular_rows;
@@ -124,6 +139,7 @@ class JointSystem {
     bool turns;     ///< whether these differ
     Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
     double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
+    double known_load;   ///< with which its stiffening was looked at last
     Matrix3d stiffness;  ///< of the levers of its joints, N m s
     Vector3d omega;      ///< sum of its neighbours', rad/s
     int neighbours;
@@ -144,6 +160,7 @@ class JointSystem {
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
+  bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void touch(const btConstraintArray& rows, bool of_contacts);
@@ -156,6 +173,7 @@ class JointSystem {
   Topology* m_topology = nullptr;
   struct Gathered {
     btTypedConstraint* joint;
+    const Joint* ours;
     int row[block_rows], index[block_rows];
   };
   std::vector<Gathered> m_gathered;  ///< as they come
