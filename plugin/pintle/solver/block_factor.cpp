@@ -11,6 +11,7 @@ namespace {
 template <class Function>
 inline void withConstant(int rows, const Function& f) {
   switch (rows) {
+    case 0: return;
     case 1: return f(std::integral_constant<int, 1>());
     case 2: return f(std::integral_constant<int, 2>());
     case 3: return f(std::integral_constant<int, 3>());

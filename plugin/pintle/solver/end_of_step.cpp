@@ -166,14 +166,14 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
   bool far = false;
   for (int r = 0; r < block.rows; ++r) {
-    error[r] = block.is_soft[r] ? 0 : end[r];
+    error[r] = block.holds[r] ? end[r] : 0;
     far = far || !(std::abs(error[r]) <= free_correction);
   }
   if (!far) return;
   Speeds start;
   speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most);
   for (int r = 0; r < block.rows; ++r) {
-    if (block.is_soft[r]) continue;
+    if (!block.holds[r]) continue;
     const double whole = std::abs(start[r]);
     const double speed = std::max(std::min(double(m_erp) * whole, most[r]), free_correction);
     if (whole > speed) error[r] -= start[r] * (1 - speed / whole);
