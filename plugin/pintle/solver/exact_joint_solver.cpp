@@ -20,6 +20,9 @@ constexpr int most_stiffenings = 6;
 // After this many iterations the contacts have loaded the joints with most of what they will.
 constexpr int iterations_of_load = 2;
 
+// What leaves its bounds is iterated, and the rest solved anew: so often, and then all that has bounds.
+constexpr int most_rounds = 3;
+
 // An error of this size, m or rad, is small enough for one correction to leave next to nothing of it.
 constexpr double small_error = 0.01;
 bool isFar(const std::vector<double>& errors) {
@@ -74,8 +77,9 @@ void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numCon
   // break, whose rows are iterated, keep them.
   std::vector<std::pair<Joint*, bool>>& at_once = m_island->at_once;
   at_once.clear();
+  AsJoint as_joint;
   for (int i = 0; i < numConstraints; ++i) {
-    auto* joint = dynamic_cast<Joint*>(constraints[i]);
+    Joint* joint = as_joint(constraints[i]);
     if (joint != nullptr && joint->getBreakingImpulseThreshold() >= infinity) {
       at_once.emplace_back(joint, joint->getBlockRows());
       joint->setBlockRows(false);
@@ -214,6 +218,53 @@ bool ExactJointSolver::findWorse() {
   return any;
 }
 
+// All of an island, with the rows that the system holds. Returns the number of iterations.
+template <class Pass>
+int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass) {
+  JointSystem& joints = m_island->joints;
+  const int iterations =
+      hasBounds() ? btMax(info.m_numIterations, m_maxOverrideNumSolverIterations) : 0;
+  // The impulses of the last step say how stiff the bodies will be. Among contacts, which load the
+  // joints anew, that is looked at again when they have done so.
+  m_island->stiffenings = 0;
+  const bool foreseen = stiffen(info);
+  if (!foreseen) {
+    joints.factorise();
+    if (again)
+      restart();
+    else
+      joints.begin(m_tmpSolverBodyPool);
+  }
+  while (!(foreseen && iterations > 0) && stiffen(info) && joints.hasUnresolved()) {
+  }
+  joints.settle();
+  joints.write(m_tmpSolverBodyPool);
+
+  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far
+  // as that matters to what has.
+  int used = 0;
+  m_leastSquaresResidual = 0;
+  if (iterations > 0) beginReactions();
+  while (used < iterations) {
+    m_leastSquaresResidual = pass(used++);
+    joints.react(m_tmpSolverBodyPool);
+    if (used == iterations_of_load) {
+      joints.endReactions();
+      joints.write(m_tmpSolverBodyPool);
+      if (stiffen(info)) joints.settle();
+      joints.write(m_tmpSolverBodyPool);
+      beginReactions();
+    }
+    if (m_leastSquaresResidual <= info.m_leastSquaresResidualThreshold) break;
+  }
+  if (iterations > 0) joints.endReactions();
+  joints.remember(m_tmpSolverNonContactConstraintPool);
+  if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
+
+  if (iteratePositions(info) || joints.fastest() > correction_speed) calm();
+  return used;
+}
+
 btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     btCollisionObject** bodies, int numBodies, btPersistentManifold** manifoldPtr, int numManifolds,
     btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& infoGlobal,
@@ -231,52 +282,26 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifoldPtr, numManifolds,
                                                 constraints, numConstraints, infoGlobal,
                                                 debugDrawer);
-  const int iterations =
-      hasBounds() ? btMax(infoGlobal.m_numIterations, m_maxOverrideNumSolverIterations) : 0;
-  // The impulses of the last step say how stiff the bodies will be. Among contacts, which load the
-  // joints anew, that is looked at again when they have done so.
-  m_island->stiffenings = 0;
-  const bool foreseen = stiffen(infoGlobal);
-  if (!foreseen) {
-    joints.factorise();
-    joints.begin(m_tmpSolverBodyPool);
+  btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
+  const auto pass = [&](int iteration) {
+    return solveSingleIteration(iteration, bodies, numBodies, manifoldPtr, numManifolds,
+                                constraints, numConstraints, infoGlobal, debugDrawer);
+  };
+  int used = solveIsland(infoGlobal, false, pass);
+  for (int round = 1; joints.finite(); ++round) {
+    if (!joints.giveBack(rows, round == most_rounds, infoGlobal.m_numIterations)) break;
+    joints.gather(m_tmpSolverBodyPool, rows);
+    used = solveIsland(infoGlobal, true, pass);
   }
-  while (!(foreseen && iterations > 0) && stiffen(infoGlobal) && joints.hasUnresolved()) {
-  }
-  joints.settle();
-  joints.write(m_tmpSolverBodyPool);
-
-  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far
-  // as that matters to what has.
-  int used = 0;
-  m_leastSquaresResidual = 0;
-  if (iterations > 0) beginReactions();
-  while (used < iterations) {
-    m_leastSquaresResidual =
-        solveSingleIteration(used++, bodies, numBodies, manifoldPtr, numManifolds, constraints,
-                             numConstraints, infoGlobal, debugDrawer);
-    joints.react(m_tmpSolverBodyPool);
-    if (used == iterations_of_load) {
-      joints.endReactions();
-      joints.write(m_tmpSolverBodyPool);
-      if (stiffen(infoGlobal)) joints.settle();
-      joints.write(m_tmpSolverBodyPool);
-      beginReactions();
-    }
-    if (m_leastSquaresResidual <= infoGlobal.m_leastSquaresResidualThreshold) break;
-  }
-  if (iterations > 0) joints.endReactions();
-  joints.remember(m_tmpSolverNonContactConstraintPool);
-  if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
-
-  if (iteratePositions(infoGlobal) || joints.fastest() > correction_speed) calm();
   if (!joints.finite()) {
-    joints.release(m_tmpSolverNonContactConstraintPool, infoGlobal.m_numIterations);
+    joints.release(rows, infoGlobal.m_numIterations);
     resetVelocities();
     return solve_by_bullet();
   }
   joints.write(m_tmpSolverBodyPool);
-  joints.writeImpulses(m_tmpSolverNonContactConstraintPool);
+  joints.writeImpulses(rows);
+  joints.takeBack(rows);
+  joints.report(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   ++m_analyticsData.m_numSolverCalls;
   m_analyticsData.m_numIterationsUsed = used;
   m_analyticsData.m_islandId = numBodies > 0 ? bodies[0]->getCompanionId() : -2;

@@ -74,6 +74,8 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
 
   bool hasBounds() const;
   bool stiffen(const btContactSolverInfo& info);
+  template <class Pass>
+  int solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass);
   void resetVelocities();
   void restart();
   void beginReactions();

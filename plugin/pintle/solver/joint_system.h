@@ -11,23 +11,40 @@
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 #include <initializer_list>
+#include <typeinfo>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class Joint;
+
+/// dynamic_cast to a joint of Pintle's of one after the other, most of them of the type of the one before.
+class AsJoint {
+ public:
+  Joint* operator()(btTypedConstraint* constraint);
+
+ private:
+  const std::type_info* m_last = nullptr;
+  bool m_is_joint = false;
+};
+
 /// The rows of a joint, or some of them, that the system holds: one block of K.
 struct JointBlock {
   btTypedConstraint* joint;
+  const Joint* ours;  ///< the same as a joint of Pintle's; null: a stock one
   int rows;
-  int row[block_rows];          ///< in Bullet's pool
-  int index[block_rows];        ///< among the rows of the joint
-  int body[2];                  ///< among Bullet's solver bodies; -1: does not move
-  double J[2][6][block_rows];   ///< J S of each body, by coordinate: linear, then angular
-  double deficit[block_rows];   ///< what J v lacks before any impulse
-  double rest[block_rows];      ///< the part of it that brings the row to rest: -J v
+  int row[block_rows];         ///< in Bullet's pool
+  int index[block_rows];       ///< among the rows of the joint
+  int body[2];                 ///< among Bullet's solver bodies; -1: does not move
+  double J[2][6][block_rows];  ///< J S of each body, by coordinate: linear, then angular
+  double deficit[block_rows];  ///< what J v lacks before any impulse
+  double rest
+      [block_rows];  ///< the part of it that brings the row to rest: -J v; of a motor, all of it
   double softness[block_rows];  ///< Sigma
+  double damping[block_rows];   ///< of what rows of a loop may be unable to do together
   double impulse[block_rows];   ///< lambda
-  bool is_soft[block_rows];     ///< by the joint's own settings
+  bool holds[block_rows];       ///< is rigid, and to hold in position
+  int bound[block_rows];        ///< by which a row with bounds is known again; -1: it has none
   int angular_rows;
   int point[3];        ///< three rows that hold a point in all directions; -1: none do
   double lever[2][3];  ///< of the point, from each body's centre
@@ -36,7 +53,8 @@ struct JointBlock {
 
 class JointSystem {
  public:
-  /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on. Returns
+  /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on, and with them
+  /// those whose bounds let them act both ways (motors, friction), as long as they stay inside. Returns
   /// whether there are any.
   bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
   /// Whether they are all the joints' rows that there are.
@@ -104,6 +122,14 @@ class JointSystem {
 
   /// False if a velocity holds NaN or infinity.
   bool finite() const;
+  /// Gives those rows back that are beyond their bounds now, or all that have any: gather anew. Returns whether
+  /// there were such.
+  bool giveBack(btConstraintArray& rows, bool all, int iterations);
+  /// Rows that Bullet has iterated and that are inside their bounds are the system's from the next step on.
+  void takeBack(const btConstraintArray& rows);
+  /// Tells joints that have rows with bounds in the system what became of them.
+  void report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
+              Scalar dt) const;
   /// Leaves the rows to Bullet's iteration, as if they had never been taken.
   void release(btConstraintArray& rows, int iterations);
 
@@ -124,6 +150,7 @@ class JointSystem {
     bool turns;     ///< whether these differ
     Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
     double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
+    double known_load;   ///< with which its stiffening was looked at last
     Matrix3d stiffness;  ///< of the levers of its joints, N m s
     Vector3d omega;      ///< sum of its neighbours', rad/s
     int neighbours;
@@ -144,6 +171,7 @@ class JointSystem {
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
+  bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void touch(const btConstraintArray& rows, bool of_contacts);
@@ -156,11 +184,13 @@ class JointSystem {
   Topology* m_topology = nullptr;
   struct Gathered {
     btTypedConstraint* joint;
-    int row[block_rows], index[block_rows];
+    const Joint* ours;
+    int rows, row[block_rows], index[block_rows], bound[block_rows];
   };
   std::vector<Gathered> m_gathered;  ///< as they come
   std::vector<JointBlock> m_blocks;  ///< in the order of elimination
   std::vector<Topology::Joint> m_joints;
+  std::vector<int> m_rows;  ///< of each block
   std::vector<Body> m_bodies;
   std::vector<double> m_u;  ///< 6 a body
   std::vector<double> m_x;  ///< block_rows a block
