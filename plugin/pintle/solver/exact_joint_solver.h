@@ -80,6 +80,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void restart();
   void beginReactions();
   bool findWorse();
+  bool findGained(double speed);
   void calm();
   bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);

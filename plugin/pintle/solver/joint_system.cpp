@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/rows/block.h>
 
 #include <algorithm>
 #include <cmath>
@@ -183,6 +184,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
   m_kept_u.reserve(m_u.size());
+  m_fastest_of.reserve(size_t(m_topology->components));
   m_kept_rows.reserve(2 * m_x.size());
   return true;
 }
@@ -467,7 +469,9 @@ void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btCons
         stiffened(row.m_solverBodyIdA, row.m_relpos1CrossNormal, row.m_angularComponentA) +
         stiffened(row.m_solverBodyIdB, row.m_relpos2CrossNormal, row.m_angularComponentB);
     if (row.m_jacDiagABInv > 0) {
-      const Scalar K = 1 / row.m_jacDiagABInv, factor = K / (K + change);
+      // Nothing but rounding may be left of it: then the row does nothing.
+      const Scalar K = 1 / row.m_jacDiagABInv, left = K + change;
+      const Scalar factor = left > rounding_of_K * K ? K / left : Scalar(0);
       row.m_jacDiagABInv *= factor;
       row.m_rhs *= factor;
       row.m_rhsPenetration *= factor;
@@ -722,37 +726,57 @@ void JointSystem::goBack(double part, const std::vector<char>& components) {
 }
 
 void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
-                           std::vector<double>& free, std::vector<double>& now,
-                           std::vector<double>& unit) const {
-  free.assign(size_t(m_topology->components), 0.);
-  now = unit = free;
+                           std::vector<Energy>& each) const {
+  each.assign(size_t(m_topology->components), Energy());
   for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
     if (m_topology->body_component[i] < 0) continue;
-    const auto component = size_t(m_topology->body_component[i]);
+    Energy& sum = each[size_t(m_topology->body_component[i])];
     const Body& body = m_bodies[i];
     const btSolverBody& of = bodies[int(i)];
     const auto energy = [&](const btVector3& v, const btVector3& w) {
-      double sum = (body.inverse * inDouble(w)).squaredNorm();
+      double twice = (body.inverse * inDouble(w)).squaredNorm();
       for (int k = 0; k < 3; ++k)
         if (body.linear[k] > 0)
-          sum += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
-      return sum / 2;
+          twice += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
+      return twice / 2;
     };
     const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse;
     const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
-    free[component] += energy(v, w);
-    now[component] += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
-    unit[component] += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
+    sum.free += energy(v, w);
+    sum.now += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
+    sum.added += energy(of.m_deltaLinearVelocity, of.m_deltaAngularVelocity);
+    sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
   }
 }
 
 void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
-                       const std::vector<char>& components) {
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    if (components[size_t(m_topology->component[c])])
-      column(m_blocks[c].deficit) = column(m_blocks[c].rest);
+                       const std::vector<char>& components, double speed) {
+  std::vector<double>& fastest = m_fastest_of;
+  fastest.assign(components.size(), 0);
+  const auto component = [&](size_t c) { return size_t(m_topology->component[c]); };
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    const JointBlock& block = m_blocks[c];
+    const BlockColumn correction = column(block.deficit) - column(block.rest);
+    fastest[component(c)] = std::max(fastest[component(c)], correction.cwiseAbs().maxCoeff());
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    if (!components[component(c)] || !(fastest[component(c)] > speed)) continue;
+    JointBlock& block = m_blocks[c];
+    const BlockColumn correction = column(block.deficit) - column(block.rest);
+    column(block.deficit) = column(block.rest) + speed / fastest[component(c)] * correction;
+  }
   for (Body& body : m_bodies) body.next_stiffening = Stiffening();
   changeInertia(bodies);
+}
+
+void JointSystem::weaken(const std::vector<double>& parts) {
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    const int component = m_topology->body_component[i];
+    if (component < 0) continue;
+    for (size_t k = 6 * i; k < 6 * i + 6; ++k) m_u[k] *= parts[size_t(component)];
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_blocks[c].impulse) *= parts[size_t(m_topology->component[c])];
 }
 
 bool JointSystem::finite() const {

@@ -12,6 +12,7 @@
 
 #include <initializer_list>
 #include <typeinfo>
+#include <vector>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -111,13 +112,20 @@ class JointSystem {
   /// Goes back, in the components that are marked, from what there is now to what was kept, but for
   /// `part` of the way.
   void goBack(double part, const std::vector<char>& components);
-  /// Kinetic energy (J) of each component, before any impulse of the step and now, and what it has at
-  /// 1 m/s and 1 rad/s.
-  void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<double>& free,
-                std::vector<double>& now, std::vector<double>& unit) const;
-  /// All rows of the marked components are to come to rest only, and no body is stiffened: what takes
-  /// energy, and adds none. The joints are to be solved anew.
-  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components);
+  /// Kinetic energies of a component, J.
+  struct Energy {
+    double free = 0;  ///< before any impulse of the step
+    double now = 0;
+    double added = 0;  ///< what the changes by impulses have alone
+    double unit = 0;   ///< at 1 m/s and 1 rad/s
+  };
+  void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
+  /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
+  /// stiffened. The joints are to be solved anew.
+  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components,
+            double speed);
+  /// Leaves this part of what impulses have done to each component.
+  void weaken(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
 
   /// False if a velocity holds NaN or infinity.
@@ -202,6 +210,7 @@ class JointSystem {
   std::vector<double> m_change;              ///< 6 a body: of u, by Bullet's last iteration
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
+  std::vector<double> m_fastest_of;  ///< of each component
   double m_fastest = 0;
   bool m_loops = false;  ///< whether rows may depend on each other
   bool m_all = true, m_stiff = false, m_damped_is_factor = false;
