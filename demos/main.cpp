@@ -4,16 +4,15 @@
 // Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
 // not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
 
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
-#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
-#include <pintle/joints/contact_joint.h>
-#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
@@ -22,7 +21,6 @@
 #include <pintle/joints/unstable/cross_product_hinge.h>
 #include <pintle/joints/unstable/cross_product_matrix_hinge.h>
 #include <pintle/joints/unstable/single_row_lock.h>
-#include <pintle/joints/wedge_joint.h>
 
 #include <algorithm>
 #include <chrono>
@@ -35,19 +33,16 @@
 #include <string>
 #include <vector>
 
-#include "scenes/bounce.h"
+#include "engines/bullet.h"
+#include "measures/courses.h"
+#include "measures/run.h"
 #include "scenes/chain.h"
-#include "scenes/door.h"
 #include "scenes/drive_shaft.h"
 #include "scenes/pendulum.h"
 #include "scenes/recovery.h"
-#include "scenes/rope.h"
 #include "scenes/shoulder.h"
 #include "scenes/slider_crank.h"
-#include "scenes/tilt.h"
 #include "scenes/unstable.h"
-#include "scenes/valve.h"
-#include "scenes/wedge.h"
 
 namespace {
 
@@ -318,14 +313,53 @@ void run_pendulum(Csv& csv) {
   }
 }
 
+// One of the catalog's scenes, built with a contender's joints.
+using Make = std::function<std::unique_ptr<engines::BulletEngine>(const scenes::Scene&)>;
+
+Make with(engines::MakeJoint make_joint) {
+  return [=](const scenes::Scene& scene) { return engines::make_bullet(scene, 10, make_joint); };
+}
+
+double microseconds_per_step(const measures::Outcome& outcome) {
+  return 1e6 * outcome.seconds / outcome.steps;
+}
+
+// Of a hinge against the ground about z: b's x axis.
+double angle_about_z(const engines::State& state) {
+  return std::atan2(state.pose(1, 0), state.pose(0, 0));
+}
+
+engines::BulletJoint make_counting_hinge(const scenes::Joint& joint, btRigidBody& a,
+                                         btRigidBody& b) {
+  auto hinge = std::make_unique<StockCounting>(a, b, scenes::to_bullet(joint.in_a),
+                                               scenes::to_bullet(joint.in_b), true);
+  hinge->setLimit(btScalar(joint.range.low), btScalar(joint.range.high));
+  StockCounting* const driven = hinge.get();
+  return {std::move(hinge), [driven, torque = joint.motor.max_torque](double speed, double dt) {
+            driven->enableAngularMotor(true, btScalar(speed), btScalar(torque * dt));
+          }};
+}
+
 template <class Hinge>
-Measurement measure(const scenes::ValveSettings& settings) {
-  const scenes::ValveResult r = scenes::valve<Hinge>(settings);
-  const double top_error = std::abs(r.top - 2 * scenes::pi * settings.turns);
-  return {{degrees(r.top), degrees(r.bottom), degrees(r.overshoot),
-           r.has_reading ? degrees(r.max_reading_error) : NAN},
-          std::max(top_error, std::abs(r.bottom)),
-          r.microseconds_per_step};
+Measurement measure_valve(const scenes::Scene& scene, engines::MakeJoint make_joint) {
+  const auto engine = engines::make_bullet(scene, 10, make_joint);
+  auto& hinge = static_cast<Hinge&>(engine->joint(0));
+  const double stop = scene.joints[0].range.high;
+  double top = 0, bottom = 0, miscount = NAN;
+  scenes::Unwrap angle(0);
+  const measures::Outcome outcome = measures::run(
+      scene, *engine, 1. / 60, [&](double time, const std::vector<engines::State>& states) {
+        const double now = angle(angle_about_z(states.back()));
+        (time < scene.seconds / 2 + 1e-3 ? top : bottom) = now;
+        if constexpr (scenes::HasAccumulatedAngle<Hinge>::value) {
+          const double error = std::abs(double(hinge.getAccumulatedHingeAngle()) - now);
+          miscount = std::isnan(miscount) ? error : std::max(miscount, error);
+        }
+      });
+  return {{degrees(top), degrees(bottom), degrees(outcome[scenes::Error::overshoot]),
+           degrees(miscount)},
+          std::max(std::abs(top - stop), std::abs(bottom)),
+          microseconds_per_step(outcome)};
 }
 
 void run_valve(Csv& csv) {
@@ -335,21 +369,49 @@ void run_valve(Csv& csv) {
                {"beyond", "deg", "%.3f"},
                {"miscount", "deg", "%.1e"}});
   for (const double speed : {6, 12, 20}) {
-    scenes::ValveSettings settings;
-    settings.speed = speed;
-    settings.seconds_each_way = 40 / speed + 3;
-    table.compare(text("%g rad/s 60Hz", speed),
-                  {{"stock", [&] { return measure<Stock>(settings); }},
-                   {"stock c.", [&] { return measure<StockCounting>(settings); }},
-                   {"pintle", [&] { return measure<Ours>(settings); }}});
+    const scenes::Scene scene = scenes::valve_scene(5, speed);
+    table.compare(
+        text("%g rad/s 60Hz", speed),
+        {{"stock", [&] { return measure_valve<Stock>(scene, engines::make_stock_joint); }},
+         {"stock c.", [&] { return measure_valve<StockCounting>(scene, make_counting_hinge); }},
+         {"pintle", [&] { return measure_valve<Ours>(scene, engines::make_conditioned_joint); }}});
   }
 }
 
-Measurement door_measurement(const scenes::DoorResult& r, double right_overshoot) {
-  return {{degrees(r.overshoot), r.rebound, double(r.bounces),
-           or_infinite(r.rest_time >= 0, r.rest_time)},
-          std::abs(r.overshoot - right_overshoot),
-          r.microseconds_per_step};
+Measurement door_measurement(const measures::DoorCourse& course, double right_overshoot,
+                             double microseconds = 0) {
+  return {{degrees(course.overshoot), course.rebound, double(course.bounces),
+           or_infinite(course.rest_time >= 0, course.rest_time)},
+          std::abs(course.overshoot - right_overshoot),
+          microseconds};
+}
+
+// As it should be: by the scene's closed form, each millisecond.
+measures::DoorCourse wanted_door(const scenes::Scene& scene) {
+  measures::DoorCourse course;
+  constexpr double dt = 1e-3;
+  double last = 0;
+  for (int step = 1; step * dt <= scene.seconds; ++step) {
+    const scenes::Vector3d edge = scene.closed_form(step * dt);
+    const double angle = std::atan2(edge.y(), edge.x());
+    course.observe(step * dt, angle - scene.joints[0].range.high, (angle - last) / dt);
+    last = angle;
+  }
+  return course;
+}
+
+Measurement measure_door(const scenes::Scene& scene, double dt, double right_overshoot,
+                         const Make& make) {
+  const auto engine = make(scene);
+  measures::DoorCourse course;
+  scenes::Unwrap angle(0);
+  const measures::Outcome outcome = measures::run(
+      scene, *engine, dt, [&](double time, const std::vector<engines::State>& states) {
+        const engines::State& door = states.back();
+        course.observe(time, angle(angle_about_z(door)) - scene.joints[0].range.high,
+                       door.angular_velocity.z());
+      });
+  return door_measurement(course, right_overshoot, microseconds_per_step(outcome));
 }
 
 void run_door(Csv& csv) {
@@ -360,41 +422,65 @@ void run_door(Csv& csv) {
                {"rest at", "s", "%.2f"}});
   for (const double hz : {60, 240, 1000}) {
     for (const double damping_ratio : {0.1, 0.3, 1.0}) {
-      scenes::DoorSettings settings;
-      settings.damping_ratio = damping_ratio;
-      settings.dt = 1 / hz;
+      const scenes::Scene scene = scenes::door_scene(damping_ratio);
+      const double dt = 1 / hz;
       // The stock joint's other way to a soft stop: the spring as ERP and CFM of the stop, with the
       // door's inertia put in by hand, and without the softening by setLimit's bias.
-      const auto spring_as_cfm = [&settings](Stock& hinge) {
-        const double w = 2 * scenes::pi * settings.frequency;
-        const double k = scenes::door_inertia() * w * w;
-        const double c = 2 * settings.damping_ratio * scenes::door_inertia() * w;
-        const double gain = settings.dt * k + c;
+      const Make spring_as_cfm = [=](const scenes::Scene& of) {
+        auto engine = engines::make_bullet(of, 10, engines::make_stock_joint);
+        const scenes::Body& door = of.bodies.back();
+        const double arm = door.pose.translation().norm();
+        const double inertia = door.inertia.z() + door.mass * arm * arm;
+        const double w = 2 * scenes::pi * of.joints[0].spring.frequency;
+        const double k = inertia * w * w, c = 2 * damping_ratio * inertia * w;
+        const double gain = dt * k + c;
+        auto& hinge = static_cast<Stock&>(engine->joint(0));
         hinge.setLimit(hinge.getLowerLimit(), hinge.getUpperLimit(), btScalar(0.9), 1, 0);
-        hinge.setParam(BT_CONSTRAINT_STOP_ERP, btScalar(settings.dt * k / gain));
-        hinge.setParam(BT_CONSTRAINT_STOP_CFM, btScalar(1 / (settings.dt * gain)));
+        hinge.setParam(BT_CONSTRAINT_STOP_ERP, btScalar(dt * k / gain));
+        hinge.setParam(BT_CONSTRAINT_STOP_CFM, btScalar(1 / (dt * gain)));
+        return engine;
       };
-      const scenes::DoorResult wanted = scenes::door_reference(settings);
-      const auto measure = [&](const scenes::DoorResult& result) {
-        return door_measurement(result, wanted.overshoot);
+      const measures::DoorCourse wanted = wanted_door(scene);
+      const auto measure = [&](const Make& make) {
+        return measure_door(scene, dt, wanted.overshoot, make);
       };
-      table.compare(
-          text("z=%g %gHz", damping_ratio, hz),
-          {{"wanted", [&] { return measure(wanted); }},
-           {"stock", [&] { return measure(scenes::door<Stock>(settings)); }},
-           {"s. cfm", [&] { return measure(scenes::door<Stock>(settings, spring_as_cfm)); }},
-           {"pintle", [&] { return measure(scenes::door<Ours>(settings)); }}});
+      table.compare(text("z=%g %gHz", damping_ratio, hz),
+                    {{"wanted", [&] { return door_measurement(wanted, wanted.overshoot); }},
+                     {"stock", [&] { return measure(with(engines::make_stock_joint)); }},
+                     {"s. cfm", [&] { return measure(spring_as_cfm); }},
+                     {"pintle", [&] { return measure(with(engines::make_conditioned_joint)); }}});
     }
   }
 }
 
-template <class Joint>
-Measurement measure(const scenes::RopeSettings& settings) {
-  const scenes::RopeResult r = scenes::rope<Joint>(settings);
-  const double period = settings.slack ? NAN : or_infinite(r.period_error > -1, r.period_error);
-  return {{period, or_infinite(r.finite, r.max_stretch), or_infinite(r.finite, r.energy_error)},
-          or_infinite(r.finite, r.max_stretch),
-          r.microseconds_per_step};
+// Of the weight, whatever it hangs on.
+Measurement measure_rope(const scenes::Scene& scene, double dt, bool slack,
+                         engines::MakeJoint make_joint) {
+  const auto engine = engines::make_bullet(scene, 10, make_joint);
+  const scenes::Body& weight = scene.bodies[size_t(scene.probe_body)];
+  const scenes::Vector3d start = weight.pose.translation();
+  const double amplitude = std::atan2(start.x(), -start.z()), g = scenes::standard_gravity;
+  measures::Period period(amplitude);
+  double stretch = 0, energy = 0;
+  const measures::Outcome outcome = measures::run(
+      scene, *engine, dt, [&](double time, const std::vector<engines::State>& states) {
+        const engines::State& now = states[size_t(scene.probe_body)];
+        const scenes::Vector3d at = now.pose.translation();
+        const scenes::Vector3d w = now.pose.linear().transpose() * now.angular_velocity;
+        const double kinetic =
+            weight.mass * now.velocity.squaredNorm() + weight.inertia.dot(w.cwiseAbs2());
+        const double gained =
+            (kinetic / 2 + weight.mass * g * (at.z() - start.z())) / scene.energy_scale;
+        const double longer = at.norm() - 1;
+        stretch = std::max(stretch, slack ? longer : std::abs(longer));
+        energy = std::max(energy, slack ? gained : std::abs(gained));
+        period.observe(time, std::atan2(at.x(), -at.z()));
+      });
+  const double exact = scenes::pendulum_period(weight.mass, weight.mass * g, amplitude);
+  return {{slack ? NAN : or_infinite(period.value() > 0, period.value() / exact - 1),
+           or_infinite(outcome.finite, stretch), or_infinite(outcome.finite, energy)},
+          or_infinite(outcome.finite, stretch),
+          microseconds_per_step(outcome)};
 }
 
 void run_rope(Csv& csv) {
@@ -403,25 +489,68 @@ void run_rope(Csv& csv) {
                {"stretch", "m", "%.2e", "lost"},
                {"energy", "relative", "%.2e", "lost"}});
   for (const bool slack : {false, true}) {
+    const scenes::Scene scene = scenes::rope_scene(slack), sticks = scenes::stick_rope_scene(slack);
     for (const double hz : {60, 240}) {
-      scenes::RopeSettings settings;
-      settings.slack = slack;
-      settings.dt = 1 / hz;
-      table.compare(text("%s %gHz", slack ? "rope" : "rod from 60 deg", hz),
-                    {{"stock", [&] { return measure<btPoint2PointConstraint>(settings); }},
-                     {"pintle", [&] { return measure<pintle::DistanceJoint>(settings); }}});
+      table.compare(
+          text("%s %gHz", slack ? "rope" : "rod from 60 deg", hz),
+          {{"stock",
+            [&] { return measure_rope(sticks, 1 / hz, slack, engines::make_stock_joint); }},
+           {"pintle",
+            [&] { return measure_rope(scene, 1 / hz, slack, engines::make_conditioned_joint); }}});
     }
   }
 }
 
-template <class Joint>
-Measurement measure(const scenes::WedgeSettings& settings) {
-  const scenes::WedgeResult r = scenes::wedge<Joint>(settings);
-  const double beyond = or_infinite(r.finite, degrees(r.beyond));
-  return {{beyond, or_infinite(r.finite, r.fastest), or_infinite(r.finite, r.restless),
-           or_infinite(r.finite, degrees(r.off))},
-          beyond,
-          r.microseconds_per_step};
+// The direction at psi about z and at `height` from it, rad.
+scenes::Vector3d direction(double psi, double height) {
+  return {std::sin(height) * std::cos(psi), std::sin(height) * std::sin(psi), std::cos(height)};
+}
+
+// Thrown from 24 directions inside, without gravity, for 2 s each: how far outside it came, and its largest
+// angular speed over that of the throw; above 1 the limit has thrown it. Then hanging, with air drag, for 10 s,
+// where straight down is 40 degrees off the axis and behind the edge: a wedge of less than half a turn holds it
+// in the corner, along the axis; a wider one on a side. In the last 2 s: its angular speed, and how far outside.
+Measurement measure_wedge(double total, engines::MakeJoint make_joint) {
+  constexpr double dt = 1. / 60, speed = 6;
+  double beyond = 0, fastest = 0, restless = 0, off = 0;
+  bool finite = true;
+  for (int n = 0; n < 24 && finite; ++n) {
+    // Directions and spins that are spread out and repeat: multiples of the golden angle.
+    const double turn = 2.39996 * n;
+    scenes::Scene scene =
+        scenes::elbow_scene(total, Eigen::Quaterniond::Identity(),
+                            direction(0.45 * total * std::sin(turn), 0.15 + 2.8 * (n + 0.5) / 24));
+    scene.gravity = 0;
+    scene.seconds = 2;
+    spin(scene.bodies.back(), speed * direction(turn, 0.3 + 2.5 * ((7 * n) % 24) / 24.), {0, 0, 0});
+    const measures::Outcome outcome =
+        measures::run(scene, *engines::make_bullet(scene, 10, make_joint), dt,
+                      [&](double, const std::vector<engines::State>& states) {
+                        fastest = std::max(fastest, states.back().angular_velocity.norm() / speed);
+                      });
+    finite = outcome.finite;
+    beyond = std::max(beyond, outcome[scenes::Error::overshoot]);
+  }
+  // A little to one side, so that it is known which way a wedge of more than half a turn lets it slide.
+  const scenes::Vector3d down = direction(scenes::pi - 0.1, radians(40));
+  scenes::Scene scene = scenes::elbow_scene(
+      total, Eigen::Quaterniond::FromTwoVectors(down, -scenes::Vector3d::UnitZ()),
+      direction(0.1 * total, 0.4));
+  scene.bodies.back().damping = 0.9;
+  scene.seconds = 10;
+  measures::Overshoot outside(scene.joints[0]);
+  const measures::Outcome outcome =
+      measures::run(scene, *engines::make_bullet(scene, 10, make_joint), dt,
+                    [&](double time, const std::vector<engines::State>& states) {
+                      if (time < scene.seconds - 2 + dt / 2) return;
+                      restless = std::max(restless, states.back().angular_velocity.norm());
+                      off = std::max(off, outside(states.front(), states.back()));
+                    });
+  finite = finite && outcome.finite;
+  return {{or_infinite(finite, degrees(beyond)), or_infinite(finite, fastest),
+           or_infinite(finite, restless), or_infinite(finite, degrees(off))},
+          or_infinite(finite, degrees(beyond)),
+          microseconds_per_step(outcome)};
 }
 
 void run_wedge(Csv& csv) {
@@ -431,11 +560,12 @@ void run_wedge(Csv& csv) {
                {"restless", "rad/s", "%.1e", "lost"},
                {"off", "deg", "%.1e", "lost"}});
   for (const double total : {5, 30, 90, 150, 200, 270, 350}) {
-    scenes::WedgeSettings settings;
-    settings.total = radians(total);
+    const auto measure = [=](engines::MakeJoint make_joint) {
+      return measure_wedge(radians(total), make_joint);
+    };
     table.compare(text("%g deg 60Hz", total),
-                  {{"stock", [&] { return measure<btGeneric6DofSpring2Constraint>(settings); }},
-                   {"pintle", [&] { return measure<pintle::WedgeJoint>(settings); }}});
+                  {{"stock", [=] { return measure(engines::make_stock_joint); }},
+                   {"pintle", [=] { return measure(engines::make_conditioned_joint); }}});
   }
 }
 
@@ -629,15 +759,36 @@ void run_unstable(Csv& csv) {
   }
 }
 
-template <class Contact>
-Measurement measure(const scenes::BounceSettings& settings) {
-  const scenes::BounceResult r = scenes::bounce<Contact>(settings);
-  const double wanted = settings.restitution * settings.restitution * settings.height;
-  const double rebound = wanted > 0 ? r.rebound / wanted : r.rebound;
-  return {{or_infinite(r.finite, rebound), or_infinite(r.finite, r.below),
-           or_infinite(r.finite, r.rest)},
-          or_infinite(r.finite, std::abs(rebound - (wanted > 0 ? 1 : 0))),
-          r.microseconds_per_step};
+// Bullet's contact is the collision of a sphere with a plane, which its centre then stays a radius above.
+std::unique_ptr<engines::BulletEngine> make_collision(const scenes::Scene& scene) {
+  static btSphereShape sphere(btScalar(0.1));
+  static btStaticPlaneShape plane(btVector3(0, 0, 1), btScalar(-0.1));
+  auto engine = std::make_unique<engines::BulletEngine>(scene, 10);
+  for (const int i : {0, 1}) {
+    btRigidBody& body = engine->body(i);
+    engine->world().removeRigidBody(&body);
+    body.setCollisionShape(i == 0 ? static_cast<btCollisionShape*>(&plane) : &sphere);
+    // Bullet takes the product.
+    body.setRestitution(btScalar(std::sqrt(scene.joints[0].restitution)));
+    engine->world().addRigidBody(&body);
+  }
+  return engine;
+}
+
+Measurement measure_bounce(const scenes::Scene& scene, double dt, const Make& make) {
+  const auto engine = make(scene);
+  const double height = scene.bodies.back().pose.translation().z();
+  measures::BounceCourse course(height);
+  const measures::Outcome outcome =
+      measures::run(scene, *engine, dt, [&](double, const std::vector<engines::State>& states) {
+        course.observe(states.back().pose.translation().z());
+      });
+  const double e = scene.joints[0].restitution, wanted = e * e * height;
+  const double rebound = wanted > 0 ? course.rebound / wanted : course.rebound;
+  return {{or_infinite(outcome.finite, rebound), or_infinite(outcome.finite, course.below),
+           or_infinite(outcome.finite, course.rest)},
+          or_infinite(outcome.finite, std::abs(rebound - (wanted > 0 ? 1 : 0))),
+          microseconds_per_step(outcome)};
 }
 
 void run_bounce(Csv& csv) {
@@ -646,35 +797,32 @@ void run_bounce(Csv& csv) {
                {"below", "m", "%.1e", "lost"},
                {"rest at", "m", "%.1e", "lost"}});
   for (const double restitution : {0., 0.5, 0.8}) {
+    const scenes::Scene scene = scenes::bounce_scene(restitution);
+    const Make ours = with(engines::make_conditioned_joint);
     for (const double hz : {60, 240}) {
-      scenes::BounceSettings settings;
-      settings.restitution = restitution;
-      settings.dt = 1 / hz;
       table.compare(text("e = %g %gHz", restitution, hz),
-                    {{"stock", [&] { return measure<scenes::StockContact>(settings); }},
-                     {"pintle", [&] { return measure<pintle::ContactJoint>(settings); }}});
+                    {{"stock", [&] { return measure_bounce(scene, 1 / hz, make_collision); }},
+                     {"pintle", [&] { return measure_bounce(scene, 1 / hz, ours); }}});
     }
   }
 }
 
-template <class Configure = scenes::AsConstructed>
-Measurement measure(const scenes::TiltSettings& settings, Configure configure = {}) {
-  const scenes::TiltResult r = scenes::tilt<pintle::AngularLimit>(settings, configure);
-  const double beyond = or_infinite(r.finite, degrees(r.beyond));
-  return {{beyond}, beyond, r.microseconds_per_step};
+Measurement measure_tilt(const scenes::Scene& scene, engines::MakeJoint make_joint) {
+  const measures::Outcome outcome =
+      measures::run(scene, *engines::make_bullet(scene, 10, make_joint), 1. / 60);
+  const double beyond = outcome[scenes::Error::overshoot];
+  return {{degrees(beyond)}, beyond, microseconds_per_step(outcome)};
 }
 
 void run_tilt(Csv& csv) {
-  const auto printed = [](pintle::AngularLimit& limit) {
-    limit.setFormulation(pintle::Formulation::document);
-  };
   Table table(csv, "tilt", "a leaning cube is pushed against the limit of an angle",
               {{"beyond", "deg", "%.2e", "lost"}});
   for (const double angle : {0, 20, 60, 80}) {
-    scenes::TiltSettings settings;
-    settings.tilt = radians(angle);
-    table.compare(text("%g deg 60Hz", angle), {{"doc.", [&] { return measure(settings, printed); }},
-                                               {"pintle", [&] { return measure(settings); }}});
+    const scenes::Scene scene = scenes::tilt_scene(radians(angle));
+    table.compare(
+        text("%g deg 60Hz", angle),
+        {{"doc.", [&] { return measure_tilt(scene, engines::make_document_joint); }},
+         {"pintle", [&] { return measure_tilt(scene, engines::make_conditioned_joint); }}});
   }
 }
 

@@ -6,7 +6,12 @@ using scenes::Scene;
 
 BulletEngine::BulletEngine(const Scene& scene, int iterations,
                            const scenes::SolverFactory& make_solver)
-    : world_(scene.gravity, iterations, make_solver), bodies_(world_.add_bodies(scene)) {}
+    : world_(scene.gravity, iterations, make_solver), bodies_(world_.add_bodies(scene)) {
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    const scenes::Vector3d& torque = scene.bodies[i].torque;
+    if (!torque.isZero()) pushes_.push_back({bodies_[i], scenes::to_bullet(torque)});
+  }
+}
 
 bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
   BulletJoint joint = make_joint(from, body(from.a), body(from.b));
@@ -18,6 +23,7 @@ bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
 
 void BulletEngine::drive(double time, double dt) {
   for (const Motor& motor : motors_) motor.set(motor.speed(time), dt);
+  for (const Push& push : pushes_) push.body->applyTorque(push.torque);
 }
 
 State BulletEngine::state(int index) const {

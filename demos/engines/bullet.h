@@ -42,11 +42,16 @@ class BulletEngine : public Engine {
     std::function<double(double time)> speed;
     std::function<void(double speed, double dt)> set;
   };
+  struct Push {
+    btRigidBody* body;
+    btVector3 torque;
+  };
 
   scenes::World world_;
   std::vector<btRigidBody*> bodies_;
   std::vector<btTypedConstraint*> joints_;
   std::vector<Motor> motors_;
+  std::vector<Push> pushes_;
 };
 
 // Null: the scene has a joint that there is none of.

@@ -18,7 +18,9 @@ using scenes::Vector3d;
 
 // Body i hangs on joint i - 1, on a body before it.
 bool is_free_tree(const Scene& scene) {
-  if (scene.contacts() || scene.joints.size() + 1 != scene.bodies.size()) return false;
+  if (scene.contacts() || scene.joints.size() + 1 != scene.bodies.size() ||
+      scene.has(scenes::Error::recovery))
+    return false;
   for (size_t i = 0; i < scene.joints.size(); ++i) {
     const Joint& joint = scene.joints[i];
     const bool kind =

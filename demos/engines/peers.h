@@ -8,17 +8,21 @@
 
 namespace engines {
 
-// What both leave out: contacts, Bullet's damping, and joints that they have none of.
+// What both leave out: contacts, Bullet's damping, lasting torques, joints that start apart, limits that give,
+// and joints that they have none of.
 inline bool is_known(const scenes::Scene& scene) {
   using scenes::Kind;
-  return !scene.contacts() &&
+  return !scene.contacts() && !scene.has(scenes::Error::recovery) &&
          std::none_of(scene.joints.begin(), scene.joints.end(),
                       [](const scenes::Joint& joint) {
-                        return joint.kind == Kind::cone_twist ||
-                               joint.kind == Kind::constant_velocity || joint.kind == Kind::wedge;
+                        const bool known =
+                            joint.kind <= Kind::fixed || joint.kind == Kind::universal;
+                        const bool gives = joint.kind == Kind::hinge && joint.spring.frequency > 0;
+                        return !known || gives;
                       }) &&
-         std::none_of(scene.bodies.begin(), scene.bodies.end(),
-                      [](const scenes::Body& body) { return body.damping != 0; });
+         std::none_of(scene.bodies.begin(), scene.bodies.end(), [](const scenes::Body& body) {
+           return body.damping != 0 || !body.torque.isZero();
+         });
 }
 
 // Null: the scene is not known (is_known), or has a setting that the engine cannot express.

@@ -1,8 +1,11 @@
 // Pintle's joint of each kind.
 
+#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/constant_velocity_joint.h>
+#include <pintle/joints/contact_joint.h>
+#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
@@ -22,6 +25,8 @@ BulletJoint hinge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTr
                   const btTransform& in_b) {
   auto hinge = std::make_unique<pintle::QuaternionHinge>(a, b, in_a, in_b, true);
   if (joint.range.limited()) hinge->setLimit(btScalar(joint.range.low), btScalar(joint.range.high));
+  if (joint.spring.frequency > 0)
+    hinge->setLimitSpring(btScalar(joint.spring.frequency), btScalar(joint.spring.damping_ratio));
   if (!joint.motor.speed) return {std::move(hinge)};
   pintle::QuaternionHinge* const driven = hinge.get();
   return {std::move(hinge), [driven, torque = joint.motor.max_torque](double speed, double dt) {
@@ -58,6 +63,27 @@ BulletJoint wedge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTr
   return {std::move(wedge)};
 }
 
+BulletJoint angle(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                  const btTransform& in_b) {
+  auto angle = std::make_unique<pintle::AngularLimit>(a, b, in_a, in_b);
+  angle->setLimit(btScalar(joint.range.low), btScalar(joint.range.high));
+  return {std::move(angle)};
+}
+
+BulletJoint distance(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                     const btTransform& in_b) {
+  auto distance = std::make_unique<pintle::DistanceJoint>(a, b, in_a, in_b);
+  distance->setLimit(btScalar(joint.range.low), btScalar(joint.range.high));
+  return {std::move(distance)};
+}
+
+BulletJoint contact(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                    const btTransform& in_b) {
+  auto contact = std::make_unique<pintle::ContactJoint>(a, b, in_a, in_b);
+  contact->setRestitution(btScalar(joint.restitution));
+  return {std::move(contact)};
+}
+
 BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
   const btTransform in_a = to_bullet(joint.in_a), in_b = to_bullet(joint.in_b);
   switch (joint.kind) {
@@ -70,6 +96,9 @@ BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
     case Kind::constant_velocity:
       return {std::make_unique<pintle::ConstantVelocityJoint>(a, b, in_a, in_b)};
     case Kind::wedge: return wedge(joint, a, b, in_a, in_b);
+    case Kind::angle: return angle(joint, a, b, in_a, in_b);
+    case Kind::distance: return distance(joint, a, b, in_a, in_b);
+    case Kind::contact: return contact(joint, a, b, in_a, in_b);
   }
   return {};
 }

@@ -95,6 +95,9 @@ BulletJoint make_stock_joint(const Joint& joint, btRigidBody& a, btRigidBody& b)
     case Kind::universal:
     case Kind::constant_velocity: return universal(a, b, in_a, in_b);
     case Kind::wedge: return wedge(joint, a, b, in_a, in_b);
+    case Kind::angle:
+    case Kind::distance:
+    case Kind::contact: break;
   }
   return {};
 }

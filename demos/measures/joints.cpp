@@ -27,6 +27,9 @@ JointErrors joint_errors(const Joint& joint, const State& a, const State& b) {
       return {apart.norm(), std::abs(angle_between(A.col(2), B.col(1)) - scenes::pi / 2)};
     case Kind::constant_velocity:
       return {apart.norm(), std::abs(scenes::swing_twist_angles(A.transpose() * B).twist)};
+    case Kind::angle:
+    case Kind::distance:
+    case Kind::contact: break;  // they only have limits
   }
   return {};
 }
@@ -36,7 +39,7 @@ double Overshoot::operator()(const State& a, const State& b) {
   const Eigen::Matrix3d& R = relative.linear();
   const scenes::Range& range = joint_.range;
   const auto beyond = [&](double at) { return std::max(at - range.high, range.low - at); };
-  if (joint_.kind == Kind::hinge) {
+  if (joint_.kind == Kind::hinge || joint_.kind == Kind::angle) {
     const double angle = angle_(std::atan2(R(1, 0), R(0, 0)));
     return range.limited() ? beyond(angle) : -HUGE_VAL;
   }
@@ -46,7 +49,9 @@ double Overshoot::operator()(const State& a, const State& b) {
                                                   joint_.spans.about_z, joint_.spans.about_y),
                     std::abs(angles.twist) - joint_.spans.twist);
   }
+  if (joint_.kind == Kind::contact) return -relative.translation().z();
   if (!range.limited()) return -HUGE_VAL;
+  if (joint_.kind == Kind::distance) return beyond(relative.translation().norm());
   if (joint_.kind == Kind::slider) return beyond(relative.translation().x());
   if (joint_.kind == Kind::wedge) return scenes::Wedge{range.low, range.high}.outside(R.col(0));
   return -HUGE_VAL;

@@ -42,7 +42,7 @@ class Observer {
     if (scene.has(Error::trajectory)) wanted_ = reference(scene);
   }
 
-  void observe(const std::vector<State>& now) {
+  void observe(double time, const std::vector<State>& now) {
     double gap = 0, axis = 0;
     for (size_t i = 0; i < scene_.joints.size(); ++i) {
       const scenes::Joint& joint = scene_.joints[i];
@@ -54,6 +54,9 @@ class Observer {
     }
     at(Error::gap) += gap / steps_;
     at(Error::axis) += axis / steps_;
+    const bool recovered = axis <= scenes::radians(1);  // not if it is NaN
+    if (!recovered) at(Error::recovery) = HUGE_VAL;
+    if (recovered && at(Error::recovery) == HUGE_VAL) at(Error::recovery) = time;
     if (scene_.has(Error::energy) || scene_.has(Error::gained)) {
       const double change = (energy(scene_, now) - start_energy_) / scene_.energy_scale;
       grow(Error::energy, std::abs(change));
@@ -130,7 +133,7 @@ std::vector<Vector3d> reference(const Scene& scene) {
   return wanted;
 }
 
-Outcome run(const Scene& scene, Engine& engine, double dt) {
+Outcome run(const Scene& scene, Engine& engine, double dt, const Watch& watch) {
   Outcome outcome;
   const int steps = int(std::lround(scene.seconds / dt));
   const int interval = int(std::lround(sample_interval / dt));
@@ -143,8 +146,9 @@ Outcome run(const Scene& scene, Engine& engine, double dt) {
       outcome.finite = outcome.finite && state.pose.matrix().allFinite() &&
                        state.velocity.allFinite() && state.angular_velocity.allFinite();
     }
-    observer.observe(outcome.end);
+    observer.observe(step * dt, outcome.end);
     if (step % interval == 0) observer.sample(size_t(step / interval) - 1, outcome.end);
+    if (watch) watch(step * dt, outcome.end);
   }
   outcome.errors = observer.errors(outcome.finite);
   outcome.rows = outcome.finite ? engine.rows() : 0;

@@ -23,8 +23,11 @@ struct Outcome {
   double operator[](Error error) const { return errors[size_t(error)]; }
 };
 
+// What else looks at a run: after each step, at its end's time.
+using Watch = std::function<void(double time, const std::vector<engines::State>& states)>;
 // Of the whole scene, in steps of dt.
-Outcome run(const scenes::Scene& scene, engines::Engine& engine, double dt);
+Outcome run(const scenes::Scene& scene, engines::Engine& engine, double dt,
+            const Watch& watch = {});
 // The run times of the first steps, s.
 std::vector<double> step_times(const scenes::Scene& scene, const engines::Contender& contender,
                                int iterations, double dt, int steps);

@@ -84,8 +84,11 @@ class System {
  public:
   explicit System(const Scene& scene) : scene_(scene) {
     if (scene.contacts()) throw std::invalid_argument("reference: contacts are not solved");
+    if (scene.has(scenes::Error::recovery))
+      throw std::invalid_argument("reference: a joint that starts apart is not solved");
     for (const scenes::Body& body : scene.bodies) {
-      if (body.damping != 0) throw std::invalid_argument("reference: damping is not solved");
+      if (body.damping != 0 || !body.torque.isZero())
+        throw std::invalid_argument("reference: damping and lasting torques are not solved");
       bodies_.push_back({body.pose.translation(), Quaterniond(body.pose.linear()), body.velocity,
                          body.angular_velocity});
     }

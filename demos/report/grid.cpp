@@ -51,6 +51,13 @@ struct Group {
 using Key = std::tuple<std::string, std::string, int, int>;
 Key key(const Row& row) { return {row.scene, row.contender, row.iterations, row.hz}; }
 
+std::vector<Scene> compared() {
+  std::vector<Scene> all = scenes::catalog();
+  const auto is_left_out = [](const Scene& scene) { return !scene.in_report; };
+  all.erase(std::remove_if(all.begin(), all.end(), is_left_out), all.end());
+  return all;
+}
+
 double mean_of_medians(const std::vector<std::vector<double>>& repeats) {
   const size_t steps = repeats.front().size();
   double sum = 0;
@@ -100,7 +107,7 @@ std::vector<Row> measure(const Group& group, int repeats, const std::set<Key>& d
 }
 
 int run_grid(const Options& options) {
-  const std::vector<Scene> all = scenes::catalog();
+  const std::vector<Scene> all = compared();
   std::vector<Group> groups;
   for (const Scene& scene : all) {
     if (!options.scenes.empty() &&
@@ -143,7 +150,7 @@ int run_grid(const Options& options) {
 int run_steps(const std::string& scene_name, const std::string& contender_name, int iterations,
               int hz, int steps) {
   const Contender* const contender = engines::find_contender(contender_name);
-  for (const Scene& scene : scenes::catalog()) {
+  for (const Scene& scene : compared()) {
     if (scene.name != scene_name || contender == nullptr) continue;
     const auto engine = contender->make(scene, iterations);
     if (!engine) return EXIT_FAILURE;
@@ -164,7 +171,7 @@ int usage(std::FILE* out) {
                "  --csv FILE     where the numbers go; what it holds already is not run again\n"
                "  --list         names the scenes, and the contenders with their colours\n"
                "scenes:");
-  for (const Scene& scene : scenes::catalog()) std::fprintf(out, " %s", scene.name.c_str());
+  for (const Scene& scene : compared()) std::fprintf(out, " %s", scene.name.c_str());
   std::fprintf(out, "\n");
   return out == stderr ? EXIT_FAILURE : EXIT_SUCCESS;
 }
@@ -203,7 +210,7 @@ int main(int argc, char** argv) {
     } else if (argument == "--csv") {
       options.csv = value();
     } else if (argument == "--list") {
-      for (const Scene& scene : scenes::catalog()) std::printf("scene %s\n", scene.name.c_str());
+      for (const Scene& scene : compared()) std::printf("scene %s\n", scene.name.c_str());
       for (const Contender& contender : engines::contenders())
         std::printf("contender %s %s\n", contender.name.c_str(), contender.colour.c_str());
       return EXIT_SUCCESS;
@@ -213,7 +220,7 @@ int main(int argc, char** argv) {
   }
   if (!from.empty() || !to.empty()) {
     bool inside = from.empty();
-    for (const Scene& scene : scenes::catalog()) {
+    for (const Scene& scene : compared()) {
       inside = inside || scene.name == from;
       if (inside) options.scenes.push_back(scene.name);
       if (scene.name == to) break;

@@ -21,7 +21,14 @@ std::vector<Scene> catalog() {
           steering_scene(),
           suspension_scene(),
           free_pair_scene(),
-          cantilever_scene()};
+          cantilever_scene(),
+          recovery_scene(),
+          valve_scene(),
+          door_scene(),
+          rope_scene(true),
+          rope_scene(false),
+          bounce_scene(),
+          tilt_scene()};
 }
 
 }  // namespace scenes

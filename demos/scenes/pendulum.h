@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../measures/courses.h"
 #include "catalog.h"
 #include "world.h"
 
@@ -87,22 +88,13 @@ PendulumResult pendulum(const PendulumSettings& settings, Configure configure = 
 
   PendulumResult result;
   result.exact_period = pendulum_period(inertia, torque, settings.amplitude);
-  double last_angle = settings.amplitude;
-  double first_pass = 0, last_pass = 0;  // s, upward through the lowest position
-  int passes = 0;
+  measures::Period period(settings.amplitude);
   const int steps = int(std::lround(settings.seconds / settings.dt));
   for (int step = 1; step <= steps; ++step) {
     world.step(settings.dt);
     const Eigen::Vector3d arm_direction = direction_in_world(box, {1, 0, 0});
     const double angle = std::atan2(arm_direction.dot(side), arm_direction.dot(down));
-    // The pass between two steps: a straight line is good to third order there, for the angular
-    // acceleration is 0 in the lowest position. The jump of the angle from pi to -pi is no pass.
-    if (last_angle < 0 && angle >= 0 && angle - last_angle < pi) {
-      const double fraction = -last_angle / (angle - last_angle);
-      last_pass = (step - 1 + fraction) * settings.dt;
-      if (passes++ == 0) first_pass = last_pass;
-    }
-    last_angle = angle;
+    period.observe(step * settings.dt, angle);
     const double gap = point_in_world(box, anchor).norm();
     const double energy_error =
         std::abs(energy(box, standard_gravity) - start_energy) / swing_energy;
@@ -113,10 +105,8 @@ PendulumResult pendulum(const PendulumSettings& settings, Configure configure = 
         std::max(result.max_axis_angle, angle_between(direction_in_world(box, hinge_axis), axis));
     result.max_energy_error = std::max(result.max_energy_error, energy_error);
   }
-  if (passes > 1) {
-    result.period = (last_pass - first_pass) / (passes - 1);
-    result.period_error = result.period / result.exact_period - 1;
-  }
+  result.period = period.value();
+  if (result.period > 0) result.period_error = result.period / result.exact_period - 1;
   result.microseconds_per_step = world.microseconds_per_step();
   return result;
 }

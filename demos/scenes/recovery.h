@@ -1,22 +1,18 @@
-// Two free boxes start with their joint badly violated, and the joint pulls itself together.
-//
-// Two boxes of 1 kg, half extents (0.5, 0.1, 0.1) m, without gravity. The hinge axis is z of each
-// box; the anchors are (0.5, 0, 0) in A and (-0.5, 0, 0) in B, and coincide at the start; B is
-// turned by `angle` about a direction of the x-y plane, so the axes start `angle` apart. Such
-// errors come from teleports, from content made by hand, and from impacts. A lock has no axis: its
-// error is the whole turn between the frames, about any direction.
+// Two free boxes start with their joint badly violated (recovery.cpp), and a joint of any type pulls
+// itself together. A hinge's axis is z of each box. A lock has no axis: its error is the whole turn
+// between the frames, about any direction.
 //
 // Measured:
 //   steps          after how many steps the error is within 1 degree for good; -1: never
 //   angular speed  the largest of either body after any step, rad/s: a correction that is exact
 //                  but throws the bodies about is no recovery
-// There is no closed form. Near 180 degrees the direction to turn in is barely defined.
 
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
+#include "catalog.h"
 #include "world.h"
 
 namespace scenes {
@@ -51,18 +47,14 @@ inline double angle_between(const btRigidBody& a, const btRigidBody& b) {
 // `configure` is called with the joint before the first step.
 template <class Hinge, class Configure = AsConstructed>
 RecoveryResult recovery(const RecoverySettings& settings, Configure configure = {}) {
-  const Eigen::Vector3d axis(0, 0, 1), anchor_a(0.5, 0, 0), anchor_b(-0.5, 0, 0);
-  const Eigen::Quaterniond turn(Eigen::AngleAxisd(settings.angle, settings.about.normalized()));
-  const btQuaternion turn_b(btScalar(turn.x()), btScalar(turn.y()), btScalar(turn.z()),
-                            btScalar(turn.w()));
-
-  World world(0, settings.iterations, settings.make_solver);
-  const btVector3 half_extents(btScalar(0.5), btScalar(0.1), btScalar(0.1));
-  btRigidBody& a = world.add_box(1, half_extents, btTransform::getIdentity());
-  btRigidBody& b =
-      world.add_box(1, half_extents, btTransform(turn_b, to_bullet(anchor_a - turn * anchor_b)));
-  configure(
-      world.add_joint<Hinge>(a, b, pose_at(to_bullet(anchor_a)), pose_at(to_bullet(anchor_b))));
+  const Eigen::Vector3d axis(0, 0, 1);
+  const Scene scene = recovery_scene(settings.angle, settings.about);
+  const Joint& joint = scene.joints[0];
+  const Eigen::Vector3d anchor_a = joint.in_a.translation(), anchor_b = joint.in_b.translation();
+  World world(scene.gravity, settings.iterations, settings.make_solver);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  btRigidBody &a = *bodies[1], &b = *bodies[2];
+  configure(world.add_joint<Hinge>(a, b, to_bullet(joint.in_a), to_bullet(joint.in_b)));
 
   const auto axis_angle = [&] {
     if (settings.lock) return angle_between(a, b);

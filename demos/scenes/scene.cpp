@@ -5,13 +5,14 @@
 namespace scenes {
 
 const char* name(Error error) {
-  static const char* const names[] = {"gap",    "axis",     "overshoot", "energy",
-                                      "gained", "momentum", "trajectory"};
+  static const char* const names[] = {"gap",    "axis",     "overshoot",  "energy",
+                                      "gained", "momentum", "trajectory", "recovery"};
   return names[int(error)];
 }
 
 const char* unit(Error error) {
-  static const char* const units[] = {"m", "rad", "rad", "relative", "relative", "relative", "m"};
+  static const char* const units[] = {"m",        "rad",      "rad", "relative",
+                                      "relative", "relative", "m",   "s"};
   return units[int(error)];
 }
 
@@ -21,7 +22,8 @@ bool Scene::contacts() const {
 
 bool Scene::bounded() const {
   return contacts() || std::any_of(joints.begin(), joints.end(), [](const Joint& joint) {
-           return joint.range.limited() || joint.motor.speed || joint.kind == Kind::cone_twist;
+           return joint.range.limited() || joint.motor.speed || joint.kind == Kind::cone_twist ||
+                  joint.kind == Kind::contact;
          });
 }
 

@@ -25,6 +25,7 @@ struct Body {
   Isometry3d pose;                        // of its centre of mass
   Vector3d velocity = {0, 0, 0};          // m/s
   Vector3d angular_velocity = {0, 0, 0};  // rad/s, world
+  Vector3d torque = {0, 0, 0};            // N m, world: acts all the time
   double damping = 0;                     // the part of its speeds that Bullet takes away a second
   bool collides = false;
 };
@@ -38,10 +39,13 @@ enum class Kind {
   cone_twist,         // twists about x, and swings; b is the limb
   universal,          // turns about z of a and y of b
   constant_velocity,  // shafts along x
-  wedge               // x of b between two half planes about z of a
+  wedge,              // x of b between two half planes about z of a
+  angle,              // turns about z within its range; nothing else is held
+  distance,           // origins as far apart as its range says
+  contact             // origin of b not below the plane z = 0 of a
 };
 
-// Of a joint's free coordinate: an angle of b against a (rad), or the slider's position (m).
+// Of a joint's free coordinate: an angle of b against a (rad), the slider's position or a distance (m).
 struct Range {
   double low = 1, high = -1;  // low > high: free
   bool limited() const { return low <= high; }
@@ -52,7 +56,8 @@ struct Spans {
   double about_z, about_y, twist;
 };
 
-// Holds a slider at its position 0, as its two bodies would swing if they could not turn.
+// Holds a slider at its position 0, as its two bodies would swing if they could not turn; gives a hinge's
+// limits, beyond which the bodies swing so about its axis.
 struct Spring {
   double frequency = 0;  // Hz; 0: none
   double damping_ratio = 0;
@@ -72,16 +77,18 @@ struct Joint {
   Spans spans = {pi, pi, pi};
   Spring spring = {};
   Motor motor = {};
+  double restitution = 0;  // of a contact
 };
 
 enum class Error {
   gap,         // m: between what a joint holds together; the mean over time of the worst joint
   axis,        // rad: between axes or orientations that a joint holds together; likewise
-  overshoot,   // rad: the farthest beyond a limit
+  overshoot,   // rad, or m where the limit is one of a distance: the farthest beyond it
   energy,      // of the scene's energy_scale: the largest change
   gained,      // the same, only upwards: where limits and contacts may take energy away
   momentum,    // the largest change of the angular momentum about the origin, relative
   trajectory,  // m: the mean distance of a point from where it should be
+  recovery,    // s: after which axis errors from the start stay within a degree; infinity: never
   count
 };
 const char* name(Error error);
@@ -95,6 +102,9 @@ struct Scene {
   double seconds = 5;
   std::vector<Error> errors = {Error::gap};  // the first one is what matters most here
   double energy_scale = 1;                   // J
+  // Whether it is compared over all iterations and steps: not where Bullet has no joint for it, or its
+  // error is not one that more work would lessen.
+  bool in_report = true;
   // Whose trajectory: a point of a body (m, in its frame), over this time. Where it should be is a
   // closed form, or else the stored solution of reference/.
   int probe_body = 0;

@@ -18,6 +18,7 @@ std::vector<engines::State> start(const Scene& scene, const engines::Engine& eng
 
 TEST_P(Scenes, JointsHoldAtTheStart) {
   const Scene& scene = GetParam();
+  if (scene.has(scenes::Error::recovery)) return;  // they come to hold
   for (const engines::Contender& contender : engines::contenders()) {
     const auto engine = contender.make(scene, 10);
     if (!engine) continue;
@@ -33,9 +34,9 @@ TEST_P(Scenes, JointsHoldAtTheStart) {
 
 TEST_P(Scenes, ContendersStartWithTheSameEnergyAndMomentum) {
   const Scene& scene = GetParam();
-  const auto stock = engines::contenders().front().make(scene, 10);
-  ASSERT_TRUE(stock);
-  const std::vector<engines::State> expected = start(scene, *stock);
+  const auto pintle = engines::find_contender("pintle")->make(scene, 10);
+  ASSERT_TRUE(pintle);
+  const std::vector<engines::State> expected = start(scene, *pintle);
   const double scale = std::max(1., std::abs(measures::energy(scene, expected)));
   for (const engines::Contender& contender : engines::contenders()) {
     const auto engine = contender.make(scene, 10);
@@ -60,7 +61,8 @@ TEST_P(Scenes, ARunRepeatsExactly) {
                           second = measures::run(scene, *pintle.make(scene, 10), 1. / 60);
   EXPECT_TRUE(first.finite);
   EXPECT_EQ(first.errors, second.errors);
-  EXPECT_GT(first.rows, 0);
+  const bool only_limits = scene.joints[0].kind >= scenes::Kind::angle;  // not always reached
+  EXPECT_TRUE(first.rows > 0 || only_limits);
 }
 
 /// Joints that hold leave the errors of Bullet's steps, and no more: in the redundant loop of the
@@ -77,6 +79,12 @@ TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
     for (const measures::Error error : {measures::Error::trajectory, measures::Error::energy})
       EXPECT_NEAR(exact[error], steps[error], 0.05 * steps[error]) << name(error);
   }
+}
+
+/// The report compares with stock joints: where there are none, it cannot.
+TEST_P(Scenes, AreBuiltOfStockJointsIfInTheReport) {
+  const auto stock = engines::find_contender("stock")->make(GetParam(), 10);
+  EXPECT_TRUE(stock || !GetParam().in_report);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Scenes, testing::ValuesIn(scenes::catalog()),

@@ -1,7 +1,8 @@
 // The wedge, measured from the bodies' poses by its definition: the direction's azimuth about the
 // axis, and how far it is from what is allowed.
 #include <pintle/joints/wedge_joint.h>
-#include <scenes/wedge.h>
+#include <scenes/directions.h>
+#include <scenes/world.h>
 
 #include "free_joint_support.h"
 

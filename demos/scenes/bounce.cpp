@@ -1,0 +1,33 @@
+// A ball is dropped on a plane, from 1 m, and bounces until it rests: each time with the part e of its
+// speed, and so in half of a time that is e times the last one.
+
+#include "catalog.h"
+
+namespace scenes {
+
+Scene bounce_scene(double restitution) {
+  const double height = 1;
+  Scene scene{"bounce", "a ball is dropped on a plane"};
+  const int ball = scene.add(box(1, {0.1, 0.1, 0.1}, {0, 0, height}));
+  Joint& contact = scene.connect(Kind::contact, 0, ball, at({0, 0, 0}));
+  contact.in_b.setIdentity();
+  contact.restitution = restitution;
+  scene.seconds = 10;
+  scene.errors = {Error::trajectory, Error::overshoot};
+  scene.in_report = false;
+  scene.probe_body = ball;
+  scene.horizon = scene.seconds;
+  scene.closed_form = [=](double time) -> Vector3d {
+    const double g = standard_gravity;
+    double speed = std::sqrt(2 * g * height);
+    double since = time + speed / g;  // it was thrown up
+    while (speed > 1e-6 && since > 2 * speed / g) {
+      since -= 2 * speed / g;
+      speed *= restitution;
+    }
+    return {0, 0, speed > 1e-6 ? since * (speed - g * since / 2) : 0};
+  };
+  return scene;
+}
+
+}  // namespace scenes

@@ -1,0 +1,38 @@
+// A motor turns a valve's wheel several turns onto its stop, and back onto the other one. A joint
+// that wraps its limits to one turn sees 0 to 0, give or take rounding, for whole turns: it locks, or
+// it never stops.
+
+#include "catalog.h"
+
+#include <algorithm>
+
+namespace scenes {
+
+Scene valve_scene(double turns, double speed) {
+  const double stop = 2 * pi * turns, torque = 5;  // rad, N m
+  Scene scene{"valve", "a motor turns a wheel onto its stops"};
+  const int wheel = scene.add(box(4, {0.3, 0.3, 0.03}, {0, 0, 0}));
+  const double acceleration = torque / scene.bodies[size_t(wheel)].inertia.z();
+  const double one_way = std::round(stop / speed) + 3;  // s
+  Joint& spindle = scene.connect(Kind::hinge, 0, wheel, at({0, 0, 0}));
+  spindle.range = {0, stop};
+  spindle.motor = {[=](double time) { return time < one_way ? speed : -speed; }, torque};
+  scene.seconds = 2 * one_way;
+  scene.errors = {Error::trajectory, Error::overshoot};
+  scene.in_report = false;
+  scene.probe_body = wheel;
+  scene.probe = {1, 0, 0};  // 1 m off the axis: metres are radians
+  scene.horizon = scene.seconds;
+  // The motor takes it to its speed with its whole torque.
+  const auto way = [=](double time) {
+    const double start = std::min(time, speed / acceleration);
+    return std::min(stop, acceleration * start * start / 2 + speed * (time - start));
+  };
+  scene.closed_form = [=](double time) {
+    const double angle = time < one_way ? way(time) : stop - way(time - one_way);
+    return Vector3d(std::cos(angle), std::sin(angle), 0);
+  };
+  return scene;
+}
+
+}  // namespace scenes
