@@ -20,8 +20,9 @@ constexpr int most_stiffenings = 6;
 // After this many iterations the contacts have loaded the joints with most of what they will.
 constexpr int iterations_of_load = 2;
 
-// What leaves its bounds is iterated, and the rest solved anew: so often, and then all that has bounds.
-constexpr int most_rounds = 3;
+// What leaves its bounds is iterated, and what has come within is not, and all is solved anew: so often. From
+// then on bounds are only left, and in the end all that has any is iterated.
+constexpr int rounds_of_taking = 3, most_rounds = 6;
 
 // An error of this size, m or rad, is small enough for one correction to leave next to nothing of it.
 constexpr double small_error = 0.01;
@@ -280,7 +281,8 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   }
   if (iterations > 0) joints.endReactions();
   joints.remember(m_tmpSolverNonContactConstraintPool);
-  if (iterations > 0) m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
+  if (iterations > 0 || joints.bounded())
+    m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
   if (iteratePositions(info) || joints.fastest() > correction_speed) calm();
   return used;
@@ -296,22 +298,27 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
         bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, infoGlobal,
         debugDrawer);
   };
-  if (!joints.gather(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool))
-    return solve_by_bullet();
+  btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
+  // Among contacts limits are iterated with these: each touches the others, and some change in every step.
+  const bool limits = m_tmpSolverContactConstraintPool.size() == 0;
+  const auto gather = [&] {
+    return joints.gather(m_tmpSolverBodyPool, rows, limits, infoGlobal.m_numIterations);
+  };
+  if (!gather()) return solve_by_bullet();
   m_island->reserve();
 
   solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifoldPtr, numManifolds,
                                                 constraints, numConstraints, infoGlobal,
                                                 debugDrawer);
-  btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
   const auto pass = [&](int iteration) {
     return solveSingleIteration(iteration, bodies, numBodies, manifoldPtr, numManifolds,
                                 constraints, numConstraints, infoGlobal, debugDrawer);
   };
-  int used = solveIsland(infoGlobal, false, pass);
+  int used = solveIsland(infoGlobal, joints.loaded(), pass);
   for (int round = 1; joints.finite(); ++round) {
-    if (!joints.giveBack(rows, round == most_rounds, infoGlobal.m_numIterations)) break;
-    joints.gather(m_tmpSolverBodyPool, rows);
+    const bool taken = limits && round <= rounds_of_taking && joints.takeBack(rows);
+    if (!joints.giveBack(rows, round == most_rounds) && !taken) break;
+    gather();
     used = solveIsland(infoGlobal, true, pass);
   }
   if (!joints.finite()) {

@@ -54,15 +54,10 @@ bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
 
-// As motors and friction do. Bullet breaks a joint by the impulse of its rows, which it is to see itself.
-bool actsBothWays(const btSolverConstraint& row, const btTypedConstraint& joint) {
-  return row.m_lowerLimit < 0 && row.m_upperLimit > 0 &&
-         joint.getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY);
-}
-
-// Or at one of them; NaN is.
-bool isBeyond(const btSolverConstraint& row, btScalar impulse) {
-  return !(impulse > row.m_lowerLimit && impulse < row.m_upperLimit);
+// As Topology::at_bound has it.
+Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
+  if (impulse > row.m_lowerLimit && impulse < row.m_upperLimit) return Topology::inside;
+  return btMax(row.m_lowerLimit, btMin(impulse, row.m_upperLimit));
 }
 
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any.
@@ -93,12 +88,12 @@ Joint* AsJoint::operator()(btTypedConstraint* constraint) {
   return m_is_joint ? static_cast<Joint*>(constraint) : nullptr;
 }
 
-bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
-                         btConstraintArray& rows) {
+bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+                         bool limits, int iterations) {
   m_gathered.clear();
   m_joints.clear();
   m_all = true;
-  m_stiff = m_loops = false;
+  m_stiff = m_loops = m_loaded = m_bounded = false;
   m_fastest = 0;
   const auto moving = [&](int body) {
     return bodies[body].internalGetInvMass().isZero() ? -1 : body;
@@ -118,7 +113,11 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     const bool bilateral = isBilateral(row);
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
     const bool full = known && m_gathered.back().rows == block_rows;
-    if (!bilateral && (full || !actsBothWays(row, *joint))) {
+    // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
+    const bool fits = !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
+                      (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
+                      row.m_lowerLimit < row.m_upperLimit;
+    if (!bilateral && !fits) {
       m_all = false;
       continue;
     }
@@ -159,11 +158,16 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     for (int i = 0; i < from.rows; ++i) {
       btSolverConstraint& row = rows[from.row[i]];
       const bool bounded = from.bound[i] >= 0;
-      if (bounded && (m_topology->at_bound[c] >> from.bound[i] & 1) != 0) {
+      const Scalar before = m_topology->at_bound[block_rows * c + size_t(i)];
+      if (bounded && before != Topology::inside) {
         m_all = false;
+        if (row.m_overrideNumSolverIterations == 0) row.m_overrideNumSolverIterations = iterations;
+        row.m_appliedImpulse = btMax(row.m_lowerLimit, btMin(before, row.m_upperLimit));
+        m_loaded = m_loaded || row.m_appliedImpulse != 0;
         continue;
       }
       row.m_overrideNumSolverIterations = 0;
+      m_bounded = m_bounded || bounded;
       const int r = block.rows++;
       block.row[r] = from.row[i];
       block.index[r] = from.index[i];
@@ -785,44 +789,39 @@ bool JointSystem::finite() const {
   return sum - sum == 0;
 }
 
-bool JointSystem::giveBack(btConstraintArray& rows, bool all, int iterations) {
+bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
   bool any = false;
-  for (size_t c = 0; c < m_blocks.size(); ++c) {
-    for (int r = 0; r < m_blocks[c].rows; ++r) {
-      if (m_blocks[c].bound[r] < 0) continue;
-      btSolverConstraint& row = rows[m_blocks[c].row[r]];
-      const btScalar impulse = btScalar(m_blocks[c].impulse[r]);
-      if (!isBeyond(row, impulse)) continue;
-      m_topology->at_bound[c] |= static_cast<unsigned char>(1 << m_blocks[c].bound[r]);
-      any = true;
-    }
-  }
-  if (!any) return false;
-  for (size_t c = 0; c < m_blocks.size(); ++c) {
-    for (int r = 0; r < m_blocks[c].rows; ++r) {
-      if (m_blocks[c].bound[r] < 0) continue;
-      const auto bit = static_cast<unsigned char>(1 << m_blocks[c].bound[r]);
-      if (all) m_topology->at_bound[c] |= bit;
-      if ((m_topology->at_bound[c] & bit) == 0) continue;
-      btSolverConstraint& row = rows[m_blocks[c].row[r]];
-      row.m_overrideNumSolverIterations = iterations;
-      row.m_appliedImpulse = 0;
-    }
-  }
-  return true;
+  const auto each = [&](const auto& f) {
+    for (size_t c = 0; c < m_blocks.size(); ++c)
+      for (int r = 0; r < m_blocks[c].rows; ++r)
+        if (m_blocks[c].bound[r] >= 0)
+          f(rows[m_blocks[c].row[r]], Scalar(m_blocks[c].impulse[r]),
+            m_topology->at_bound[block_rows * c + size_t(m_blocks[c].bound[r])]);
+  };
+  each([&](const btSolverConstraint& row, Scalar impulse, Scalar& at_bound) {
+    at_bound = atBound(row, impulse);
+    any = any || at_bound != Topology::inside;
+  });
+  if (any && all)
+    each([](const btSolverConstraint&, Scalar impulse, Scalar& at_bound) {
+      if (at_bound == Topology::inside) at_bound = impulse;
+    });
+  return any;
 }
 
-void JointSystem::takeBack(const btConstraintArray& rows) {
+bool JointSystem::takeBack(const btConstraintArray& rows) {
+  bool any = false;
   const Elimination& elimination = m_topology->elimination;
   for (size_t c = 0; c < m_blocks.size(); ++c) {
-    if (m_topology->at_bound[c] == 0) continue;
     const Gathered& from = m_gathered[size_t(elimination.node(int(c)))];
     for (int i = 0; i < from.rows; ++i) {
-      const btSolverConstraint& row = rows[from.row[i]];
-      if (from.bound[i] >= 0 && !isBeyond(row, row.m_appliedImpulse))
-        m_topology->at_bound[c] &= static_cast<unsigned char>(~(1 << from.bound[i]));
+      Scalar& at_bound = m_topology->at_bound[block_rows * c + size_t(i)];
+      if (from.bound[i] < 0 || at_bound == Topology::inside) continue;
+      at_bound = atBound(rows[from.row[i]], rows[from.row[i]].m_appliedImpulse);
+      any = any || at_bound == Topology::inside;
     }
   }
+  return any;
 }
 
 void JointSystem::report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
@@ -837,6 +836,7 @@ void JointSystem::report(btAlignedObjectArray<btSolverBody>& bodies, const btCon
 
 void JointSystem::release(btConstraintArray& rows, int iterations) {
   m_topology->impulses.clear();
+  std::fill(m_topology->at_bound.begin(), m_topology->at_bound.end(), Topology::inside);
   for (const JointBlock& block : m_blocks) {
     for (int r = 0; r < block.rows; ++r) {
       rows[block.row[r]].m_overrideNumSolverIterations = iterations;

@@ -55,9 +55,11 @@ struct JointBlock {
 class JointSystem {
  public:
   /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on, and with them
-  /// those whose bounds let them act both ways (motors, friction), as long as they stay inside. Returns
-  /// whether there are any.
-  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
+  /// those whose bounds let them act both ways (motors, friction), as long as they are within; with
+  /// `limits`, those that act one way, too. What is at a bound begins there, and has these iterations.
+  /// Returns whether there are any rows.
+  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+              bool limits, int iterations);
   /// Whether they are all the joints' rows that there are.
   bool all() const { return m_all; }
   /// K and its factor.
@@ -130,11 +132,16 @@ class JointSystem {
 
   /// False if a velocity holds NaN or infinity.
   bool finite() const;
-  /// Gives those rows back that are beyond their bounds now, or all that have any: gather anew. Returns whether
-  /// there were such.
-  bool giveBack(btConstraintArray& rows, bool all, int iterations);
-  /// Rows that Bullet has iterated and that are inside their bounds are the system's from the next step on.
-  void takeBack(const btConstraintArray& rows);
+  /// Whether there are any rows with bounds in the system.
+  bool bounded() const { return m_bounded; }
+  /// Whether rows begin with an impulse, that of a bound.
+  bool loaded() const { return m_loaded; }
+  /// Gives those rows back to Bullet's iteration that are beyond their bounds now; with `all`, the others that
+  /// have any, too. Returns whether there were such: gather anew.
+  bool giveBack(const btConstraintArray& rows, bool all);
+  /// Rows that Bullet has iterated and that are within their bounds are the system's when it gathers next. Returns
+  /// whether there were such.
+  bool takeBack(const btConstraintArray& rows);
   /// Tells joints that have rows with bounds in the system what became of them.
   void report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
               Scalar dt) const;
@@ -213,7 +220,8 @@ class JointSystem {
   std::vector<double> m_fastest_of;  ///< of each component
   double m_fastest = 0;
   bool m_loops = false;  ///< whether rows may depend on each other
-  bool m_all = true, m_stiff = false, m_damped_is_factor = false;
+  bool m_all = true, m_stiff = false, m_loaded = false, m_bounded = false,
+       m_damped_is_factor = false;
 };
 
 }  // namespace PINTLE_PRECISION

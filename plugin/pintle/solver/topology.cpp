@@ -94,7 +94,7 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
   (*place)->joints = joints;
   (*place)->first = first;
   (*place)->impulses.clear();
-  (*place)->at_bound.assign(joints.size(), 0);
+  (*place)->at_bound.assign(block_rows * joints.size(), Topology::inside);
   (*place)->last_use = m_uses;
   analyse(**place);
   return **place;
@@ -106,7 +106,8 @@ size_t Topologies::bytes() const {
     sum += sizeof(Topology) + known->elimination.bytes() +
            known->joints.capacity() * sizeof(Topology::Joint) +
            (known->component.capacity() + known->body_component.capacity()) * sizeof(int) +
-           known->impulses.capacity() * sizeof(double) + known->at_bound.capacity();
+           known->impulses.capacity() * sizeof(double) +
+           known->at_bound.capacity() * sizeof(Scalar);
   return sum;
 }
 

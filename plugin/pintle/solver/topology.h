@@ -1,7 +1,7 @@
 // Purpose: the analysis of each island that is met again, so that a step makes only numbers.
 #pragma once
 
-#include <pintle/solver/elimination.h>
+#include <pintle/solver/block_factor.h>
 
 #include <memory>
 
@@ -30,9 +30,10 @@ struct Topology {
   /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
   /// world, which says how stiff the bodies will be in the next. Empty before the first.
   std::vector<double> impulses;
-  /// Of each joint, in the order of elimination: which of its rows with bounds, a bit each, were at one
-  /// in the last step.
-  std::vector<unsigned char> at_bound;
+  /// Of each row of each joint, in the order of elimination: its impulse in the last step, if it was at a
+  /// bound; else `inside`.
+  std::vector<Scalar> at_bound;
+  static constexpr Scalar inside = infinity;
   unsigned long long last_use = 0;
 };
 
