@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/body_pair.h>
+#include <pintle/equations/orientation_lock.h>
 
 #include <LinearMath/btTransform.h>
 
@@ -22,6 +23,16 @@ class Frame {
     m_r = view(R) * view(local.getOrigin());
   }
 
+  /// This frame after a rotation of its own, given in it.
+  Frame turned(const btMatrix3x3& R) const {
+    const LanesView R_0 = lanes(R[0]), R_1 = lanes(R[1]), R_2 = lanes(R[2]);
+    Frame f = *this;
+    f.m_x = m_x[0] * R_0 + m_x[1] * R_1 + m_x[2] * R_2;
+    f.m_y = m_y[0] * R_0 + m_y[1] * R_1 + m_y[2] * R_2;
+    f.m_z = m_z[0] * R_0 + m_z[1] * R_1 + m_z[2] * R_2;
+    return f;
+  }
+
   Vec3 a() const { return {m_x[0], m_y[0], m_z[0]}; }
   Vec3 b() const { return {m_x[1], m_y[1], m_z[1]}; }
   Vec3 c() const { return {m_x[2], m_y[2], m_z[2]}; }
@@ -35,6 +46,22 @@ class Frame {
 
   /// a.v, b.v, c.v
   Lanes components(const Vec3& v) const { return m_x * v.x() + m_y * v.y() + m_z * v.z(); }
+  /// a x a' + b x b' + c x c'
+  Vec3 crossed(const Frame& f) const {
+    const auto sum = [](const Lanes& l) { return l[0] + l[1] + l[2]; };
+    return {sum(m_y * f.m_z - m_z * f.m_y), sum(m_z * f.m_x - m_x * f.m_z),
+            sum(m_x * f.m_y - m_y * f.m_x)};
+  }
+  /// a.a' + b.b' + c.c': of R, the rotation from here to there.
+  Scalar trace(const Frame& f) const {
+    const Lanes each = dots(f);
+    return each[0] + each[1] + each[2];
+  }
+  /// The rotation vector of that (rad, world).
+  Vec3 turnTo(const Frame& f) const {
+    return equations::orientation_error(crossed(f), trace(f),
+                                        [&] { return Mat3(f.axes() * axes().transpose()); });
+  }
   /// a.a', b.b', c.c'
   Lanes dots(const Frame& f) const { return m_x * f.m_x + m_y * f.m_y + m_z * f.m_z; }
 

@@ -12,8 +12,8 @@ const char* name(Outcome outcome) {
   return names[int(outcome)];
 }
 
-Result run(const Case& one, engines::MakeJoint make_joint) {
-  const auto engine = engines::make_bullet(one.scene, one.iterations, make_joint);
+Result run(const Case& one, engines::MakeJoint make_joint, const scenes::SolverFactory& solver) {
+  const auto engine = engines::make_bullet(one.scene, one.iterations, make_joint, solver);
   if (one.prepare) one.prepare(*engine);
   std::vector<measures::Overshoot> overshoots;
   for (const scenes::Joint& joint : one.scene.joints) overshoots.emplace_back(joint);

@@ -19,6 +19,7 @@ struct Result {
   Outcome outcome = Outcome::exact;
   double error = 0;  // the largest in the last half, of the size or rad
 };
-Result run(const Case& one, engines::MakeJoint make_joint);
+Result run(const Case& one, engines::MakeJoint make_joint,
+           const scenes::SolverFactory& solver = {});
 
 }  // namespace extreme

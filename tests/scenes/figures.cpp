@@ -27,7 +27,7 @@ Figures measure() {
     const bool chaotic = scene.contacts() || scene.name == "crane";
     scene.seconds = std::min(scene.seconds, chaotic ? 0.4 : 1.);
     scene.horizon = std::min(scene.horizon, scene.seconds);
-    for (const char* who : {"document", "pintle"}) {
+    for (const char* who : {"document", "pintle", "exact"}) {
       const auto engine = engines::find_contender(who)->make(scene, 10);
       const measures::Outcome outcome = measures::run(scene, *engine, 1. / 60);
       const std::string prefix = scene.name + ',' + who + ',';

@@ -13,6 +13,7 @@
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
 #include <gtest/gtest.h>
 #include <scenes/chain.h>
+#include <scenes/angles.h>
 #include <scenes/crowd.h>
 
 #include <cstdlib>
@@ -327,6 +328,55 @@ TEST(ExactJointSolver, ViolentMotionStaysBounded) {
       const double fall = 9.81 * (step + 1) / 60, mass = 3 * 20 + 5;
       ASSERT_LT(kinetic, 2 * (energy + mass * fall * fall / 2)) << speed << ", step " << step;
     }
+  }
+}
+
+// --- rows with bounds --------------------------------------------------------------------------------
+
+// A motor turns an arm that has ten times its mass fixed to its end.
+struct Driven {
+  Driven(double torque, double gravity) : world(gravity, 4, exact) {
+    arm = &world.add_box(1, vec(0.5, 0.1, 0.1), at(0.5, 0, 0));
+    btRigidBody& end = world.add_box(10, vec(0.1, 0.1, 0.1), at(1.1, 0, 0));
+    hinge = &world.add_joint<QuaternionHinge>(*arm, vec(-0.5, 0, 0), vec(0, 1, 0));
+    world.add_joint<FixedJoint>(*arm, end, at(0.5, 0, 0), at(-0.1, 0, 0));
+    hinge->enableAngularMotor(true, scalar(speed), scalar(torque / 60));
+    // About the hinge: the boxes' own, and what they have off it.
+    inertia = 1.04 / 12 + 0.25 + 10 * (0.08 / 12 + 1.1 * 1.1);
+  }
+  double turned() {
+    const Eigen::Vector3d x = scenes::direction_in_world(*arm, {1, 0, 0});
+    return std::abs(unwrap(std::atan2(x.z(), x.x())));
+  }
+  static constexpr double speed = 2;  // rad/s
+  World world;
+  btRigidBody* arm;
+  QuaternionHinge* hinge;
+  double inertia;
+  scenes::Unwrap unwrap{0};
+};
+
+// In every step, whatever the load, the gravity and the end of the step ask of the joints.
+TEST(ExactJointSolver, AStrongMotorTurnsByItsSpeed) {
+  Driven driven(1e6, 9.81);
+  for (int i = 1; i <= 300; ++i) {
+    driven.world.step(1. / 60);
+    ASSERT_NEAR(driven.turned(), Driven::speed * i / 60, 1e-4) << i;
+  }
+}
+
+// Neither more nor less: it is at its bound in the first steps, and within it when the speed is reached.
+TEST(ExactJointSolver, AWeakMotorGivesItsTorque) {
+  const double torque = 10;
+  Driven driven(torque, 0);
+  const int steps = int(Driven::speed * driven.inertia / torque * 60);
+  for (int i = 1; i <= 2 * steps; ++i) {
+    driven.world.step(1. / 60);
+    const double speed = std::abs(double(driven.arm->getAngularVelocity().y()));
+    const double of = std::min(torque * i / 60 / driven.inertia, Driven::speed);
+    ASSERT_NEAR(speed, of, 1e-3) << i;
+    const double impulse = std::abs(double(driven.hinge->getAppliedImpulse()));
+    ASSERT_NEAR(impulse, i < steps ? torque / 60 : std::min(impulse, torque / 60), 1e-6) << i;
   }
 }
 

@@ -1,6 +1,10 @@
 // The figures of ExactJointSolver in the scenes, with its default settings, and with the joints of both.
+#include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
+#include <pintle/joints/universal_joint.h>
+#include <pintle/joints/wedge_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
@@ -8,6 +12,10 @@
 #include <gtest/gtest.h>
 #include <scenes/chain.h>
 #include <scenes/crowd.h>
+#include <scenes/drive_shaft.h>
+#include <scenes/shoulder.h>
+#include <scenes/slider_crank.h>
+#include <scenes/wedge.h>
 
 namespace {
 
@@ -53,6 +61,47 @@ INSTANTIATE_TEST_SUITE_P(Ratios, Extreme, testing::Values(1e3, 1e4, 1e5, 1e6));
 TEST(ExactScenes, LongExtremeChainHolds) {
   const auto r = scenes::chain<pintle::QuaternionHinge>(chain(100, 1e4, 1. / 60));
   EXPECT_LE(r.mean_gap, 2.5e-4);
+}
+
+// --- motors and limits -------------------------------------------------------------------------------
+
+// The motor turns the crank by what it should, and the piston is where its closed form has it.
+TEST(ExactScenes, SliderCrankIsInTime) {
+  scenes::SliderCrankSettings settings;
+  settings.make_solver = [] { return std::make_unique<pintle::ExactJointSolver>(); };
+  const auto r =
+      scenes::slider_crank<pintle::QuaternionHinge, pintle::BallJoint, pintle::SliderJoint>(
+          settings);
+  EXPECT_LT(r.max_crank_error, 1e-5);
+  EXPECT_LT(r.max_piston_error, 1e-5);
+  EXPECT_LT(r.max_gap, 1e-5);
+}
+
+// A loop of more rows than it has motions to hold, 30 degrees a step.
+TEST(ExactScenes, ShaftsTurnAsTheyShould) {
+  scenes::DriveShaftSettings settings;
+  const auto bullets = scenes::drive_shaft<pintle::UniversalJoint>(settings);
+  settings.make_solver = [] { return std::make_unique<pintle::ExactJointSolver>(); };
+  const auto ours = scenes::drive_shaft<pintle::UniversalJoint>(settings);
+  EXPECT_LT(ours.universal_error, bullets.universal_error / 10);
+  EXPECT_LT(ours.max_gap, 1e-6);
+}
+
+// Few iterations are enough: none is needed. What is beyond a limit comes back as its ERP says.
+TEST(ExactScenes, LimitsHoldAsWithBullet) {
+  scenes::WedgeSettings elbow;
+  elbow.iterations = 4;
+  const auto bullets_elbow = scenes::wedge<pintle::WedgeJoint>(elbow);
+  scenes::ShoulderSettings arm;
+  arm.iterations = 4;
+  const auto bullets_arm = scenes::shoulder<pintle::ConeTwistJoint>(arm);
+  elbow.make_solver = arm.make_solver = [] { return std::make_unique<pintle::ExactJointSolver>(); };
+  const auto our_elbow = scenes::wedge<pintle::WedgeJoint>(elbow);
+  const auto our_arm = scenes::shoulder<pintle::ConeTwistJoint>(arm);
+  EXPECT_LT(our_elbow.beyond, 1.01 * bullets_elbow.beyond);
+  EXPECT_LT(our_elbow.off, 1e-3);
+  EXPECT_LT(our_arm.swing_beyond, 1.01 * bullets_arm.swing_beyond);
+  EXPECT_LT(our_arm.max_gap, bullets_arm.max_gap / 10);
 }
 
 // --- contacts --------------------------------------------------------------------------------------

@@ -661,6 +661,30 @@ TEST(Slider, AngularLimitsSpanAnyNumberOfTurns) {
   EXPECT_NEAR(rig.joint->getAccumulatedAngularPos(), 9 * pi, 1e-3);
 }
 
+TEST(Slider, ALockedAngleIsReachedThroughAllTheTurnsThatItIsOff) {
+  for (const double locked : {-3., 0., 2.5}) {
+    for (const int turns : {-2, -1, 0, 1, 2}) {
+      SCOPED_TRACE(testing::Message() << turns << " turns from " << locked);
+      RigSettings<Ours> settings;
+      Rig<Ours> rig(settings);
+      rig.joint->setLowerAngLimit(scalar(locked));
+      rig.joint->setUpperAngLimit(scalar(locked));
+      const double off = 2 * pi * turns + double(rig.joint->getAccumulatedAngularPos()) - locked;
+      rig.joint->setAccumulatedAngularPos(scalar(locked + off));
+      double turned = 0, fastest = 0;
+      for (int i = 0; i < 600; ++i) {
+        rig.step();
+        const double speed = double(rig.b->getAngularVelocity().dot(rig.axis()));
+        turned += speed / 60;
+        fastest = std::max(fastest, std::abs(speed));
+      }
+      EXPECT_NEAR(double(rig.joint->getAccumulatedAngularPos()), locked, 1e-3);
+      EXPECT_NEAR(turned, -off, 0.05);
+      EXPECT_LE(fastest, 8 + 1e-3);
+    }
+  }
+}
+
 // Stock's motor slows down before the limit that it moves away from, and stops there.
 TEST(Slider, AMotorLeavesAnAngularLimitWhereStocksIsStuck) {
   const auto leave = [](auto* type) {

@@ -53,15 +53,27 @@ Vector3<T> rotation_vector(Quaternion<T> q) {
 /// vectors u: the exact Jacobian of phi times a matrix that leaves phi as it is, and as good at any
 /// error. At exactly pi, where phi and -phi are one turn, it is one of them, the same one for the
 /// same frames.
+///
+/// From the sums of a x a' and of a.a' over the frames' axes, which are enough while it is small, in
+/// any basis. R: a function that returns the rotation in the same basis (F_b F_a^T in the world,
+/// F_a^T F_b in the frames), called if they are not.
+template <class T, class Rotation>
+Vector3<T> orientation_error(const Vector3<T>& crossed, T trace, const Rotation& R) {
+  // The antisymmetric part of R is the axis times the sine.
+  const Vector3<T> x = T(0.5) * crossed;
+  const T sin2 = x.dot(x);
+  if (sin2 < T(1e-5) && trace > T(1)) return x * small_angle_over_sine(sin2);
+  return rotation_vector(quaternion(R()));
+}
+
+/// The same from the frames, in the world.
 template <class T>
 Vector3<T> orientation_error(const Matrix3<T>& F_a, const Matrix3<T>& F_b) {
-  // Of R = F_b F_a^T: its antisymmetric part, the axis times the sine, and its trace.
   const auto crossed = [&](int i) { return cross(F_a.col(i), F_b.col(i)); };
   const auto dot = [&](int i) { return F_a.col(i).dot(F_b.col(i)); };
-  const Vector3<T> x = T(0.5) * (crossed(0) + crossed(1) + crossed(2));
-  const T sin2 = x.dot(x);
-  if (sin2 < T(1e-5) && dot(0) + dot(1) + dot(2) > T(1)) return x * small_angle_over_sine(sin2);
-  return rotation_vector(quaternion(Matrix3<T>(F_b * F_a.transpose())));
+  return orientation_error(Vector3<T>(crossed(0) + crossed(1) + crossed(2)),
+                           dot(0) + dot(1) + dot(2),
+                           [&] { return Matrix3<T>(F_b * F_a.transpose()); });
 }
 
 /// d^2/dt^2 of phi at constant w, for a lock that is satisfied: the turns exp(w_b t) and exp(-w_a t)

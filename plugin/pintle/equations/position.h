@@ -61,9 +61,9 @@ Vector3<T> position_curvature(const Vector3<T>& w_a, const Vector3<T>& r_a, cons
 /// point at p_b of body b may move in body a meanwhile (slide), which adds the Coriolis part.
 template <class T>
 Vector3<T> position_curvature_conserving(const Anchors<T>& at, const Velocity<T>& v) {
-  const Vector3<T> lever_a = at.r_a + at.d;
-  const Vector3<T> slide = relative_velocity(v, lever_a, at.r_b);
-  return position_curvature(v.w_a, lever_a, v.w_b, at.r_b) - T(2) * cross(v.w_a, slide);
+  const Vector3<T> lever_a = at.r_a + at.d, slide = relative_velocity(v, lever_a, at.r_b);
+  // position_curvature - 2 w_a x slide, with what w_a turns as one.
+  return cross(v.w_b, cross(v.w_b, at.r_b)) - cross(v.w_a, cross(v.w_a, lever_a) + T(2) * slide);
 }
 
 /// K of the three world rows as one block.

@@ -483,15 +483,12 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
   Vec3 error = Vec3::Zero(), along = at.x_b, across = at.b.b();
   Scalar length = 0, turn = 0;
   if (isMotorEnabled()) {
-    const Mat3 F_b = at.pair.R_b() * view(m_frame_b.getBasis());
     if (m_rotation->axis.drive == Axis::Drive::rate) {
-      error = F_b * -view(m_rotation->velocity);
+      error = at.b.axes() * -view(m_rotation->velocity);
       length = error.norm();
       turn = timeStep() * length;
     } else {
-      const Mat3 F_a = at.pair.R_a() * view(m_frame_a.getBasis());
-      const btMatrix3x3 target(m_rotation->reachable_target);
-      error = equations::orientation_error<Scalar>(F_a, F_b * view(target));
+      error = at.a.turnTo(at.b.turned(btMatrix3x3(m_rotation->reachable_target)));
       length = error.norm();
       turn = m_rotation->axis.motor_gain * length;
     }

@@ -64,19 +64,18 @@ btVector3 FixedJoint::getAxis(int axis_index) const {
 PINTLE_FLATTEN void FixedJoint::addRows(const BodyPair& pair, Rows& rows) const {
   const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
   const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
-  const Mat3 F_a = a.axes(), F_b = b.axes();
-  // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + F_a.sum() + F_b.sum())) return;
+  // Also a frame that its owner has spoiled: the trace is made of all axes.
+  if (!BodyPair::is_finite(d.sum() + a.trace(b))) return;
   if (getFormulation() == Formulation::document)
-    addDocumentRows(F_a, F_b, rows);
+    addDocumentRows(a.axes(), b.axes(), rows);
   else
-    addConditionedRows(pair, F_a, F_b, rows);
+    addConditionedRows(pair, a, b, rows);
   addPivotRows(pair, a.r(), b.r(), d, rows);
 }
 
-inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Mat3& F_a, const Mat3& F_b,
+inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b,
                                            Rows& rows) const {
-  const Vec3 phi = equations::orientation_error(F_a, F_b);
+  const Vec3 phi = a.turnTo(b);
   const Vec3 curvature = equations::orientation_curvature<Scalar>(pair.w_a(), pair.w_b());
   const Scalar angle = std::sqrt(phi.dot(phi));
   const Scalar most = angle > 0 ? getMaxCorrectionSpeed() / angle : Scalar(0);

@@ -6,6 +6,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class Frame;
+
 /// Two joint frames, one in each body, coincide: nothing is free. Recovers from any error, by the
 /// shortest turn and at a bounded speed (setMaxCorrectionSpeed).
 ///
@@ -44,7 +46,7 @@ class FixedJoint : public FrameJoint {
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  private:
-  void addConditionedRows(const BodyPair& pair, const Mat3& F_a, const Mat3& F_b, Rows& rows) const;
+  void addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b, Rows& rows) const;
   void addDocumentRows(const Mat3& F_a, const Mat3& F_b, Rows& rows) const;
 
   RowMemory<6> m_row_memory;

@@ -30,9 +30,8 @@ inline HingeBase::Frames HingeBase::look(const BodyPair& pair, UnwrappedAngle& t
 }
 
 inline void HingeBase::see(const Frames& at, UnwrappedAngle& angle) const {
-  const Lanes dots = at.a.dots(at.b);
-  const auto twist =
-      equations::twist<Scalar>(dots[0], dots[1], at.a.b().dot(at.b.a()), at.a.a().dot(at.b.b()));
+  const Lanes a_b = at.a.components(at.b.a()), b_b = at.a.components(at.b.b());
+  const auto twist = equations::twist<Scalar>(a_b[0], b_b[1], a_b[1], b_b[0]);
   followTwist(angle, twist, at.c_a + at.c_b, m_rbA, m_rbB, timeStep(), angularSpeed());
 }
 

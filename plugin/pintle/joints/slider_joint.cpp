@@ -15,19 +15,38 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 // The joint frames in the world. The slide axis is a of each; d = p_b - p_a.
+namespace {
+
+// The frame turned by an angle (rad) about its x axis.
+Mat3 turned(const Mat3& F, Scalar angle) {
+  const Scalar cosine = btCos(angle), sine = btSin(angle);
+  const Vec3 x = F.col(0), y = F.col(1), z = F.col(2);
+  Mat3 result;
+  result << x, cosine * y + sine * z, cosine * z - sine * y;
+  return result;
+}
+
+}  // namespace
+
 struct SliderJoint::Frames {
   Frames(const BodyPair& pair, const btTransform& frame_a, const btTransform& frame_b)
       : a(pair.pose_a(), frame_a),
         b(pair.pose_b(), frame_b),
-        axis_a(a.a()),
-        axis_b(b.a()),
         d(equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r())) {
-    const Lanes dots = a.dots(b);
-    twist = equations::twist<Scalar>(dots[1], dots[2], a.c().dot(b.b()), a.b().dot(b.c()));
+    offset = a.components(d);
+    const Lanes dots = a.dots(b), sums = a.components(a.crossed(b));
+    crossed = {sums[0], sums[1], sums[2]};
+    trace = dots[0] + dots[1] + dots[2];
+    // a.(b x b') = c.b' and a.(c x c') = -b.c'
+    twist = equations::twist<Scalar>(dots[1], dots[2], sums[0], 0);
   }
 
   Frame a, b;
-  Vec3 axis_a, axis_b, d;
+  Vec3 d;
+  // In the frame of a.
+  Lanes offset;  ///< d
+  Vec3 crossed;
+  Scalar trace;
   equations::Twist<Scalar> twist;  ///< of b against a
 };
 
@@ -66,7 +85,7 @@ void SliderJoint::framesChanged() {
 // --- position and angle --------------------------------------------------------------------------
 
 inline void SliderJoint::look(const Frames& at, UnwrappedAngle& angle) const {
-  followTwist(angle, at.twist, at.axis_a + at.axis_b, m_rbA, m_rbB, timeStep(), angularSpeed());
+  followTwist(angle, at.twist, at.a.a() + at.b.a(), m_rbA, m_rbB, timeStep(), angularSpeed());
 }
 
 void SliderJoint::updateState(const BodyPair& pair) { look(frames(pair), m_twist); }
@@ -86,7 +105,7 @@ btVector3 SliderJoint::getAncorInA() const {
 
 btScalar SliderJoint::getLinearPos() const {
   const Frames at = frames({m_rbA, m_rbB});
-  return m_sign * at.axis_a.dot(at.d);
+  return m_sign * at.offset[0];
 }
 
 btScalar SliderJoint::getAngularPos() const {
@@ -285,7 +304,7 @@ PINTLE_FLATTEN void SliderJoint::prepare(const BodyPair& pair, Rows& rows) {
   const Frames at = frames(pair);
   look(at, m_twist);
   m_seen = m_twist;
-  m_seen_position = m_sign * at.axis_a.dot(at.d);
+  m_seen_position = m_sign * at.offset[0];
   addRows(pair, at, m_twist, rows);
 }
 
@@ -298,92 +317,100 @@ void SliderJoint::addRows(const BodyPair& pair, Rows& rows) const {
 
 inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
                                  const UnwrappedAngle& twist, Rows& rows) const {
-  const auto swing = equations::swing(at.axis_a, at.axis_b);
-  // Also a frame that its owner has spoiled: sigma is made of its x axis, the twist of the others.
-  if (!BodyPair::is_finite(at.d.sum() + swing.sigma.sum() + at.twist.x + at.twist.y)) return;
+  // Also a frame that its owner has spoiled: the trace is made of all its axes.
+  if (!BodyPair::is_finite(at.d.sum() + at.trace)) return;
 
-  const bool document = getFormulation() == Formulation::document;
-  if (document)
-    addDocumentAngularRows(pair, rows);
-  else
-    addAngularRows(pair, swing, twist, rows);
-  // With the axes all but opposite there is no angle between them.
+  const bool document = getFormulation() == Formulation::document, locked = angleIsLocked();
+  if (document) addDocumentAngularRows(pair, rows);
   Acting turn;
-  if (!angleIsLocked() && (m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
-    turn =
-        actingAngle(m_angular, twist, swing.h, 1, [&] { return AngularReach(pair, timeStep()); });
+  Vec3 turn_row;
+  if (!locked) {
+    const auto swing = equations::swing(at.a.a(), at.b.a());
+    if (!document) addDirectionRows(pair, swing, rows);
+    // With the axes all but opposite there is no angle between them.
+    if ((m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
+      turn =
+          actingAngle(m_angular, twist, swing.h, 1, [&] { return AngularReach(pair, timeStep()); });
+    if (turn.row) turn_row = equations::twist_row(swing);
+  } else if (!document) {
+    addLockRows(at, twist, rows);
+  }
   const auto add_turn = [&] {
-    if (turn.row)
-      rows.addAngularAxis(angular, equations::twist_row(swing), turn.position, m_angular,
-                          turn.limit);
+    if (turn.row) rows.addAngularAxis(angular, turn_row, turn.position, m_angular, turn.limit);
   };
   if (m_angular_only) return add_turn();
 
   const equations::Anchors<Scalar> anchors{at.a.r(), at.b.r(), at.d};
   const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
   const Vec3 curvature = equations::position_curvature_conserving(anchors, v);
-  const Scalar along = at.axis_a.dot(curvature);
-  Acting slide;
-  if (m_linear.driven() || m_linear.limited()) slide = actingSlide(pair, at, anchors, v, along);
+  const Lanes bend = at.a.components(curvature);
+  const bool driven = m_linear.driven();
+  const bool limit = m_linear.limited() && slideLimitActs(pair, at, anchors, v, bend[0], driven);
   // The document's rows take for granted that both bodies turn alike.
-  const bool middle = document && angleIsLocked();
-  const auto add = [&](const Vec3& u) {
-    if (middle) {
-      const auto row = equations::slider_row_middle(u, at.axis_a, anchors);
-      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).firmness = group(across);
-    } else {
-      const auto row = equations::contact_row(u, anchors);
-      rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, u.dot(curvature)).firmness =
-          group(across);
-    }
+  const bool middle = document && locked;
+  const auto add = [&](const Vec3& u, int i) {
+    const auto J = middle ? equations::slider_row_middle(u, at.a.a(), anchors).J
+                          : equations::contact_row(u, anchors).J;
+    rows.addEquality(J.L, J.A_a, J.A_b, at.offset[i], middle ? Scalar(0) : bend[i]).firmness =
+        group(across);
   };
-  add(at.a.b());
-  add(at.a.c());
+  add(at.a.b(), 1);
+  add(at.a.c(), 2);
   add_turn();
-  if (!slide.row) return;
-  const auto J = equations::contact_row(at.axis_a, anchors).J;
-  rows.addAxis(linear, J.L, J.A_a, J.A_b, slide.position, m_linear, slide.limit,
+  if (!limit && !driven) return;
+  const auto J = equations::contact_row(at.a.a(), anchors).J;
+  rows.addAxis(linear, J.L, J.A_a, J.A_b, m_sign * at.offset[0], m_linear, limit,
                m_sign > 0 ? 1 : -1)
-      .curvature = m_sign * along;
+      .curvature = m_sign * bend[0];
 }
 
-inline void SliderJoint::addAngularRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
-                                        const UnwrappedAngle& twist, Rows& rows) const {
-  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
-  const bool locked = angleIsLocked();
-  // Bodies that turn alike keep the axes together.
-  Scalar bend_p = 0, bend_q = 0;
-  if (!locked) {
-    const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
-    const auto bend = equations::swing_curvature(swing, p, q, w_a, w_b);
-    bend_p = bend[0];
-    bend_q = bend[1];
-  }
-  // |J_b| of the angle is 1 / cos(swing/2): times that cosine the row is a unit one, at any error.
-  const Scalar turned =
-      locked ? (twist.value() - m_angular.low) / btSqrt(swing.h_scale) : Scalar(0);
-  const Scalar error = btSqrt(swing.angle * swing.angle + turned * turned);
+// About the axes of a, so that the angle has a row of its own.
+inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twist,
+                                     Rows& rows) const {
+  const auto R = [&] { return Mat3(at.a.axes().transpose() * at.b.axes()); };
+  const Vec3 phi = m_angular.low == 0 && twist.turns() == 0
+                       ? equations::orientation_error(at.crossed, at.trace, R)
+                       : turnedLockError(R(), twist);
+  const Scalar error = btSqrt(phi.dot(phi));
   const Scalar most = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
-  const auto add = [&](const Vec3& u, Scalar C, Scalar second_derivative, int firmness) {
-    Row& row = rows.addAngular(u, C, second_derivative);
+  const auto add = [&](const Vec3& u, Scalar C, int firmness) {
+    Row& row = rows.addAngular(u, C);
     row.max_speed = most * btFabs(C);
     row.firmness = group(firmness);
   };
-  add(p, p.dot(swing.sigma), bend_p, directions);
-  add(q, q.dot(swing.sigma), bend_q, directions);
-  if (locked) add(swing.h, turned, 0, locked_angle);
+  add(at.a.b(), phi.y(), directions);
+  add(at.a.c(), phi.z(), directions);
+  add(at.a.a(), phi.x(), locked_angle);
+}
+
+// Of the frame of a, turned to the locked angle, and by as many turns as the angle is from it.
+PINTLE_NOINLINE Vec3 SliderJoint::turnedLockError(const Mat3& R,
+                                                  const UnwrappedAngle& twist) const {
+  Vec3 phi = equations::orientation_error<Scalar>(turned(Mat3::Identity(), m_angular.low), R);
+  const Scalar missing = twist.value() - m_angular.low - phi.x();
+  phi.x() += SIMD_2_PI * std::round(missing / SIMD_2_PI);
+  return phi;
+}
+
+inline void SliderJoint::addDirectionRows(const BodyPair& pair,
+                                          const equations::Swing<Scalar>& swing, Rows& rows) const {
+  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p), w_a = pair.w_a(), w_b = pair.w_b();
+  const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
+  const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
+  const auto add = [&](const Vec3& u, Scalar second_derivative) {
+    Row& row = rows.addAngular(u, u.dot(swing.sigma), second_derivative);
+    row.max_speed = most * btFabs(row.position);
+    row.firmness = group(directions);
+  };
+  add(p, curvature[0]);
+  add(q, curvature[1]);
 }
 
 // The lock's rows, of which a free angle leaves those about the frame's other two axes.
 void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const {
   const bool locked = angleIsLocked();
   Mat3 F = pair.R_a() * view(m_frame_a.getBasis());
-  if (locked && m_angular.low != 0) {
-    const Scalar cosine = btCos(m_angular.low), sine = btSin(m_angular.low);
-    const Vec3 y = F.col(1), z = F.col(2);
-    F.col(1) = cosine * y + sine * z;
-    F.col(2) = cosine * z - sine * y;
-  }
+  if (locked && m_angular.low != 0) F = turned(F, m_angular.low);
   const Mat3 F_b = pair.R_b() * view(m_frame_b.getBasis());
   const auto p = equations::relative(equations::quaternion(F), equations::quaternion(F_b));
   if (!BodyPair::is_finite(p.w + p.v.sum())) return;
@@ -401,27 +428,19 @@ void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const
   if (locked) add(0, locked_angle);
 }
 
-inline Acting SliderJoint::actingSlide(const BodyPair& pair, const Frames& at,
-                                       const equations::Anchors<Scalar>& anchors,
-                                       const equations::Velocity<Scalar>& v,
-                                       Scalar curvature) const {
-  Acting acting;
-  acting.position = m_sign * at.axis_a.dot(at.d);
-  const bool driven = m_linear.driven();
-  acting.row = driven;
-  if (!m_linear.limited()) return acting;
-  const Scalar distance = m_linear.distance(acting.position);
-  acting.limit = distance <= 0;
-  if (!acting.limit) {
-    const Vec3 lever_a = anchors.r_a + anchors.d;
-    const Scalar speed = at.axis_a.dot(equations::relative_velocity(v, lever_a, anchors.r_b));
-    const Reach reach =
-        linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep());
-    if (!driven && distance > reach.most()) return acting;
-    acting.limit = reach.of(m_linear).reaches(m_linear, acting.position);
-  }
-  acting.row = acting.limit || driven;
-  return acting;
+inline bool SliderJoint::slideLimitActs(const BodyPair& pair, const Frames& at,
+                                        const equations::Anchors<Scalar>& anchors,
+                                        const equations::Velocity<Scalar>& v, Scalar curvature,
+                                        bool driven) const {
+  const Scalar position = m_sign * at.offset[0];
+  const Scalar distance = m_linear.distance(position);
+  if (distance <= 0) return true;
+  const Vec3 lever_a = anchors.r_a + anchors.d;
+  const Scalar speed = at.a.a().dot(equations::relative_velocity(v, lever_a, anchors.r_b));
+  const Reach reach =
+      linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep());
+  if (!driven && distance > reach.most()) return false;
+  return reach.of(m_linear).reaches(m_linear, position);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -16,8 +16,6 @@ struct Velocity;
 
 inline namespace PINTLE_PRECISION {
 
-struct Acting;
-
 /// Body b slides along an axis of body a, and turns about it as far as its angular limits allow: by
 /// default not at all. The axis is x of a joint frame in each body.
 ///
@@ -214,12 +212,14 @@ class SliderJoint : public FrameJoint {
   void look(const Frames& at, UnwrappedAngle& twist) const;
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
-  void addAngularRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
-                      const UnwrappedAngle& twist, Rows& rows) const;
+  void addLockRows(const Frames& at, const UnwrappedAngle& twist, Rows& rows) const;
+  Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist) const;
+  void addDirectionRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
+                        Rows& rows) const;
   void addDocumentAngularRows(const BodyPair& pair, Rows& rows) const;
-  Acting actingSlide(const BodyPair& pair, const Frames& at,
-                     const equations::Anchors<Scalar>& anchors,
-                     const equations::Velocity<Scalar>& v, Scalar curvature) const;
+  bool slideLimitActs(const BodyPair& pair, const Frames& at,
+                      const equations::Anchors<Scalar>& anchors,
+                      const equations::Velocity<Scalar>& v, Scalar curvature, bool driven) const;
 
   /// No axis of its own: it is one of the equalities.
   bool angleIsLocked() const {

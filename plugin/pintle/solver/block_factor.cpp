@@ -11,6 +11,7 @@ namespace {
 template <class Function>
 inline void withConstant(int rows, const Function& f) {
   switch (rows) {
+    case 0: return;
     case 1: return f(std::integral_constant<int, 1>());
     case 2: return f(std::integral_constant<int, 2>());
     case 3: return f(std::integral_constant<int, 3>());
@@ -30,11 +31,6 @@ void BlockFactor::resize(const Elimination& elimination, const std::vector<int>&
   m_blocks.resize(size_t(elimination.blocks()) * size);
   m_inverse.resize(size_t(elimination.columns()) * block_rows);
   m_scratch.resize(size_t(most) * size);
-}
-
-void BlockFactor::regularise(double part) {
-  for (int c = 0; c < m_elimination->columns(); ++c)
-    for (int p = 0; p < m_rows[size_t(c)]; ++p) block(c)[p * (block_rows + 1)] *= 1 + part;
 }
 
 // Unit lower triangular, its diagonal and what is above it zero.
@@ -130,7 +126,8 @@ inline void BlockFactor::substitute(int c, double* x) const {
       for (int p = 0; p < n; ++p) y[p] -= column(A, p).dot(z);
     }
     const double* L = &m_blocks[size_t(c) * size];
-    for (int p = n - 2; p >= 0; --p) y[p] -= column(L, p).dot(y);
+    for (int p = n - 2; p >= 0; --p)
+      for (int q = p + 1; q < n; ++q) y[p] -= L[p * block_rows + q] * y[q];
     column(x, c) = y;
   });
 }

@@ -27,8 +27,6 @@ class BlockFactor {
   /// To be filled with K: column-major, block_rows numbers a column. Of diagonal blocks the lower
   /// triangle is used.
   double* block(int i) { return &m_blocks[size_t(i) * size]; }
-  /// Adds this part of itself to the diagonal.
-  void regularise(double part);
 
   /// K becomes its factor. A pivot of less than `tolerance` of its diagonal element is what rounding
   /// left of a row that says what others say already: it gets no impulse.

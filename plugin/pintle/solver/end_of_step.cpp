@@ -18,8 +18,7 @@ namespace {
 // further off is brought together as ERP says.
 constexpr double free_correction = 1;
 
-constexpr int most_joint_rows = 8;  // of a joint of Pintle's
-constexpr int most_rows = 16;       // of a stock joint
+constexpr int most_rows = 16;  // of a stock joint
 
 // Bullet's rows of a stock joint, for any pose of its bodies.
 class StockRows {
@@ -122,10 +121,9 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     speed[r] = 0;
     most[r] = double(infinity);
   }
-  if (const auto* joint = dynamic_cast<const Joint*>(block.joint)) {
-    RowMemory<most_joint_rows, most_joint_rows> memory;
-    Rows now(memory);
-    joint->addRows(BodyPair(a, pose_a, b, pose_b), now);
+  if (block.ours != nullptr) {
+    Rows now(m_memory);
+    block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
     for (int r = 0; r < block.rows; ++r) {
       if (block.index[r] >= now.equalities()) continue;
       const Row& row = now[block.index[r]];
@@ -168,14 +166,14 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
   bool far = false;
   for (int r = 0; r < block.rows; ++r) {
-    error[r] = block.is_soft[r] ? 0 : end[r];
+    error[r] = block.holds[r] ? end[r] : 0;
     far = far || !(std::abs(error[r]) <= free_correction);
   }
   if (!far) return;
   Speeds start;
   speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most);
   for (int r = 0; r < block.rows; ++r) {
-    if (block.is_soft[r]) continue;
+    if (!block.holds[r]) continue;
     const double whole = std::abs(start[r]);
     const double speed = std::max(std::min(double(m_erp) * whole, most[r]), free_correction);
     if (whole > speed) error[r] -= start[r] * (1 - speed / whole);

@@ -1,6 +1,7 @@
 // Purpose: where a step ends, and how far the joints are from holding there.
 #pragma once
 
+#include <pintle/rows/row.h>
 #include <pintle/solver/joint_system.h>
 
 namespace pintle {
@@ -27,6 +28,8 @@ class EndOfStep {
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
               const btTransform& pose_b, Speeds& speed, Speeds& most);
 
+  static constexpr int most_joint_rows = 8;  // of a joint of Pintle's
+  RowMemory<most_joint_rows, most_joint_rows> m_memory;
   std::vector<btTransform> m_poses;
   Scalar m_dt = 0, m_erp = 0;
 };

@@ -74,10 +74,13 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
 
   bool hasBounds() const;
   bool stiffen(const btContactSolverInfo& info);
+  template <class Pass>
+  int solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass);
   void resetVelocities();
   void restart();
   void beginReactions();
   bool findWorse();
+  bool findGained(double speed);
   void calm();
   bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);

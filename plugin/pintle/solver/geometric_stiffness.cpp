@@ -11,10 +11,10 @@ namespace {
 constexpr int most_passes = 6;
 constexpr double negligible = 1e-6;
 
-// Turns axes p and q so that A(p, q) becomes 0.
-void rotate(Matrix3d& A, Matrix3d& V, int p, int q) {
+// Turns axes p and q so that A(p, q) becomes 0, unless it is next to nothing.
+void rotate(Matrix3d& A, Matrix3d& V, int p, int q, double least) {
   const double off = A(p, q);
-  if (off == 0) return;
+  if (!(std::abs(off) > least)) return;
   const double half = (A(q, q) - A(p, p)) / (2 * off);
   const double t = (half < 0 ? -1 : 1) / (std::abs(half) + std::sqrt(1 + half * half));
   const double c = 1 / std::sqrt(1 + t * t), s = t * c;
@@ -38,11 +38,11 @@ Stiffening::Stiffening(const Matrix3d& stiffness) {
   Matrix3d A = stiffness;
   for (int pass = 0; pass < most_passes; ++pass) {
     const double off = std::abs(A(0, 1)) + std::abs(A(0, 2)) + std::abs(A(1, 2));
-    const double on = std::abs(A(0, 0)) + std::abs(A(1, 1)) + std::abs(A(2, 2));
-    if (!(off > negligible * on)) break;
-    rotate(A, axes, 0, 1);
-    rotate(A, axes, 0, 2);
-    rotate(A, axes, 1, 2);
+    const double least = negligible * A.diagonal().cwiseAbs().sum();
+    if (!(off > 3 * least)) break;
+    rotate(A, axes, 0, 1, least);
+    rotate(A, axes, 0, 2, least);
+    rotate(A, axes, 1, 2, least);
   }
   for (int k = 0; k < 3; ++k) mu[k] = A(k, k) > 0 ? A(k, k) : 0;
 }

@@ -1,6 +1,8 @@
 #include <pintle/solver/joint_system.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/joints/joint.h>
+#include <pintle/rows/block.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,10 +22,10 @@ constexpr double dependent_row = 1e-12;
 // Joints of a loop depend on each other, or nearly so. Impulses that nobody feels stay small by the
 // first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
 // velocities of 1 / d of it; the second bounds that: 1 / (2 sqrt(part)).
-// In single precision rows that ought to say the same differ by up to a millionth. What they then contradict
-// each other in is a motion that the loop has, of which each step takes away d^2 over the first part: that
-// must be far larger, and small enough for heavy loads on light links.
-constexpr double least_impulses = sizeof(Scalar) == sizeof(double) ? 1e-10 : 3e-8;
+// Rows that ought to say the same differ by d where joints are open, or by a millionth in single precision. What
+// they then contradict each other in is a motion that the loop has, of which each step takes away d^2 over the
+// first part: that must be far larger, and small enough for heavy loads on light links.
+constexpr double least_impulses = 3e-8;
 constexpr double damped_correction = 1e-4;
 // Rows of one joint that depend on each other but for this part are treated as those of a loop.
 constexpr double nearly_dependent = 1e-6;
@@ -52,6 +54,12 @@ bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
 
+// As Topology::at_bound has it.
+Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
+  if (impulse > row.m_lowerLimit && impulse < row.m_upperLimit) return Topology::inside;
+  return btMax(row.m_lowerLimit, btMin(impulse, row.m_upperLimit));
+}
+
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any.
 // Beyond the second it is not stable, and the swing would be fed by what turns the load: half of what
 // a body turns otherwise than its neighbours is taken away in each step, the more the further beyond.
@@ -60,19 +68,38 @@ constexpr double stiff = 1, unresolved = 4;
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
 
+// A J^T of two joints' rows for a body, to their block of K.
+void addProduct(double* to, const double (&A)[6][block_rows], const double (&J)[6][block_rows],
+                int rows) {
+  for (int q = 0; q < rows; ++q) {
+    BlockColumn sum = column(to, q);
+    for (int k = 0; k < 6; ++k) sum += J[k][q] * column(A[k]);
+    column(to, q) = sum;
+  }
+}
+
 }  // namespace
 
-bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
-                         btConstraintArray& rows) {
+Joint* AsJoint::operator()(btTypedConstraint* constraint) {
+  if (m_last == nullptr || *m_last != typeid(*constraint)) {
+    m_last = &typeid(*constraint);
+    m_is_joint = dynamic_cast<Joint*>(constraint) != nullptr;
+  }
+  return m_is_joint ? static_cast<Joint*>(constraint) : nullptr;
+}
+
+bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+                         bool limits, int iterations) {
   m_gathered.clear();
   m_joints.clear();
   m_all = true;
-  m_stiff = m_loops = false;
+  m_stiff = m_loops = m_loaded = m_bounded = false;
   m_fastest = 0;
   const auto moving = [&](int body) {
     return bodies[body].internalGetInvMass().isZero() ? -1 : body;
   };
   const btTypedConstraint* last = nullptr;
+  AsJoint as_joint;
   int index = 0;
   for (int i = 0; i < rows.size(); ++i, ++index) {
     btSolverConstraint& row = rows[i];
@@ -83,19 +110,26 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
       row.m_overrideNumSolverIterations = 0;
       continue;
     }
-    if (!isBilateral(row)) {
+    const bool bilateral = isBilateral(row);
+    const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
+    const bool full = known && m_gathered.back().rows == block_rows;
+    // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
+    const bool fits = !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
+                      (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
+                      row.m_lowerLimit < row.m_upperLimit;
+    if (!bilateral && !fits) {
       m_all = false;
       continue;
     }
-    row.m_overrideNumSolverIterations = 0;
-    if (m_joints.empty() || m_gathered.back().joint != joint ||
-        m_joints.back().rows == block_rows) {
-      m_gathered.push_back({joint, {}, {}});
-      m_joints.push_back({0, {moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
+    if (!known || full) {
+      m_gathered.push_back({joint, as_joint(joint), 0, {}, {}, {}});
+      m_joints.push_back({{moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
     }
-    const int r = m_joints.back().rows++;
-    m_gathered.back().row[r] = i;
-    m_gathered.back().index[r] = index;
+    Gathered& to = m_gathered.back();
+    to.row[to.rows] = i;
+    to.index[to.rows] = index;
+    to.bound[to.rows] = bilateral ? -1 : to.rows;
+    ++to.rows;
   }
   if (m_joints.empty()) return false;
 
@@ -106,11 +140,12 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
   for (int i = 0; i < bodies.size(); ++i) {
     Body& body = m_bodies[size_t(i)];
     body.stiffening = Stiffening();
-    body.load = 0;
+    body.load = body.known_load = 0;
     body.kick.setZero();
     if (moving(i) >= 0) scale(body, bodies[i]);
   }
   m_blocks.resize(n);
+  m_rows.resize(n);
   for (size_t c = 0; c < n; ++c) {
     const int node = elimination.node(int(c));
     const Gathered& from = m_gathered[size_t(node)];
@@ -118,27 +153,42 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies,
     JointBlock& block = m_blocks[c];
     std::memset(static_cast<void*>(&block), 0, sizeof(block));
     block.joint = from.joint;
-    block.rows = joint.rows;
+    block.ours = from.ours;
     for (int side = 0; side < 2; ++side) block.body[side] = joint.body[side];
-    for (int r = 0; r < block.rows; ++r) {
-      const btSolverConstraint& row = rows[from.row[r]];
-      block.row[r] = from.row[r];
-      block.index[r] = from.index[r];
+    for (int i = 0; i < from.rows; ++i) {
+      btSolverConstraint& row = rows[from.row[i]];
+      const bool bounded = from.bound[i] >= 0;
+      const Scalar before = m_topology->at_bound[block_rows * c + size_t(i)];
+      if (bounded && before != Topology::inside) {
+        m_all = false;
+        if (row.m_overrideNumSolverIterations == 0) row.m_overrideNumSolverIterations = iterations;
+        row.m_appliedImpulse = btMax(row.m_lowerLimit, btMin(before, row.m_upperLimit));
+        m_loaded = m_loaded || row.m_appliedImpulse != 0;
+        continue;
+      }
+      row.m_overrideNumSolverIterations = 0;
+      m_bounded = m_bounded || bounded;
+      const int r = block.rows++;
+      block.row[r] = from.row[i];
+      block.index[r] = from.index[i];
+      block.bound[r] = from.bound[i];
       for (int side = 0; side < 2; ++side)
         if (block.body[side] >= 0) setRow(block, side, row, r);
       const double K = 1 / double(row.m_jacDiagABInv);
       block.deficit[r] = double(row.m_rhs) * K;
-      block.rest[r] = -freeVelocity(row, bodies);
+      block.rest[r] = bounded ? block.deficit[r] : -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
-      block.is_soft[r] = row.m_cfm > 0;
+      block.holds[r] = !bounded && !(row.m_cfm > 0);
       m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
+    m_rows[c] = block.rows;
     findPoint(block, rows);
     recall(block, rows, c);
   }
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
   m_kept_u.reserve(m_u.size());
+  m_fastest_of.reserve(size_t(m_topology->components));
   m_kept_rows.reserve(2 * m_x.size());
   return true;
 }
@@ -184,34 +234,23 @@ void JointSystem::setRow(JointBlock& block, int side, const btSolverConstraint& 
 
 void JointSystem::factorise() {
   const Elimination& elimination = m_topology->elimination;
-  m_factor.resize(elimination, m_topology->rows);
+  m_factor.resize(elimination, m_rows);
   const int columns = elimination.columns();
   for (int c = 0; c < columns; ++c) {
     const JointBlock& block = m_blocks[size_t(c)];
     double* K = m_factor.block(c);
-    for (int q = 0; q < block_rows; ++q) {
-      BlockColumn sum = BlockColumn::Zero();
-      if (q < block.rows) {
-        for (int side = 0; side < 2; ++side) {
-          if (block.body[side] < 0) continue;
-          for (int k = 0; k < 6; ++k) sum += block.J[side][k][q] * column(block.J[side][k]);
-        }
-        sum[q] += block.softness[q];
-      }
-      column(K, q) = sum;
-    }
+    std::fill_n(K, block_rows * block_rows, 0.);
+    for (int side = 0; side < 2; ++side)
+      if (block.body[side] >= 0) addProduct(K, block.J[side], block.J[side], block.rows);
+    for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.softness[r];
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
       const JointBlock& other = m_blocks[size_t(elimination.row(i))];
       double* to = m_factor.block(i);
       std::fill_n(to, block_rows * block_rows, 0.);
       for (int s = 0; s < 2; ++s) {
         for (int t = 0; t < 2; ++t) {
-          if (block.body[s] < 0 || block.body[s] != other.body[t]) continue;
-          for (int q = 0; q < block.rows; ++q) {
-            BlockColumn sum = column(to, q);
-            for (int k = 0; k < 6; ++k) sum += block.J[s][k][q] * column(other.J[t][k]);
-            column(to, q) = sum;
-          }
+          if (block.body[s] >= 0 && block.body[s] == other.body[t])
+            addProduct(to, other.J[t], block.J[s], block.rows);
         }
       }
     }
@@ -222,7 +261,15 @@ void JointSystem::factorise() {
   }
   if (loops()) {
     m_damped = m_factor;
-    m_damped.regularise(damped_correction);
+    for (int c = 0; c < columns; ++c) {
+      JointBlock& block = m_blocks[size_t(c)];
+      double* K = m_damped.block(c);
+      for (int r = 0; r < block.rows; ++r) {
+        if (block.bound[r] >= 0) continue;
+        block.damping[r] = damped_correction * K[r * (block_rows + 1)];
+        K[r * (block_rows + 1)] += block.damping[r];
+      }
+    }
     m_damped_is_factor = false;
   }
   m_factor.factorise(dependent_row);
@@ -246,6 +293,7 @@ void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   block.point[0] = -1;
   int found = 0;
   for (int i = 0; i < block.rows; ++i) {
+    if (block.bound[i] >= 0) continue;
     if (rows[block.row[i]].m_contactNormal1.isZero())
       ++block.angular_rows;
     else if (found < 3)
@@ -280,6 +328,15 @@ void JointSystem::addLoads(double dt) {
     for (int side = 0; side < 2; ++side)
       if (block.body[side] >= 0) m_bodies[size_t(block.body[side])].load += p * block.swing[side];
   }
+}
+
+// Whether a body bears so much more or less than when its stiffness was looked at that it may be another.
+bool JointSystem::loadsChanged() const {
+  return std::any_of(m_bodies.begin(), m_bodies.end(), [](const Body& body) {
+    if (body.known_load == 0) return body.load > stiff;
+    const double ratio = (1 + body.load) / (1 + body.known_load);
+    return ratio > same_stiffness || ratio * same_stiffness < 1;
+  });
 }
 
 void JointSystem::addLevers(const btConstraintArray& rows) {
@@ -336,14 +393,13 @@ bool JointSystem::dependsOnItself() {
 bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
                           const btConstraintArray& rows, Scalar dt) {
   addLoads(double(dt));
-  if (!m_stiff && std::none_of(m_bodies.begin(), m_bodies.end(),
-                               [](const Body& body) { return body.load > stiff; }))
-    return false;
+  if (!loadsChanged()) return false;
   addLevers(rows);
   bool changed = false;
   for (Body& body : m_bodies) {
     Stiffening& next = body.next_stiffening;
     next = Stiffening();
+    body.known_load = body.load;
     if (body.load > stiff) {
       next = Stiffening(double(dt) * body.angular.transpose() * body.stiffness * body.angular);
       if (!(next.most() > stiff)) next = Stiffening();
@@ -367,16 +423,20 @@ void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies
   for (Body& body : m_bodies) {
     body.turns = body.stiffening.any() || body.next_stiffening.any();
     if (!body.turns) continue;
-    body.turn = body.stiffening.inverseRoot() * body.next_stiffening.root();
+    const Matrix3d root = body.next_stiffening.root();
+    body.turn = body.stiffening.any() ? Matrix3d(body.stiffening.inverseRoot() * root) : root;
     body.stiffening = body.next_stiffening;
-    body.stiff_angular = body.angular * body.stiffening.root();
+    body.stiff_angular = body.angular * root;
     body.stiff_inverse = body.stiffening.inverseRoot() * body.inverse;
   }
   for (JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
       if (block.body[side] < 0 || !m_bodies[size_t(block.body[side])].turns) continue;
-      Eigen::Map<Eigen::Matrix<double, block_rows, 3>> J(block.J[side][3]);
-      J *= m_bodies[size_t(block.body[side])].turn;
+      const Matrix3d& turn = m_bodies[size_t(block.body[side])].turn;
+      const auto J = &block.J[side][3];
+      const BlockColumn before[] = {column(J[0]), column(J[1]), column(J[2])};
+      for (int k = 0; k < 3; ++k)
+        column(J[k]) = turn(0, k) * before[0] + turn(1, k) * before[1] + turn(2, k) * before[2];
     }
   }
   addNeighbours(bodies);
@@ -413,7 +473,9 @@ void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btCons
         stiffened(row.m_solverBodyIdA, row.m_relpos1CrossNormal, row.m_angularComponentA) +
         stiffened(row.m_solverBodyIdB, row.m_relpos2CrossNormal, row.m_angularComponentB);
     if (row.m_jacDiagABInv > 0) {
-      const Scalar K = 1 / row.m_jacDiagABInv, factor = K / (K + change);
+      // Nothing but rounding may be left of it: then the row does nothing.
+      const Scalar K = 1 / row.m_jacDiagABInv, left = K + change;
+      const Scalar factor = left > rounding_of_K * K ? K / left : Scalar(0);
       row.m_jacDiagABInv *= factor;
       row.m_rhs *= factor;
       row.m_rhsPenetration *= factor;
@@ -614,12 +676,15 @@ void JointSystem::settle() {
   applyDamped();
 }
 
-// Rows keep of their targets what they have reached.
+// Rows keep of their targets what they have reached: all but their damping.
 void JointSystem::applyDamped() {
   if (!m_damped_is_factor) m_damped.factorise(dependent_row);
   m_damped_is_factor = true;
   apply(m_damped);
-  for (JointBlock& block : m_blocks) column(block.deficit) -= residual(block);
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    JointBlock& block = m_blocks[c];
+    column(block.deficit) -= column(block.damping).cwiseProduct(column(m_x.data(), int(c)));
+  }
 }
 
 void JointSystem::solve() {
@@ -628,14 +693,14 @@ void JointSystem::solve() {
 }
 
 void JointSystem::correct(const std::vector<double>& change) {
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_blocks[c].deficit) += column(change.data(), int(c));
   if (loops()) {
     m_x = change;
     applyDamped();
-    return;
+  } else {
+    solve();
   }
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_blocks[c].deficit) += column(change.data(), int(c));
-  solve();
 }
 
 void JointSystem::keep() {
@@ -665,37 +730,57 @@ void JointSystem::goBack(double part, const std::vector<char>& components) {
 }
 
 void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
-                           std::vector<double>& free, std::vector<double>& now,
-                           std::vector<double>& unit) const {
-  free.assign(size_t(m_topology->components), 0.);
-  now = unit = free;
+                           std::vector<Energy>& each) const {
+  each.assign(size_t(m_topology->components), Energy());
   for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
     if (m_topology->body_component[i] < 0) continue;
-    const auto component = size_t(m_topology->body_component[i]);
+    Energy& sum = each[size_t(m_topology->body_component[i])];
     const Body& body = m_bodies[i];
     const btSolverBody& of = bodies[int(i)];
     const auto energy = [&](const btVector3& v, const btVector3& w) {
-      double sum = (body.inverse * inDouble(w)).squaredNorm();
+      double twice = (body.inverse * inDouble(w)).squaredNorm();
       for (int k = 0; k < 3; ++k)
         if (body.linear[k] > 0)
-          sum += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
-      return sum / 2;
+          twice += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
+      return twice / 2;
     };
     const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse;
     const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
-    free[component] += energy(v, w);
-    now[component] += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
-    unit[component] += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
+    sum.free += energy(v, w);
+    sum.now += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
+    sum.added += energy(of.m_deltaLinearVelocity, of.m_deltaAngularVelocity);
+    sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
   }
 }
 
 void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
-                       const std::vector<char>& components) {
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    if (components[size_t(m_topology->component[c])])
-      column(m_blocks[c].deficit) = column(m_blocks[c].rest);
+                       const std::vector<char>& components, double speed) {
+  std::vector<double>& fastest = m_fastest_of;
+  fastest.assign(components.size(), 0);
+  const auto component = [&](size_t c) { return size_t(m_topology->component[c]); };
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    const JointBlock& block = m_blocks[c];
+    const BlockColumn correction = column(block.deficit) - column(block.rest);
+    fastest[component(c)] = std::max(fastest[component(c)], correction.cwiseAbs().maxCoeff());
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    if (!components[component(c)] || !(fastest[component(c)] > speed)) continue;
+    JointBlock& block = m_blocks[c];
+    const BlockColumn correction = column(block.deficit) - column(block.rest);
+    column(block.deficit) = column(block.rest) + speed / fastest[component(c)] * correction;
+  }
   for (Body& body : m_bodies) body.next_stiffening = Stiffening();
   changeInertia(bodies);
+}
+
+void JointSystem::weaken(const std::vector<double>& parts) {
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    const int component = m_topology->body_component[i];
+    if (component < 0) continue;
+    for (size_t k = 6 * i; k < 6 * i + 6; ++k) m_u[k] *= parts[size_t(component)];
+  }
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    column(m_blocks[c].impulse) *= parts[size_t(m_topology->component[c])];
 }
 
 bool JointSystem::finite() const {
@@ -704,8 +789,54 @@ bool JointSystem::finite() const {
   return sum - sum == 0;
 }
 
+bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
+  bool any = false;
+  const auto each = [&](const auto& f) {
+    for (size_t c = 0; c < m_blocks.size(); ++c)
+      for (int r = 0; r < m_blocks[c].rows; ++r)
+        if (m_blocks[c].bound[r] >= 0)
+          f(rows[m_blocks[c].row[r]], Scalar(m_blocks[c].impulse[r]),
+            m_topology->at_bound[block_rows * c + size_t(m_blocks[c].bound[r])]);
+  };
+  each([&](const btSolverConstraint& row, Scalar impulse, Scalar& at_bound) {
+    at_bound = atBound(row, impulse);
+    any = any || at_bound != Topology::inside;
+  });
+  if (any && all)
+    each([](const btSolverConstraint&, Scalar impulse, Scalar& at_bound) {
+      if (at_bound == Topology::inside) at_bound = impulse;
+    });
+  return any;
+}
+
+bool JointSystem::takeBack(const btConstraintArray& rows) {
+  bool any = false;
+  const Elimination& elimination = m_topology->elimination;
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    const Gathered& from = m_gathered[size_t(elimination.node(int(c)))];
+    for (int i = 0; i < from.rows; ++i) {
+      Scalar& at_bound = m_topology->at_bound[block_rows * c + size_t(i)];
+      if (from.bound[i] < 0 || at_bound == Topology::inside) continue;
+      at_bound = atBound(rows[from.row[i]], rows[from.row[i]].m_appliedImpulse);
+      any = any || at_bound == Topology::inside;
+    }
+  }
+  return any;
+}
+
+void JointSystem::report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
+                         Scalar dt) const {
+  for (const JointBlock& block : m_blocks) {
+    if (std::none_of(block.bound, block.bound + block.rows, [](int i) { return i >= 0; })) continue;
+    const btSolverConstraint& row = rows[block.row[0]];
+    block.joint->solveConstraintObsolete(bodies[row.m_solverBodyIdA], bodies[row.m_solverBodyIdB],
+                                         dt);
+  }
+}
+
 void JointSystem::release(btConstraintArray& rows, int iterations) {
   m_topology->impulses.clear();
+  std::fill(m_topology->at_bound.begin(), m_topology->at_bound.end(), Topology::inside);
   for (const JointBlock& block : m_blocks) {
     for (int r = 0; r < block.rows; ++r) {
       rows[block.row[r]].m_overrideNumSolverIterations = iterations;
@@ -717,7 +848,8 @@ void JointSystem::release(btConstraintArray& rows, int iterations) {
 size_t JointSystem::bytes() const {
   return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
-         m_joints.capacity() * sizeof(Topology::Joint) + m_bodies.capacity() * sizeof(Body) +
+         m_joints.capacity() * sizeof(Topology::Joint) + m_rows.capacity() * sizeof(int) +
+         m_bodies.capacity() * sizeof(Body) +
          (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
           m_unreacted.capacity() + m_change.capacity()) *
              sizeof(double) +

@@ -11,23 +11,41 @@
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 #include <initializer_list>
+#include <typeinfo>
+#include <vector>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class Joint;
+
+/// dynamic_cast to a joint of Pintle's of one after the other, most of them of the type of the one before.
+class AsJoint {
+ public:
+  Joint* operator()(btTypedConstraint* constraint);
+
+ private:
+  const std::type_info* m_last = nullptr;
+  bool m_is_joint = false;
+};
+
 /// The rows of a joint, or some of them, that the system holds: one block of K.
 struct JointBlock {
   btTypedConstraint* joint;
+  const Joint* ours;  ///< the same as a joint of Pintle's; null: a stock one
   int rows;
-  int row[block_rows];          ///< in Bullet's pool
-  int index[block_rows];        ///< among the rows of the joint
-  int body[2];                  ///< among Bullet's solver bodies; -1: does not move
-  double J[2][6][block_rows];   ///< J S of each body, by coordinate: linear, then angular
-  double deficit[block_rows];   ///< what J v lacks before any impulse
-  double rest[block_rows];      ///< the part of it that brings the row to rest: -J v
+  int row[block_rows];         ///< in Bullet's pool
+  int index[block_rows];       ///< among the rows of the joint
+  int body[2];                 ///< among Bullet's solver bodies; -1: does not move
+  double J[2][6][block_rows];  ///< J S of each body, by coordinate: linear, then angular
+  double deficit[block_rows];  ///< what J v lacks before any impulse
+  double rest
+      [block_rows];  ///< the part of it that brings the row to rest: -J v; of a motor, all of it
   double softness[block_rows];  ///< Sigma
+  double damping[block_rows];   ///< of what rows of a loop may be unable to do together
   double impulse[block_rows];   ///< lambda
-  bool is_soft[block_rows];     ///< by the joint's own settings
+  bool holds[block_rows];       ///< is rigid, and to hold in position
+  int bound[block_rows];        ///< by which a row with bounds is known again; -1: it has none
   int angular_rows;
   int point[3];        ///< three rows that hold a point in all directions; -1: none do
   double lever[2][3];  ///< of the point, from each body's centre
@@ -36,9 +54,12 @@ struct JointBlock {
 
 class JointSystem {
  public:
-  /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on. Returns
-  /// whether there are any.
-  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
+  /// Takes the bilateral rows out of Bullet's, whose iteration passes them over from then on, and with them
+  /// those whose bounds let them act both ways (motors, friction), as long as they are within; with
+  /// `limits`, those that act one way, too. What is at a bound begins there, and has these iterations.
+  /// Returns whether there are any rows.
+  bool gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
+              bool limits, int iterations);
   /// Whether they are all the joints' rows that there are.
   bool all() const { return m_all; }
   /// K and its factor.
@@ -93,17 +114,37 @@ class JointSystem {
   /// Goes back, in the components that are marked, from what there is now to what was kept, but for
   /// `part` of the way.
   void goBack(double part, const std::vector<char>& components);
-  /// Kinetic energy (J) of each component, before any impulse of the step and now, and what it has at
-  /// 1 m/s and 1 rad/s.
-  void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<double>& free,
-                std::vector<double>& now, std::vector<double>& unit) const;
-  /// All rows of the marked components are to come to rest only, and no body is stiffened: what takes
-  /// energy, and adds none. The joints are to be solved anew.
-  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components);
+  /// Kinetic energies of a component, J.
+  struct Energy {
+    double free = 0;  ///< before any impulse of the step
+    double now = 0;
+    double added = 0;  ///< what the changes by impulses have alone
+    double unit = 0;   ///< at 1 m/s and 1 rad/s
+  };
+  void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
+  /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
+  /// stiffened. The joints are to be solved anew.
+  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components,
+            double speed);
+  /// Leaves this part of what impulses have done to each component.
+  void weaken(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
 
   /// False if a velocity holds NaN or infinity.
   bool finite() const;
+  /// Whether there are any rows with bounds in the system.
+  bool bounded() const { return m_bounded; }
+  /// Whether rows begin with an impulse, that of a bound.
+  bool loaded() const { return m_loaded; }
+  /// Gives those rows back to Bullet's iteration that are beyond their bounds now; with `all`, the others that
+  /// have any, too. Returns whether there were such: gather anew.
+  bool giveBack(const btConstraintArray& rows, bool all);
+  /// Rows that Bullet has iterated and that are within their bounds are the system's when it gathers next. Returns
+  /// whether there were such.
+  bool takeBack(const btConstraintArray& rows);
+  /// Tells joints that have rows with bounds in the system what became of them.
+  void report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
+              Scalar dt) const;
   /// Leaves the rows to Bullet's iteration, as if they had never been taken.
   void release(btConstraintArray& rows, int iterations);
 
@@ -124,6 +165,7 @@ class JointSystem {
     bool turns;     ///< whether these differ
     Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
     double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
+    double known_load;   ///< with which its stiffening was looked at last
     Matrix3d stiffness;  ///< of the levers of its joints, N m s
     Vector3d omega;      ///< sum of its neighbours', rad/s
     int neighbours;
@@ -144,6 +186,7 @@ class JointSystem {
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
+  bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void touch(const btConstraintArray& rows, bool of_contacts);
@@ -156,11 +199,13 @@ class JointSystem {
   Topology* m_topology = nullptr;
   struct Gathered {
     btTypedConstraint* joint;
-    int row[block_rows], index[block_rows];
+    const Joint* ours;
+    int rows, row[block_rows], index[block_rows], bound[block_rows];
   };
   std::vector<Gathered> m_gathered;  ///< as they come
   std::vector<JointBlock> m_blocks;  ///< in the order of elimination
   std::vector<Topology::Joint> m_joints;
+  std::vector<int> m_rows;  ///< of each block
   std::vector<Body> m_bodies;
   std::vector<double> m_u;  ///< 6 a body
   std::vector<double> m_x;  ///< block_rows a block
@@ -172,9 +217,11 @@ class JointSystem {
   std::vector<double> m_change;              ///< 6 a body: of u, by Bullet's last iteration
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
+  std::vector<double> m_fastest_of;  ///< of each component
   double m_fastest = 0;
   bool m_loops = false;  ///< whether rows may depend on each other
-  bool m_all = true, m_stiff = false, m_damped_is_factor = false;
+  bool m_all = true, m_stiff = false, m_loaded = false, m_bounded = false,
+       m_damped_is_factor = false;
 };
 
 }  // namespace PINTLE_PRECISION

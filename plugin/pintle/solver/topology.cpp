@@ -74,9 +74,6 @@ void analyse(Topology& topology) {
       if (at[k].second != at[i].second) edges.emplace_back(at[i].second, at[k].second);
   topology.elimination.analyse(int(joints.size()), edges);
   findComponents(topology);
-  topology.rows.clear();
-  for (int c = 0; c < topology.elimination.columns(); ++c)
-    topology.rows.push_back(joints[size_t(topology.elimination.node(c))].rows);
 }
 
 }  // namespace
@@ -97,6 +94,7 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
   (*place)->joints = joints;
   (*place)->first = first;
   (*place)->impulses.clear();
+  (*place)->at_bound.assign(block_rows * joints.size(), Topology::inside);
   (*place)->last_use = m_uses;
   analyse(**place);
   return **place;
@@ -105,12 +103,11 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
 size_t Topologies::bytes() const {
   size_t sum = 0;
   for (const auto& known : m_known)
-    sum +=
-        sizeof(Topology) + known->elimination.bytes() +
-        known->joints.capacity() * sizeof(Topology::Joint) +
-        (known->rows.capacity() + known->component.capacity() + known->body_component.capacity()) *
-            sizeof(int) +
-        known->impulses.capacity() * sizeof(double);
+    sum += sizeof(Topology) + known->elimination.bytes() +
+           known->joints.capacity() * sizeof(Topology::Joint) +
+           (known->component.capacity() + known->body_component.capacity()) * sizeof(int) +
+           known->impulses.capacity() * sizeof(double) +
+           known->at_bound.capacity() * sizeof(Scalar);
   return sum;
 }
 

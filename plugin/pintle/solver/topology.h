@@ -1,26 +1,25 @@
 // Purpose: the analysis of each island that is met again, so that a step makes only numbers.
 #pragma once
 
-#include <pintle/solver/elimination.h>
+#include <pintle/solver/block_factor.h>
 
 #include <memory>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Which bodies the joints of an island couple: of each joint its number of rows and its two bodies,
-/// -1 for one that does not move.
+/// Which bodies the joints of an island couple: of each joint its two bodies, -1 for one that does not
+/// move.
 struct Topology {
   struct Joint {
-    int rows, body[2];
+    int body[2];
     friend bool operator==(const Joint& a, const Joint& b) {
-      return a.rows == b.rows && a.body[0] == b.body[0] && a.body[1] == b.body[1];
+      return a.body[0] == b.body[0] && a.body[1] == b.body[1];
     }
   };
   std::vector<Joint> joints;
   const void* first = nullptr;  ///< of the joints, by which islands of the same shape differ
   Elimination elimination;
-  std::vector<int> rows;  ///< in the order of elimination
   /// Whether some joints close a loop, which may be by the ground: then some of them may say again
   /// what the others do.
   bool loops = false;
@@ -31,6 +30,10 @@ struct Topology {
   /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
   /// world, which says how stiff the bodies will be in the next. Empty before the first.
   std::vector<double> impulses;
+  /// Of each row of each joint, in the order of elimination: its impulse in the last step, if it was at a
+  /// bound; else `inside`.
+  std::vector<Scalar> at_bound;
+  static constexpr Scalar inside = infinity;
   unsigned long long last_use = 0;
 };
 
