@@ -80,7 +80,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void restart();
   void beginReactions();
   bool findWorse();
-  bool findGained(double speed);
+  bool findGained(double gain, double speed);
   void calm();
   bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);
