@@ -62,6 +62,7 @@ void chains() {
     double ratio, hz;
   };
   for (const Case& c : {Case{10, 1, 60},
+                        {10, 1, 120},
                         {10, 100, 60},
                         {10, 1e4, 60},
                         {10, 1e6, 60},

@@ -161,7 +161,7 @@ void ExactJointSolver::lookAhead(const btContactSolverInfo& info, std::vector<do
 }
 
 // Whether a component has gained more energy than joints may give it: `worse`.
-bool ExactJointSolver::findGained(double speed) {
+bool ExactJointSolver::findGained(double gain, double speed) {
   Island& island = *m_island;
   island.joints.write(m_tmpSolverBodyPool);
   island.joints.energies(m_tmpSolverBodyPool, island.energy);
@@ -169,7 +169,7 @@ bool ExactJointSolver::findGained(double speed) {
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
-    island.worse[i] = !(energy.now <= most_gain * energy.free + speed * speed * energy.unit);
+    island.worse[i] = !(energy.now <= gain * energy.free + speed * speed * energy.unit);
     any = any || island.worse[i];
   }
   return any;
@@ -181,18 +181,18 @@ bool ExactJointSolver::findGained(double speed) {
 void ExactJointSolver::calm() {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
-  if (!findGained(correction_speed)) return;
+  if (!findGained(most_gain, correction_speed)) return;
   joints.calm(m_tmpSolverBodyPool, island.worse, calm_speed);
   restart();
   joints.settle();
-  if (!findGained(calm_speed)) return;
+  if (!findGained(1, calm_speed)) return;
   island.parts.assign(island.energy.size(), 1);
   for (size_t i = 0; i < island.energy.size(); ++i) {
     if (!island.worse[i]) continue;
     // The energy at a part f of the changes: added f^2 + 2 half f + free
     const JointSystem::Energy& energy = island.energy[i];
     const double half = (energy.now - energy.added - energy.free) / 2;
-    const double more = (most_gain - 1) * energy.free + calm_speed * calm_speed * energy.unit;
+    const double more = calm_speed * calm_speed * energy.unit;
     const double f = more / (half + std::sqrt(half * half + energy.added * more));
     island.parts[i] = f < 1 ? f : 0;
   }

@@ -29,6 +29,8 @@ constexpr double least_impulses = 3e-8;
 constexpr double damped_correction = 1e-4;
 // Rows of one joint that depend on each other but for this part are treated as those of a loop.
 constexpr double nearly_dependent = 1e-6;
+// Rows with bounds of which no more than this is left are iterated.
+constexpr Scalar thin = Scalar(1e-5);
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
@@ -52,6 +54,21 @@ bool isVoid(const btSolverConstraint& row) {
 
 bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
+}
+
+// Whether J M^-1 J^T of a row is next to nothing of what the bodies could have, as across a needle: a limit
+// there that is held exactly turns the needle about itself without bound.
+bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+  const auto terms = [&](int id, const btVector3& L, const btVector3& A) {
+    const btSolverBody& body = bodies[id];
+    if (body.internalGetInvMass().isZero()) return Scalar(0);
+    const btMatrix3x3& I = body.m_originalBody->getInvInertiaTensorWorld();
+    return L.length2() * body.internalGetInvMass()[body.internalGetInvMass().maxAxis()] +
+           A.length2() * (I[0][0] + I[1][1] + I[2][2]);
+  };
+  const Scalar all = terms(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) +
+                     terms(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
+  return !(1 > thin * all * row.m_jacDiagABInv);
 }
 
 // As Topology::at_bound has it.
@@ -116,7 +133,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
     const bool fits = !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
                       (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
-                      row.m_lowerLimit < row.m_upperLimit;
+                      row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies);
     if (!bilateral && !fits) {
       m_all = false;
       continue;
