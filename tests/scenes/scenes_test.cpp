@@ -98,6 +98,21 @@ TEST(ClosedForms, AreApproachedByShorterSteps) {
   }
 }
 
+/// Where nothing touches, limits need no iterations on the exact solver.
+TEST(ExactLimits, HoldAsOnBullets) {
+  for (const char* name : {"wedge_acute", "wedge_wide", "cone_shoulder"}) {
+    SCOPED_TRACE(name);
+    const std::vector<Scene> catalog = scenes::catalog();
+    const Scene& scene = *std::find_if(catalog.begin(), catalog.end(),
+                                       [&](const Scene& one) { return one.name == name; });
+    const auto overshoot = [&](const char* contender) {
+      const auto engine = engines::find_contender(contender)->make(scene, 4);
+      return measures::run(scene, *engine, 1. / 60)[measures::Error::overshoot];
+    };
+    EXPECT_LE(overshoot("exact"), 1.05 * overshoot("pintle"));
+  }
+}
+
 /// Joints that hold leave the errors of Bullet's steps, and no more: in the redundant loop of the
 /// linkage, too, where rounding makes rows that ought to say the same contradict each other.
 TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
