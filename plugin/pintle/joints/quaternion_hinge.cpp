@@ -91,15 +91,10 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Fram
   if (m_angular_only) return;
   // Bullet turns no body further in a step, whatever its velocity: such ones come apart in every step.
   // Held at one point, they would swing about each other for seconds; at two, they are braked.
-  constexpr Scalar most_turn = Scalar(pi / 4);
-  const auto turnsTooFar = [&] {
-    const Scalar dt = timeStep(), w2 = btMax(w_a.squaredNorm(), w_b.squaredNorm());
-    return w2 * dt * dt > most_turn * most_turn;
-  };
-  if (curvedPart() == 0 && turnsTooFar())  // which has no curved part, and few need to look
-    addDocumentPositionRows(at.a.r(), at.b.r(), d, rows);
-  else
-    addConservingPositionRows(pair, at.a.r(), at.b.r(), d, rows);
+  Vec3 lever_a = at.a.r();
+  if (!(angularSpeed() * timeStep() > Scalar(pi / 4))) lever_a += d;
+  addPositionRows(lever_a, at.b.r(), d,
+                  equations::position_curvature<Scalar>(w_a, lever_a, w_b, at.b.r()), rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
