@@ -33,10 +33,10 @@ inline namespace PINTLE_PRECISION {
 /// rad/s, and gets no more energy by impulses than that takes.
 ///
 /// Joints of closed loops, and joints that say the same, share their load by impulses of least size.
-/// Bodies that hold NaN have no joints for the step, and if numbers overflow nothing acts in it. A step never throws; it allocates only while
-/// islands grow or form anew. The same calls give the same bits; of the last step an instance remembers
-/// what its joints bore. An instance is used from one thread at a time; `btConstraintSolverPoolMt` takes
-/// several.
+/// Bodies that hold NaN have no joints for the step, and if numbers overflow nothing acts in it. A step
+/// never throws; it allocates only while islands grow or form anew. The same calls give the same bits; of
+/// the last step an instance remembers what its joints bore. An instance is used from one thread at a
+/// time; `btConstraintSolverPoolMt` takes several.
 class ExactJointSolver : public btSequentialImpulseConstraintSolver {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
