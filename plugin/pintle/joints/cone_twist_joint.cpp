@@ -8,6 +8,7 @@
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
+#include <pintle/rows/swing_rows.h>
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 
@@ -454,9 +455,9 @@ PINTLE_FLATTEN void ConeTwistJoint::addRows(const BodyPair& pair, Rows& rows) co
 }
 
 ConeTwistJoint::Locks ConeTwistJoint::addLocks(const At& at, Rows& rows) const {
-  const Vec3 w_a = at.pair.w_a(), w_b = at.pair.w_b();
   Locks locks;
   if (m_swings != Swings::locked) {
+    const Vec3 w_a = at.pair.w_a(), w_b = at.pair.w_b();
     const Vec3 hinge = m_swings == Swings::only_1 ? at.a.c() : at.a.b();
     const auto row = equations::universal_row(hinge, at.x_b);
     rows.addAngular(row.J_b, row.C, equations::universal_curvature(hinge, at.x_b, w_a, w_b))
@@ -465,14 +466,8 @@ ConeTwistJoint::Locks ConeTwistJoint::addLocks(const At& at, Rows& rows) const {
     return locks;
   }
   const auto swing = equations::swing(at.x_a, at.x_b);
-  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
-  const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
-  const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
-  for (const Vec3& u : {p, q}) {
-    Row& row = rows.addAngular(u, u.dot(swing.sigma), curvature[locks.count]);
-    row.max_speed = most * std::abs(row.position);
+  for (const Vec3& u : addSwingRows(at.pair, swing, getMaxCorrectionSpeed(), rows))
     locks.about[locks.count++] = u;
-  }
   return locks;
 }
 

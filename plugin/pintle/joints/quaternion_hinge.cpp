@@ -3,6 +3,7 @@
 #include <pintle/equations/quaternion_hinge.h>
 #include <pintle/joints/hinge_rows.h>
 #include <pintle/rows/position_rows.h>
+#include <pintle/rows/swing_rows.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -78,23 +79,13 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Fram
                                                 const Vec3& d,
                                                 const equations::Swing<Scalar>& swing,
                                                 Rows& rows) const {
-  const Vec3 w_a = pair.w_a(), w_b = pair.w_b();
-  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p);
-  const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
-  const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
-  const auto add = [&](const Vec3& u, Scalar second_derivative) {
-    Row& row = rows.addAngular(u, u.dot(swing.sigma), second_derivative);
-    row.max_speed = most * std::abs(row.position);
-  };
-  add(p, curvature[0]);
-  add(q, curvature[1]);
+  addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows);
   if (m_angular_only) return;
   // Bullet turns no body further in a step, whatever its velocity: such ones come apart in every step.
   // Held at one point, they would swing about each other for seconds; at two, they are braked.
   Vec3 lever_a = at.a.r();
   if (!(angularSpeed() * timeStep() > Scalar(pi / 4))) lever_a += d;
-  addPositionRows(lever_a, at.b.r(), d,
-                  equations::position_curvature<Scalar>(w_a, lever_a, w_b, at.b.r()), rows);
+  addPositionRows(pair, lever_a, at.b.r(), d, rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,

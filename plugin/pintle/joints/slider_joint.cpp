@@ -8,6 +8,7 @@
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/swing_rows.h>
 
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 
@@ -326,7 +327,7 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   Vec3 turn_row;
   if (!locked) {
     const auto swing = equations::swing(at.a.a(), at.b.a());
-    if (!document) addDirectionRows(pair, swing, rows);
+    if (!document) addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows, group(directions));
     // With the axes all but opposite there is no angle between them.
     if ((m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
       turn =
@@ -390,20 +391,6 @@ PINTLE_NOINLINE Vec3 SliderJoint::turnedLockError(const Mat3& R,
   const Scalar missing = twist.value() - m_angular.low - phi.x();
   phi.x() += SIMD_2_PI * std::round(missing / SIMD_2_PI);
   return phi;
-}
-
-inline void SliderJoint::addDirectionRows(const BodyPair& pair,
-                                          const equations::Swing<Scalar>& swing, Rows& rows) const {
-  const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p), w_a = pair.w_a(), w_b = pair.w_b();
-  const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
-  const Scalar most = swing.angle > 0 ? getMaxCorrectionSpeed() / swing.angle : Scalar(0);
-  const auto add = [&](const Vec3& u, Scalar second_derivative) {
-    Row& row = rows.addAngular(u, u.dot(swing.sigma), second_derivative);
-    row.max_speed = most * btFabs(row.position);
-    row.firmness = group(directions);
-  };
-  add(p, curvature[0]);
-  add(q, curvature[1]);
 }
 
 // The lock's rows, of which a free angle leaves those about the frame's other two axes.

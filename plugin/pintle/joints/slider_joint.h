@@ -9,8 +9,6 @@ namespace equations {
 template <class T>
 struct Anchors;
 template <class T>
-struct Swing;
-template <class T>
 struct Velocity;
 }  // namespace equations
 
@@ -214,8 +212,6 @@ class SliderJoint : public FrameJoint {
                Rows& rows) const;
   void addLockRows(const Frames& at, const UnwrappedAngle& twist, Rows& rows) const;
   Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist) const;
-  void addDirectionRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
-                        Rows& rows) const;
   void addDocumentAngularRows(const BodyPair& pair, Rows& rows) const;
   bool slideLimitActs(const BodyPair& pair, const Frames& at,
                       const equations::Anchors<Scalar>& anchors,

@@ -29,13 +29,18 @@ inline void addDocumentPositionRows(const Vec3& r_a, const Vec3& r_b, const Vec3
   addPositionRows(r_a, r_b, d, Vec3::Zero(), rows);
 }
 
-/// Conditioned: both held at the anchor of b, and with the curvature of the motion.
+/// With the curvature of the motion.
+inline void addPositionRows(const BodyPair& pair, const Vec3& lever_a, const Vec3& lever_b,
+                            const Vec3& d, Rows& rows) {
+  addPositionRows(lever_a, lever_b, d,
+                  equations::position_curvature<Scalar>(pair.w_a(), lever_a, pair.w_b(), lever_b),
+                  rows);
+}
+
+/// Conditioned: both held at the anchor of b.
 inline void addConservingPositionRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
                                       const Vec3& d, Rows& rows) {
-  const Vec3 lever_a = r_a + d;
-  addPositionRows(lever_a, r_b, d,
-                  equations::position_curvature<Scalar>(pair.w_a(), lever_a, pair.w_b(), r_b),
-                  rows);
+  addPositionRows(pair, r_a + d, r_b, d, rows);
 }
 
 }  // namespace PINTLE_PRECISION
