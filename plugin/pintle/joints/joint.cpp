@@ -1,13 +1,11 @@
 #include <pintle/joints/joint.h>
+#include <pintle/joints/joint_passes.h>
 
 #include <pintle/body_pair.h>
 #include <pintle/equations/effective_mass.h>
 #include <pintle/row_writer.h>
 #include <pintle/rows/axis_part.h>
 #include <pintle/rows/block.h>
-
-#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
-#include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
 #include <algorithm>
 
@@ -21,32 +19,6 @@ constexpr auto pintle_type = btTypedConstraintType(15);
 
 constexpr int max_firmness = 3;
 
-// What is slower than this (m/s, rad/s) stands still. An error at rest would be taken away part by part
-// for ever, and the rounding of a velocity that is 0 pass by pass: numbers near the least that there are,
-// with which a processor is a hundred times as slow.
-constexpr Scalar least_speed = SIMD_EPSILON * SIMD_EPSILON;
-
-// Stops a velocity that is made of `others` and `part`, by that part.
-void stopIfSlow(btVector3& part, const btVector3& others) {
-  for (int i = 0; i < 3; ++i) {
-    if (btFabs(part[i] + others[i]) < least_speed) part[i] = -others[i];
-    if (btFabs(part[i]) < least_speed) part[i] = 0;
-  }
-}
-void stopIfSlow(btSolverBody& body) {
-  stopIfSlow(body.m_deltaLinearVelocity, body.m_linearVelocity + body.m_externalForceImpulse);
-  stopIfSlow(body.m_deltaAngularVelocity, body.m_angularVelocity + body.m_externalTorqueImpulse);
-}
-
-// Bullet starts every step from nothing, and leaves a joint with what the others did to it after
-// its last turn, the residual. A residual that lasts (the part in which two steps agree: a load,
-// not a blow) is going to come again, and the next target makes up for this part of it. Joints that
-// fight each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
-constexpr Scalar feed_forward = Scalar(0.6);
-
-// Whether a residual of now and one before say the same.
-bool agree(Scalar now, Scalar before) { return now * before > least_speed * least_speed; }
-
 // An impulse that is given, as that of a soft spring, does not see what other joints do to its coordinate
 // in the step. They are going to do again what they did; half of what has changed is taken over in a
 // step, as springs that bear on each other would else answer each other for ever, and next to nothing
@@ -57,11 +29,6 @@ Scalar foresee(Scalar now, Scalar before) {
 
 // Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
 constexpr Scalar diverging_cfm = 1;
-
-// J v
-Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
-  return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
-}
 
 // Of body a about an angular row, or of b if a cannot turn; Bullet's bounds have only a's, and none
 // for a body of no inertia.
@@ -102,30 +69,6 @@ bool isRounding(const Row& row, const BodyPair& pair) {
   const Scalar terms =
       largest(row.A_a, pair.inv_inertia_a()) + largest(row.A_b, pair.inv_inertia_b());
   return !(K > 8 * SIMD_EPSILON * terms);
-}
-
-// The velocity of a body as the solver has it.
-Vec3 linear(const btSolverBody& body) {
-  return view(body.m_linearVelocity) + view(body.m_externalForceImpulse) +
-         view(body.m_deltaLinearVelocity);
-}
-Vec3 angular(const btSolverBody& body) {
-  return view(body.m_angularVelocity) + view(body.m_externalTorqueImpulse) +
-         view(body.m_deltaAngularVelocity);
-}
-
-// The rows behind `info`, if they are those of Bullet's own solvers.
-const btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
-  const auto* bytes = reinterpret_cast<const char*>(info.m_J1linearAxis);
-  const auto* row = reinterpret_cast<const btSolverConstraint*>(
-      bytes - offsetof(btSolverConstraint, m_contactNormal1));
-  const bool same = info.rowskip * sizeof(btScalar) == sizeof(btSolverConstraint) &&
-                    info.m_J2linearAxis == row->m_contactNormal2.m_floats &&
-                    info.m_J1angularAxis == row->m_relpos1CrossNormal.m_floats &&
-                    info.m_J2angularAxis == row->m_relpos2CrossNormal.m_floats &&
-                    info.m_constraintError == &row->m_rhs && info.cfm == &row->m_cfm &&
-                    info.m_lowerLimit == &row->m_lowerLimit;
-  return same ? row : nullptr;
 }
 
 }  // namespace
@@ -188,9 +131,13 @@ struct Joint::Step {
 };
 
 Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
-    : btTypedConstraint(pintle_type, a, b), m_rows(rows) {}
+    : btTypedConstraint(pintle_type, a, b),
+      m_block_rows(true),
+      m_solved_at_once(false),
+      m_is_first_pass(false),
+      m_rows(rows) {}
 
-Joint::Joint(btRigidBody& a, Rows rows) : btTypedConstraint(pintle_type, a), m_rows(rows) {}
+Joint::Joint(btRigidBody& a, Rows rows) : Joint(a, getFixedBody(), rows) {}
 
 void Joint::buildJacobian() {
   m_last_angular_speed = m_angular_speed;
@@ -198,11 +145,13 @@ void Joint::buildJacobian() {
       btSqrt(btMax(m_rbA.getAngularVelocity().length2(), m_rbB.getAngularVelocity().length2()));
   for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).beginStep();
   m_solver_rows = nullptr;
-  // A solver that did not show the residuals: those at hand are old.
-  if (m_iterations_left > 0) m_residuals_known = false;
-  m_iterations_left = 0;
+  // A solver that did not show its passes, or not all: what is remembered is old.
+  if (m_passes_left > 0 || m_last != m_next) m_last = Last::nothing;
+  m_next = Last::nothing;
+  m_passes_left = 0;
   // A disabled joint has no rows, but its angle goes on turning.
   if (!isEnabled()) {
+    forget();
     const BodyPair pair(m_rbA, m_rbB);
     if (pair.finite()) updateState(pair);
   }
@@ -213,15 +162,10 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   m_rows.clear();
   const BodyPair pair(m_rbA, m_rbB);
   if (pair.finite()) prepare(pair, m_rows);
-  // Other rows: the residuals are not theirs.
-  if (m_rows.size() != before) forgetResiduals();
+  // Other rows: what is remembered is not theirs.
+  if (m_rows.size() != before) forget();
   info->m_numConstraintRows = m_rows.size();
   info->nub = 0;
-}
-
-PINTLE_NOINLINE void Joint::forgetResiduals() {
-  m_residuals_known = false;
-  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).seen = false;
 }
 
 // What acts along an axis in this step. `orthogonal` is its row after the elimination in `block`, whose
@@ -325,16 +269,17 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool feed = step.rigid && setting.damping == 1 && !breakable() &&
-                    getOverrideNumSolverIterations() <= info->m_numIterations;
-  m_iterations_left = feed ? info->m_numIterations : 0;
-  if (!feed) m_residuals_known = false;
+  const bool remembers = step.rigid && setting.damping == 1 && !breakable();
+  if (remembers) beginPasses(*info);
+  const bool correct = m_next == Last::residual && m_last == Last::residual;
 
   Block block(BodyPair(m_rbA, m_rbB));
   for (int i = 0; i < equalities; ++i) {
     Row& row = m_rows[i];
-    row.target = step.target(row) - (m_residuals_known ? row.correction : Scalar(0));
+    row.target = step.target(row) - (correct ? row.correction : Scalar(0));
     const BlockRow& to = block.add(row);
+    // A row that depends on others shares its impulse with them as it comes.
+    if (to.K_inv == 0 && m_next == Last::impulse) m_next = Last::nothing;
     out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.firmness], -infinity, infinity);
   }
   // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
@@ -402,7 +347,7 @@ AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* 
   const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
   motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());
   if (state.seen) {
-    row.correction = foresee(row.residual, row.correction);
+    row.correction = foresee(row.last, row.correction);
     state.seen = false;
     state.foreseen = true;
   } else if (!state.foreseen) {
@@ -421,41 +366,6 @@ Scalar Joint::axisImpulse(int axis, Axis::Part part) const {
   if (!state.acted || m_rows.size() == 0) return 0;
   const bool last = m_rows[m_rows.size() - 1].axis == axis;
   return state.impulse(part, last ? -state.sign * m_appliedImpulse : state.whole);
-}
-
-// Bullet calls this after each pass over the rows. The last one shows what they were left with.
-void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
-  if (m_solver_rows != nullptr) {
-    for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-      AxisState& axis = m_rows.axis(m_rows[i].axis);
-      axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
-    }
-  }
-  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-    Row& row = m_rows[i];
-    AxisState& axis = m_rows.axis(row.axis);
-    if (!axis.given) continue;
-    const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
-    row.residual = axis.sign * now - row.target;
-    axis.seen = true;
-  }
-  if (m_iterations_left == 0) return;
-  --m_iterations_left;
-  if (m_iterations_left % 2 == 0) {
-    stopIfSlow(a);
-    stopIfSlow(b);
-  }
-  if (m_iterations_left > 0) return;
-  const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
-  for (int i = 0; i < m_rows.equalities(); ++i) {
-    Row& row = m_rows[i];
-    const Scalar now = velocity(row, v_ab, w_a, w_b) - row.target;
-    const Scalar last = m_residuals_known ? row.residual : Scalar(0);
-    row.correction =
-        agree(now, last) ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
-    row.residual = now;
-  }
-  m_residuals_known = true;
 }
 
 }  // namespace PINTLE_PRECISION

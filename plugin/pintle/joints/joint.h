@@ -117,6 +117,8 @@ class Joint : public btTypedConstraint {
   bool m_foresees_curvature = false;
   /// Whether its bodies are shafts, which turn fast about axes that hold still.
   bool m_turns_shafts = false;
+  /// Whether its equalities may begin with impulses of the last step: they do not depend on each other.
+  bool m_starts_warm = true;
 
   // Throw std::invalid_argument naming the joint, `field` and the value.
   [[noreturn]] void reject(const char* field, double value, const char* why) const;
@@ -142,21 +144,32 @@ class Joint : public btTypedConstraint {
  private:
   friend class ExactJointSolver;
   struct Step;
+  /// What Row::last is of equalities.
+  enum class Last : unsigned char { nothing, impulse, residual };
 
-  bool m_residuals_known = false;
-  bool m_block_rows = true;
-  bool m_solved_at_once = false;  ///< by ExactJointSolver: the rows are not iterated
+  bool m_block_rows : 1;
+  bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated
+  bool m_is_first_pass : 1;   ///< of Bullet's over the rows
   Formulation m_formulation = Formulation::conditioned;
-  int m_iterations_left = 0;  ///< until the residual is taken
+  Last m_last = Last::nothing;
+  Last m_next = Last::nothing;  ///< what this step makes use of, and leaves
+  int m_passes_left = 0;
 
-  void forgetResiduals();
+  void beginPasses(const btConstraintInfo2& info);
+  bool goesOn() const;
+  void start(btSolverBody& a, btSolverBody& b);
+  Scalar relaxation() const;
+  void relax(Scalar factor);
+  void takeImpulses();
+  void takeResiduals(const btSolverBody& a, const btSolverBody& b);
+  void forget();
   void writeDelicate(btConstraintInfo2& info);
   AxisRow act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
   AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
 
   Rows m_rows;
-  const btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
+  btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
   Scalar m_time_step = Scalar(1) / 60;

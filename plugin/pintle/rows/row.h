@@ -15,15 +15,16 @@ struct Firmness {
 };
 
 /// Each vector is followed by a number, so that the solver's side (block.h) can take it as four lanes.
-/// Those numbers are the solver's side's, and stay from step to step: a row that other joints disturb
-/// after it was solved keeps a velocity error, its residual (joint.cpp, feed_forward, says what for).
+/// Those numbers are the solver's side's, and stay from step to step (joint_passes.cpp says what for).
 struct Row {
   Vec3 L;
-  Scalar residual = 0;  ///< of the last step
+  /// Of the last step: the force (N, or N m), as Bullet counts it, or the residual: the velocity error that
+  /// other joints left when the row had been solved.
+  Scalar last = 0;
   Vec3 A_a;
   Scalar target = 0;  ///< of J v in this step
   Vec3 A_b;
-  Scalar correction = 0;  ///< of the next target, for the residual
+  Scalar correction = 0;  ///< of the next target, for a residual
   /// C of an equality, m or rad; the coordinate of an axis, m or rad.
   Scalar position;
   /// The most that a step may correct, m/s or rad/s.

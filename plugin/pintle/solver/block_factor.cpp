@@ -98,8 +98,7 @@ void BlockFactor::factorise(double tolerance) {
   }
 }
 
-// Takes what the column's solution will be from the rows below.
-inline void BlockFactor::eliminate(int c, double* x) const {
+void BlockFactor::eliminate(int c, double* x) const {
   const Elimination& e = *m_elimination;
   withConstant(m_rows[size_t(c)], [&](auto n) {
     BlockColumn y = column(x, c);
@@ -115,8 +114,7 @@ inline void BlockFactor::eliminate(int c, double* x) const {
   });
 }
 
-// Puts the rows below, which are solved, into the column's.
-inline void BlockFactor::substitute(int c, double* x) const {
+void BlockFactor::substitute(int c, double* x) const {
   const Elimination& e = *m_elimination;
   withConstant(m_rows[size_t(c)], [&](auto n) {
     BlockColumn y = column(x, c).cwiseProduct(column(m_inverse.data(), c));

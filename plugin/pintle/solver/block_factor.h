@@ -34,10 +34,13 @@ class BlockFactor {
   /// How many rows had no pivot.
   int dependent() const { return m_dependent; }
 
-  /// x = K^-1 x; block_rows numbers a column of K.
+  /// x = K^-1 x; block_rows numbers a column of K. From the first column to the last each one is taken out of
+  /// what is below it; then, from the last to the first, what is below it is put into each one.
+  void eliminate(int column, double* x) const;
+  void substitute(int column, double* x) const;
+  /// Both, for all columns, or for some of them, where x and what is asked of it are. These are sorted
+  /// and closed: with a column are all rows of its blocks (Elimination::close).
   void solve(double* x) const;
-  /// The same, where x and what is asked of it are in some of the columns, which are sorted and closed:
-  /// with a column are all rows of its blocks (Elimination::close).
   void solve(double* x, const std::vector<int>& columns) const;
 
   size_t bytes() const {
@@ -48,8 +51,6 @@ class BlockFactor {
   static constexpr size_t size = block_rows * block_rows;
 
   void factoriseDiagonal(int column, double tolerance);
-  void eliminate(int column, double* x) const;
-  void substitute(int column, double* x) const;
 
   const Elimination* m_elimination = nullptr;
   std::vector<int> m_rows;

@@ -110,7 +110,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_gathered.clear();
   m_joints.clear();
   m_all = true;
-  m_stiff = m_loops = m_loaded = m_bounded = false;
+  m_loops = m_loaded = m_bounded = false;
   m_fastest = 0;
   const auto moving = [&](int body) {
     return bodies[body].internalGetInvMass().isZero() ? -1 : body;
@@ -156,11 +156,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_bodies.resize(size_t(bodies.size()));
   for (int i = 0; i < bodies.size(); ++i) {
     Body& body = m_bodies[size_t(i)];
-    body.stiffening = Stiffening();
     body.load = body.known_load = 0;
-    body.kick.setZero();
     if (moving(i) >= 0) scale(body, bodies[i]);
   }
+  m_swings.clear();
   m_blocks.resize(n);
   m_rows.resize(n);
   for (size_t c = 0; c < n; ++c) {
@@ -234,8 +233,6 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
       inverse(k, j) = sum * reciprocal;
     }
   }
-  body.stiff_angular = S;
-  body.stiff_inverse = inverse;
 }
 
 void JointSystem::setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const {
@@ -357,34 +354,34 @@ bool JointSystem::loadsChanged() const {
 }
 
 void JointSystem::addLevers(const btConstraintArray& rows) {
-  for (Body& body : m_bodies) body.stiffness.setZero();
+  for (Swing& swing : m_swings) swing.stiffness.setZero();
   for (const JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
       if (block.body[side] < 0 || block.point[0] < 0) continue;
-      Body& body = m_bodies[size_t(block.body[side])];
-      if (!(body.load > stiff)) continue;
+      if (!(m_bodies[size_t(block.body[side])].load > stiff)) continue;
       Vector3d p = Vector3d::Zero();
       for (const int i : block.point) {
         const btSolverConstraint& row = rows[block.row[i]];
         p += block.impulse[i] * inDouble(side == 0 ? row.m_contactNormal1 : row.m_contactNormal2);
       }
-      body.stiffness += leverStiffness(p, Eigen::Map<const Vector3d>(block.lever[side]));
+      m_swings[size_t(block.body[side])].stiffness +=
+          leverStiffness(p, Eigen::Map<const Vector3d>(block.lever[side]));
     }
   }
 }
 
 void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies) {
-  for (Body& body : m_bodies) {
-    body.omega.setZero();
-    body.neighbours = 0;
+  for (Swing& swing : m_swings) {
+    swing.omega.setZero();
+    swing.neighbours = 0;
   }
   for (const JointBlock& block : m_blocks) {
     if (block.body[0] < 0 || block.body[1] < 0) continue;
     for (int side = 0; side < 2; ++side) {
       const btSolverBody& other = bodies[block.body[1 - side]];
-      Body& body = m_bodies[size_t(block.body[side])];
-      body.omega += inDouble(other.m_angularVelocity + other.m_externalTorqueImpulse);
-      ++body.neighbours;
+      Swing& swing = m_swings[size_t(block.body[side])];
+      swing.omega += inDouble(other.m_angularVelocity + other.m_externalTorqueImpulse);
+      ++swing.neighbours;
     }
   }
 }
@@ -407,49 +404,61 @@ bool JointSystem::dependsOnItself() {
   return false;
 }
 
+void JointSystem::beginSwings() {
+  if (!m_swings.empty()) return;
+  m_swings.resize(m_bodies.size());
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    m_swings[i].angular = m_bodies[i].angular;
+    m_swings[i].inverse = m_bodies[i].inverse;
+  }
+}
+
 bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
                           const btConstraintArray& rows, Scalar dt) {
   addLoads(double(dt));
   if (!loadsChanged()) return false;
+  beginSwings();
   addLevers(rows);
   bool changed = false;
-  for (Body& body : m_bodies) {
-    Stiffening& next = body.next_stiffening;
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    Body& body = m_bodies[i];
+    Swing& swing = m_swings[i];
+    Stiffening& next = swing.next_stiffening;
     next = Stiffening();
     body.known_load = body.load;
     if (body.load > stiff) {
-      next = Stiffening(double(dt) * body.angular.transpose() * body.stiffness * body.angular);
+      next = Stiffening(double(dt) * swing.angular.transpose() * swing.stiffness * swing.angular);
       if (!(next.most() > stiff)) next = Stiffening();
     }
-    const double ratio = (1 + next.most()) / (1 + body.stiffening.most());
+    const double ratio = (1 + next.most()) / (1 + swing.stiffening.most());
     changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
   }
   if (!changed) return false;
-  m_stiff = true;
   changeInertia(bodies);
   return true;
 }
 
 bool JointSystem::hasUnresolved() const {
-  return std::any_of(m_bodies.begin(), m_bodies.end(),
-                     [](const Body& body) { return body.stiffening.most() > unresolved; });
+  return std::any_of(m_swings.begin(), m_swings.end(),
+                     [](const Swing& swing) { return swing.stiffening.most() > unresolved; });
 }
 
 // To the next stiffening of each body.
 void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies) {
-  for (Body& body : m_bodies) {
-    body.turns = body.stiffening.any() || body.next_stiffening.any();
-    if (!body.turns) continue;
-    const Matrix3d root = body.next_stiffening.root();
-    body.turn = body.stiffening.any() ? Matrix3d(body.stiffening.inverseRoot() * root) : root;
-    body.stiffening = body.next_stiffening;
-    body.stiff_angular = body.angular * root;
-    body.stiff_inverse = body.stiffening.inverseRoot() * body.inverse;
+  for (size_t i = 0; i < m_swings.size(); ++i) {
+    Swing& swing = m_swings[i];
+    swing.turns = swing.stiffening.any() || swing.next_stiffening.any();
+    if (!swing.turns) continue;
+    const Matrix3d root = swing.next_stiffening.root();
+    swing.turn = swing.stiffening.any() ? Matrix3d(swing.stiffening.inverseRoot() * root) : root;
+    swing.stiffening = swing.next_stiffening;
+    m_bodies[i].angular = swing.angular * root;
+    m_bodies[i].inverse = swing.stiffening.inverseRoot() * swing.inverse;
   }
   for (JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
-      if (block.body[side] < 0 || !m_bodies[size_t(block.body[side])].turns) continue;
-      const Matrix3d& turn = m_bodies[size_t(block.body[side])].turn;
+      if (block.body[side] < 0 || !m_swings[size_t(block.body[side])].turns) continue;
+      const Matrix3d& turn = m_swings[size_t(block.body[side])].turn;
       const auto J = &block.J[side][3];
       const BlockColumn before[] = {column(J[0]), column(J[1]), column(J[2])};
       for (int k = 0; k < 3; ++k)
@@ -457,17 +466,17 @@ void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies
     }
   }
   addNeighbours(bodies);
-  for (size_t i = 0; i < m_bodies.size(); ++i) {
-    Body& body = m_bodies[i];
-    body.kick.setZero();
-    if (body.neighbours == 0 || !(body.stiffening.most() > unresolved)) continue;
+  for (size_t i = 0; i < m_swings.size(); ++i) {
+    Swing& swing = m_swings[i];
+    swing.kick.setZero();
+    if (swing.neighbours == 0 || !(swing.stiffening.most() > unresolved)) continue;
     const btSolverBody& of = bodies[int(i)];
-    const Vector3d behind =
-        body.omega / body.neighbours - inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
+    const Vector3d behind = swing.omega / swing.neighbours -
+                            inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
     const auto part = [](double mu) {
       return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
     };
-    body.kick = body.stiffening.matrix(part) * (body.inverse * behind);
+    swing.kick = swing.stiffening.matrix(part) * (swing.inverse * behind);
   }
   factorise();
 }
@@ -481,7 +490,7 @@ void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btCons
       const btSolverBody& of = bodies[id];
       if (of.internalGetInvMass().isZero()) return Scalar(0);
       const Body& body = m_bodies[size_t(id)];
-      const Vector3d w = body.stiff_angular * (body.stiff_angular.transpose() * inDouble(J));
+      const Vector3d w = body.angular * (body.angular.transpose() * inDouble(J));
       const Scalar before = J.dot(component);
       component.setValue(btScalar(w[0]), btScalar(w[1]), btScalar(w[2]));
       return J.dot(component) - before;
@@ -511,8 +520,8 @@ void JointSystem::readBody(int i, const btSolverBody& from, double* u) const {
   const btVector3 &v = from.m_deltaLinearVelocity, &w = from.m_deltaAngularVelocity;
   for (int k = 0; k < 3; ++k) {
     u[k] = body.linear[k] > 0 ? double(v[k]) / body.linear[k] : 0;
-    u[3 + k] = body.stiff_inverse(k, 0) * double(w[0]) + body.stiff_inverse(k, 1) * double(w[1]) +
-               body.stiff_inverse(k, 2) * double(w[2]);
+    u[3 + k] = body.inverse(k, 0) * double(w[0]) + body.inverse(k, 1) * double(w[1]) +
+               body.inverse(k, 2) * double(w[2]);
   }
 }
 
@@ -522,8 +531,7 @@ void JointSystem::writeBody(int i, btSolverBody& to) const {
   for (int k = 0; k < 3; ++k) {
     to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
     to.m_deltaAngularVelocity[k] =
-        btScalar(body.stiff_angular(k, 0) * u[3] + body.stiff_angular(k, 1) * u[4] +
-                 body.stiff_angular(k, 2) * u[5]);
+        btScalar(body.angular(k, 0) * u[3] + body.angular(k, 1) * u[4] + body.angular(k, 2) * u[5]);
   }
 }
 
@@ -657,9 +665,17 @@ BlockColumn JointSystem::residual(const JointBlock& block) const {
          velocity(block);
 }
 
-void JointSystem::apply(const BlockFactor& factor) {
-  factor.solve(m_x.data());
+// Each joint is looked at twice: on the way up the elimination and down again. What is large does not fit the
+// cache.
+template <class Change>
+void JointSystem::apply(const BlockFactor& factor, const Change& change) {
+  m_x.assign(block_rows * m_blocks.size(), 0.);
   for (size_t c = 0; c < m_blocks.size(); ++c) {
+    column(m_x.data(), int(c)) += change(c);
+    factor.eliminate(int(c), m_x.data());
+  }
+  for (size_t c = m_blocks.size(); c-- > 0;) {
+    factor.substitute(int(c), m_x.data());
     JointBlock& block = m_blocks[c];
     const BlockColumn x = column(m_x.data(), int(c));
     column(block.impulse) += x;
@@ -673,31 +689,32 @@ void JointSystem::apply(const BlockFactor& factor) {
 
 void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
   read(bodies);
-  for (size_t i = 0; i < m_bodies.size(); ++i)
-    for (int k = 0; k < 3; ++k) m_u[6 * i + 3 + size_t(k)] += m_bodies[i].kick[k];
+  for (size_t i = 0; i < m_swings.size(); ++i)
+    for (int k = 0; k < 3; ++k) m_u[6 * i + 3 + size_t(k)] += m_swings[i].kick[k];
   for (JointBlock& block : m_blocks) column(block.impulse).setZero();
   if (!loops()) {
     solve();
     return;
   }
   // Rest is what all rows can be brought to, whatever they are.
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_x.data(), int(c)) = column(m_blocks[c].rest) - velocity(m_blocks[c]);
-  apply(m_factor);
+  apply(m_factor, [this](size_t c) -> BlockColumn {
+    return column(m_blocks[c].rest) - velocity(m_blocks[c]);
+  });
 }
 
 void JointSystem::settle() {
   if (!loops()) return;
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_x.data(), int(c)) = column(m_blocks[c].deficit) - column(m_blocks[c].rest);
-  applyDamped();
+  applyDamped([this](size_t c) -> BlockColumn {
+    return column(m_blocks[c].deficit) - column(m_blocks[c].rest);
+  });
 }
 
 // Rows keep of their targets what they have reached: all but their damping.
-void JointSystem::applyDamped() {
+template <class Change>
+void JointSystem::applyDamped(const Change& change) {
   if (!m_damped_is_factor) m_damped.factorise(dependent_row);
   m_damped_is_factor = true;
-  apply(m_damped);
+  apply(m_damped, change);
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     JointBlock& block = m_blocks[c];
     column(block.deficit) -= column(block.damping).cwiseProduct(column(m_x.data(), int(c)));
@@ -705,19 +722,20 @@ void JointSystem::applyDamped() {
 }
 
 void JointSystem::solve() {
-  for (size_t c = 0; c < m_blocks.size(); ++c) column(m_x.data(), int(c)) = residual(m_blocks[c]);
-  apply(m_factor);
+  apply(m_factor, [this](size_t c) { return residual(m_blocks[c]); });
 }
 
 void JointSystem::correct(const std::vector<double>& change) {
-  for (size_t c = 0; c < m_blocks.size(); ++c)
-    column(m_blocks[c].deficit) += column(change.data(), int(c));
-  if (loops()) {
-    m_x = change;
-    applyDamped();
-  } else {
-    solve();
-  }
+  const auto add = [&](size_t c) -> BlockColumn {
+    const auto more = column(change.data(), int(c));
+    column(m_blocks[c].deficit) += more;
+    return more;
+  };
+  if (loops()) return applyDamped(add);
+  apply(m_factor, [&](size_t c) {
+    add(c);
+    return residual(m_blocks[c]);
+  });
 }
 
 void JointSystem::keep() {
@@ -753,9 +771,10 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     if (m_topology->body_component[i] < 0) continue;
     Energy& sum = each[size_t(m_topology->body_component[i])];
     const Body& body = m_bodies[i];
+    const Matrix3d& inverse = m_swings.empty() ? body.inverse : m_swings[i].inverse;
     const btSolverBody& of = bodies[int(i)];
     const auto energy = [&](const btVector3& v, const btVector3& w) {
-      double twice = (body.inverse * inDouble(w)).squaredNorm();
+      double twice = (inverse * inDouble(w)).squaredNorm();
       for (int k = 0; k < 3; ++k)
         if (body.linear[k] > 0)
           twice += double(v[k]) * double(v[k]) / (body.linear[k] * body.linear[k]);
@@ -786,7 +805,8 @@ void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
     const BlockColumn correction = column(block.deficit) - column(block.rest);
     column(block.deficit) = column(block.rest) + speed / fastest[component(c)] * correction;
   }
-  for (Body& body : m_bodies) body.next_stiffening = Stiffening();
+  if (m_swings.empty()) return;
+  for (Swing& swing : m_swings) swing.next_stiffening = Stiffening();
   changeInertia(bodies);
 }
 
@@ -866,7 +886,7 @@ size_t JointSystem::bytes() const {
   return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
          m_joints.capacity() * sizeof(Topology::Joint) + m_rows.capacity() * sizeof(int) +
-         m_bodies.capacity() * sizeof(Body) +
+         m_bodies.capacity() * sizeof(Body) + m_swings.capacity() * sizeof(Swing) +
          (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
           m_unreacted.capacity() + m_change.capacity()) *
              sizeof(double) +

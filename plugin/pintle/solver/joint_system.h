@@ -159,17 +159,20 @@ class JointSystem {
  private:
   struct Body {
     double linear[3];
+    Matrix3d angular, inverse;  ///< S of the body, with its stiffening, and its inverse
+    double load = 0;            ///< more than (omega h)^2 of its swing under the joints' impulses
+    double known_load = 0;      ///< with which its stiffening was looked at last
+  };
+  /// What a body has besides where one of them bears a load under which it swings fast.
+  struct Swing {
     Matrix3d angular, inverse;  ///< S of the body alone, and its inverse
     Stiffening stiffening, next_stiffening;
-    Matrix3d turn;  ///< from the coordinates u with the one to those with the next
-    bool turns;     ///< whether these differ
-    Matrix3d stiff_angular, stiff_inverse;  ///< the same with the stiffening
-    double load;         ///< more than (omega h)^2 of its swing under the joints' impulses
-    double known_load;   ///< with which its stiffening was looked at last
+    Matrix3d turn;       ///< from the coordinates u with the one to those with the next
+    bool turns = false;  ///< whether these differ
     Matrix3d stiffness;  ///< of the levers of its joints, N m s
     Vector3d omega;      ///< sum of its neighbours', rad/s
-    int neighbours;
-    Vector3d kick;  ///< towards them, of u
+    int neighbours = 0;
+    Vector3d kick = Vector3d::Zero();  ///< towards them, of u
   };
 
   void scale(Body& body, const btSolverBody& of) const;
@@ -180,14 +183,17 @@ class JointSystem {
   BlockColumn residual(const JointBlock& block) const;
   /// J u
   BlockColumn velocity(const JointBlock& block) const;
-  /// Applies the impulses that change the velocities of the rows by m_x.
-  void apply(const BlockFactor& factor);
-  void applyDamped();
+  /// Applies the impulses that change the velocities of each block's rows by `change(block)`.
+  template <class Change>
+  void apply(const BlockFactor& factor, const Change& change);
+  template <class Change>
+  void applyDamped(const Change& change);
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
   bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
+  void beginSwings();
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void touch(const btConstraintArray& rows, bool of_contacts);
   void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
@@ -207,8 +213,9 @@ class JointSystem {
   std::vector<Topology::Joint> m_joints;
   std::vector<int> m_rows;  ///< of each block
   std::vector<Body> m_bodies;
-  std::vector<double> m_u;  ///< 6 a body
-  std::vector<double> m_x;  ///< block_rows a block
+  std::vector<Swing> m_swings;  ///< of each body; empty as long as none is loaded
+  std::vector<double> m_u;      ///< 6 a body
+  std::vector<double> m_x;      ///< block_rows a block
   std::vector<double> m_kept_u, m_kept_rows;
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
   std::vector<int> m_touched, m_reacting;    ///< the same as lists
@@ -220,8 +227,7 @@ class JointSystem {
   std::vector<double> m_fastest_of;  ///< of each component
   double m_fastest = 0;
   bool m_loops = false;  ///< whether rows may depend on each other
-  bool m_all = true, m_stiff = false, m_loaded = false, m_bounded = false,
-       m_damped_is_factor = false;
+  bool m_all = true, m_loaded = false, m_bounded = false, m_damped_is_factor = false;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -12,11 +12,13 @@ CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, btRigidBody& 
                                                  const btTransform& frameInB)
     : FrameJoint(rbA, rbB, m_row_memory) {
   setFrames(frameInA, frameInB);
+  m_starts_warm = false;  // three rows for two freedoms
 }
 
 CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, m_row_memory) {
   setFrames(frameInA, coincident(frameInA));
+  m_starts_warm = false;
 }
 
 void CrossProductMatrixHinge::addRows(const BodyPair& pair, Rows& rows) const {

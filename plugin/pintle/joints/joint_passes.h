@@ -1,0 +1,44 @@
+// Purpose: what joint.cpp, before Bullet's passes over the rows of a joint, and joint_passes.cpp, between
+// them, have in common.
+#pragma once
+
+#include <pintle/rows/row.h>
+
+#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
+#include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+
+#include <cstddef>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// What is slower than this (m/s, rad/s) stands still. An error at rest would be taken away part by part
+/// for ever, and the rounding of a velocity that is 0 pass by pass: numbers near the least that there are,
+/// with which a processor is a hundred times as slow.
+constexpr Scalar least_speed = SIMD_EPSILON * SIMD_EPSILON;
+
+/// Whether a residual of now and one before say the same.
+inline bool agree(Scalar now, Scalar before) { return now * before > least_speed * least_speed; }
+
+/// J v
+inline Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
+  return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
+}
+
+/// The rows behind `info`, if they are those of Bullet's own solvers.
+inline btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2& info) {
+  auto* bytes = reinterpret_cast<char*>(info.m_J1linearAxis);
+  auto* row =
+      reinterpret_cast<btSolverConstraint*>(bytes - offsetof(btSolverConstraint, m_contactNormal1));
+  const bool same = info.rowskip * sizeof(btScalar) == sizeof(btSolverConstraint) &&
+                    info.m_J2linearAxis == row->m_contactNormal2.m_floats &&
+                    info.m_J1angularAxis == row->m_relpos1CrossNormal.m_floats &&
+                    info.m_J2angularAxis == row->m_relpos2CrossNormal.m_floats &&
+                    info.m_constraintError == &row->m_rhs && info.cfm == &row->m_cfm &&
+                    info.m_lowerLimit == &row->m_lowerLimit;
+  return same ? row : nullptr;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
