@@ -32,8 +32,16 @@
 
 namespace scenes {
 
-// Makes the solver of a world; empty: Bullet's sequential impulses.
+// Makes the solver of a world; empty: that of default_solver.
 using SolverFactory = std::function<std::unique_ptr<btConstraintSolver>()>;
+
+// Of all worlds of the program that name none: Bullet's sequential impulses.
+inline SolverFactory& default_solver() {
+  static SolverFactory make = [] {
+    return std::make_unique<btSequentialImpulseConstraintSolver>();
+  };
+  return make;
+}
 
 // What a joint may offer beyond btHingeConstraint's methods; a scene asks before it uses them.
 template <class Joint, class = void>
@@ -61,8 +69,7 @@ class World {
   explicit World(double gravity = standard_gravity, int iterations = 10,
                  const SolverFactory& make_solver = {})
       : dispatcher_(&configuration_),
-        solver_(make_solver ? make_solver()
-                            : std::make_unique<btSequentialImpulseConstraintSolver>()),
+        solver_(make_solver ? make_solver() : default_solver()()),
         world_(&dispatcher_, &broadphase_, solver_.get(), &configuration_) {
     world_.setGravity(btVector3(0, 0, btScalar(-gravity)));
     world_.getSolverInfo().m_numIterations = iterations;

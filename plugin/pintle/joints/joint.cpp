@@ -132,9 +132,16 @@ struct Joint::Step {
 
 Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
     : btTypedConstraint(pintle_type, a, b),
+      m_firmness_differs(false),
+      m_foresees_curvature(false),
+      m_turns_shafts(false),
+      m_starts_warm(true),
       m_block_rows(true),
       m_solved_at_once(false),
       m_is_first_pass(false),
+      m_last(Last::nothing),
+      m_next(Last::nothing),
+      m_formulation(Formulation::conditioned),
       m_rows(rows) {}
 
 Joint::Joint(btRigidBody& a, Rows rows) : Joint(a, getFixedBody(), rows) {}
@@ -228,6 +235,7 @@ inline AxisRow Joint::act(Row& row, const BlockRow* orthogonal, const Block* blo
 }
 
 PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
+  m_last_time_step = m_time_step;
   m_time_step = 1 / info->fps;
   const int n = m_rows.size();
   if (n == 0) return;
@@ -263,7 +271,10 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     }
     for (int i = equalities; i < n; ++i) {
       Row& row = m_rows[i];
-      write_axis(row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, act(row, nullptr, nullptr, step));
+      const AxisRow axis = m_rows.axis(row.axis).axis->isSimple(row.limit)
+                               ? act(row, nullptr, nullptr, step)
+                               : actBesideEqualities(row, step);
+      write_axis(row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, axis);
     }
     return;
   }
@@ -294,6 +305,19 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
       block.eliminate(to, m_rows[i]);
     write_axis(to.L, to.A_a, to.A_b, to.target(), act(m_rows[i], &to, &block, step));
   }
+}
+
+// Plain rows move as the equalities let them, too.
+PINTLE_NOINLINE AxisRow Joint::actBesideEqualities(Row& row, const Step& step) {
+  Block block(BodyPair(m_rbA, m_rbB));
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    m_rows[i].target = step.target(m_rows[i]);
+    block.add(m_rows[i]);
+  }
+  BlockRow orthogonal;
+  row.target = 0;
+  block.eliminate(orthogonal, row);
+  return act(row, &orthogonal, &block, step);
 }
 
 // Plain rows of needles, and such of which an equality is so soft that Bullet's iteration would diverge: it

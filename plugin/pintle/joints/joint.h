@@ -111,14 +111,14 @@ class Joint : public btTypedConstraint {
   Parameter m_limit_erp, m_limit_cfm;  ///< of limits
   Parameter m_motor_cfm;
   /// Whether the equalities differ; else m_erp and m_cfm hold for all, and Row::firmness is 0.
-  bool m_firmness_differs = false;
+  bool m_firmness_differs : 1;
   /// Whether the curvature of its rows is that at the end of the step. Else it is that of now, and
   /// what the bodies' turning suggests is made of it.
-  bool m_foresees_curvature = false;
+  bool m_foresees_curvature : 1;
   /// Whether its bodies are shafts, which turn fast about axes that hold still.
-  bool m_turns_shafts = false;
+  bool m_turns_shafts : 1;
   /// Whether its equalities may begin with impulses of the last step: they do not depend on each other.
-  bool m_starts_warm = true;
+  bool m_starts_warm : 1;
 
   // Throw std::invalid_argument naming the joint, `field` and the value.
   [[noreturn]] void reject(const char* field, double value, const char* why) const;
@@ -150,10 +150,10 @@ class Joint : public btTypedConstraint {
   bool m_block_rows : 1;
   bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated
   bool m_is_first_pass : 1;   ///< of Bullet's over the rows
-  Formulation m_formulation = Formulation::conditioned;
-  Last m_last = Last::nothing;
-  Last m_next = Last::nothing;  ///< what this step makes use of, and leaves
-  int m_passes_left = 0;
+  Last m_last : 2;
+  Last m_next : 2;  ///< what this step makes use of, and leaves
+  Formulation m_formulation : 1;
+  short m_passes_left = 0;  ///< until what the last one leaves is known
 
   void beginPasses(const btConstraintInfo2& info);
   bool goesOn() const;
@@ -165,6 +165,7 @@ class Joint : public btTypedConstraint {
   void forget();
   void writeDelicate(btConstraintInfo2& info);
   AxisRow act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
+  AxisRow actBesideEqualities(Row& row, const Step& step);
   AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
 
@@ -172,7 +173,7 @@ class Joint : public btTypedConstraint {
   btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
-  Scalar m_time_step = Scalar(1) / 60;
+  Scalar m_time_step = Scalar(1) / 60, m_last_time_step = m_time_step;
   Scalar m_max_correction_speed = 8;
 };
 

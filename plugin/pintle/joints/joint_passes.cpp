@@ -3,6 +3,8 @@
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
 
+#include <limits>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -61,9 +63,11 @@ Vec3 angular(const btSolverBody& body) {
 void Joint::beginPasses(const btConstraintInfo2& info) {
   m_solver_rows = solverRows(info);
   const int own = getOverrideNumSolverIterations();
-  m_passes_left = own > 0 ? own : info.m_numIterations;
-  // Bullet shows none beyond its own number.
-  if (m_solver_rows == nullptr || m_passes_left > info.m_numIterations) m_passes_left = 0;
+  const int passes = own > 0 ? own : info.m_numIterations;
+  // Bullet shows none beyond its own number; so many are enough for any joint.
+  const bool shown = m_solver_rows != nullptr && passes <= info.m_numIterations &&
+                     passes <= std::numeric_limits<short>::max();
+  m_passes_left = static_cast<short>(shown ? passes : 0);
   // Forces on bodies that turn far in a step are others in the next.
   const bool lasts = m_starts_warm && curvedPart() > 0;
   m_next = m_passes_left > few_passes && lasts ? Last::impulse
@@ -87,7 +91,8 @@ inline bool Joint::goesOn() const {
 
 // The equalities go on from what they had in the last step.
 inline void Joint::start(btSolverBody& a, btSolverBody& b) {
-  const Scalar part = warm_start * curvedPart() * m_time_step;
+  // A load takes so much less in a shorter step; in a longer one what made up for an error of velocity takes no more.
+  const Scalar part = warm_start * curvedPart() * btMin(Scalar(1), m_time_step / m_last_time_step);
   for (int i = 0; i < m_rows.equalities(); ++i) {
     btSolverConstraint& row = m_solver_rows[i];
     // No K: Bullet passes over the row.
@@ -112,13 +117,12 @@ inline void Joint::relax(Scalar factor) {
 
 // Row::correction holds those of the first pass.
 inline void Joint::takeImpulses() {
-  const Scalar fps = 1 / m_time_step;
   Scalar largest = 0, change = 0;
   for (int i = 0; i < m_rows.equalities(); ++i) {
     const Scalar impulse = m_solver_rows[i].m_appliedImpulse;
     largest = btMax(largest, btFabs(impulse));
     change = btMax(change, btFabs(impulse - m_rows[i].correction));
-    m_rows[i].last = fps * impulse;
+    m_rows[i].last = impulse;
   }
   m_last = change > undisturbed * largest ? Last::impulse : Last::nothing;
 }

@@ -18,8 +18,8 @@ struct Firmness {
 /// Those numbers are the solver's side's, and stay from step to step (joint_passes.cpp says what for).
 struct Row {
   Vec3 L;
-  /// Of the last step: the force (N, or N m), as Bullet counts it, or the residual: the velocity error that
-  /// other joints left when the row had been solved.
+  /// Of the last step: the impulse, as Bullet counts it, or the residual: the velocity error that other joints
+  /// left when the row had been solved.
   Scalar last = 0;
   Vec3 A_a;
   Scalar target = 0;  ///< of J v in this step

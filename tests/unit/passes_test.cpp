@@ -1,0 +1,137 @@
+// What joints do between Bullet's passes over their rows (joint_passes.cpp): impulses of the last step start the
+// next where joints bear on each other, and disturb nothing where they do not.
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <gtest/gtest.h>
+#include <pintle/joints/ball_joint.h>
+#include <pintle/joints/quaternion_hinge.h>
+#include <scenes/chain.h>
+
+#include "support.h"
+
+namespace {
+
+using pintle::BallJoint;
+using support::scalar;
+using support::vec;
+
+std::unique_ptr<btConstraintSolver> make_bullets() {
+  return std::make_unique<btSequentialImpulseConstraintSolver>();
+}
+
+// A rod of boxes that hangs from the world on ball joints, with a load at its end.
+template <class Ball = BallJoint>
+class Rod {
+ public:
+  static constexpr int links = 6;
+
+  explicit Rod(double load = 10, int iterations = 10, double threshold = 0)
+      : world_(scenes::standard_gravity, iterations, make_bullets) {
+    world_.bullet().getSolverInfo().m_leastSquaresResidualThreshold = scalar(threshold);
+    for (int i = 0; i < links; ++i) {
+      bodies_.push_back(&world_.add_box(i + 1 < links ? 1 : load, vec(0.1, 0.1, 0.5),
+                                        scenes::pose_at(vec(0, 0, -0.5 - i))));
+      if (i == 0)
+        world_.add_joint<Ball>(*bodies_[0], vec(0, 0, 0.5));
+      else
+        world_.add_joint<Ball>(*bodies_[size_t(i) - 1], *bodies_[size_t(i)], vec(0, 0, -0.5),
+                               vec(0, 0, 0.5));
+    }
+  }
+  btDynamicsWorld& world() { return world_.bullet(); }
+  void step(double dt) { world_.step(dt); }
+  // By how much it is longer than its links, m.
+  double stretch() const { return -scenes::position(*bodies_.back()).z() - (links - 0.5); }
+  double speed() const { return double(bodies_.back()->getLinearVelocity().length()); }
+  btRigidBody& body(int i) { return *bodies_[size_t(i)]; }
+
+ private:
+  scenes::World world_;
+  std::vector<btRigidBody*> bodies_;
+};
+
+// How far the rod stretches after it has come to rest, m: `dt` by turns.
+template <class Ball>
+double stretchAtRest(double load, int iterations, std::initializer_list<double> dt) {
+  Rod<Ball> rod(load, iterations);
+  double most = 0;
+  for (int i = 0; i < 480; ++i) {
+    rod.step(dt.begin()[size_t(i) % dt.size()]);
+    if (i >= 240) most = std::max(most, std::abs(rod.stretch()));
+  }
+  return most;
+}
+
+TEST(Passes, WhatALoadTakesIsFoundOverTheSteps) {
+  for (const double load : {1., 10., 50.})
+    for (const int iterations : {10, 30})
+      EXPECT_LT(6 * stretchAtRest<BallJoint>(load, iterations, {1. / 60}),
+                stretchAtRest<btPoint2PointConstraint>(load, iterations, {1. / 60}))
+          << load << ' ' << iterations;
+}
+
+TEST(Passes, StepsOfAnyLengthFollowEachOther) {
+  for (const double load : {1., 10., 50.})
+    for (const int iterations : {10, 30})
+      EXPECT_LT(stretchAtRest<BallJoint>(load, iterations, {1. / 60, 1. / 240}),
+                stretchAtRest<btPoint2PointConstraint>(load, iterations, {1. / 60, 1. / 240}))
+          << load << ' ' << iterations;
+}
+
+// Bullet ends a step whose first pass changed less than its threshold: what then started would stay.
+TEST(Passes, AStepThatEndsAfterItsFirstPassIsNotKicked) {
+  Rod<> rod(20, 10, 1e-6);
+  rod.world().getSolverInfo().m_erp = 0;  // or what the rod has stretched would be taken away
+  for (int i = 0; i < 240; ++i) rod.step(1. / 60);
+  for (int i = 0; i < Rod<>::links; ++i) {
+    rod.body(i).setLinearVelocity(vec(0, 0, 0));
+    rod.body(i).setAngularVelocity(vec(0, 0, 0));
+    rod.body(i).setGravity(vec(0, 0, 0));
+  }
+  rod.step(1. / 60);
+  EXPECT_LT(rod.speed(), 1e-4);
+}
+
+// A joint that nothing disturbs is solved by the first pass, as it is by the only one.
+TEST(Passes, AJointAloneIsWhatItWasInOnePass) {
+  const auto end = [](int iterations) {
+    scenes::World world(scenes::standard_gravity, iterations, make_bullets);
+    btRigidBody& body = world.add_box(1, vec(0.5, 0.1, 0.2), scenes::pose_at(vec(0.5, 0, 0)));
+    world.add_joint<BallJoint>(body, vec(-0.5, 0, 0));
+    for (int i = 0; i < 120; ++i) world.step(1. / 60);
+    return scenes::position(body);
+  };
+  const Eigen::Vector3d once = end(1), often = end(20);
+  EXPECT_LT((once - often).norm(), sizeof(btScalar) == sizeof(double) ? 1e-12 : 1e-4);
+}
+
+// What bears on nothing any more is not pulled by what it bore.
+TEST(Passes, AJointThatWasDisabledBeginsFromNothing) {
+  Rod<> rod;
+  for (int i = 0; i < 120; ++i) rod.step(1. / 60);
+  btTypedConstraint& joint = *rod.body(Rod<>::links - 1).getConstraintRef(0);
+  joint.setEnabled(false);
+  btRigidBody& load = rod.body(Rod<>::links - 1);
+  load.setGravity(vec(0, 0, 0));
+  load.setLinearVelocity(vec(0, 0, 0));
+  for (int i = 0; i < Rod<>::links; ++i) rod.body(i).setGravity(vec(0, 0, 0));
+  for (int i = 0; i < 10; ++i) rod.step(1. / 60);
+  joint.setEnabled(true);
+  const double before = double(load.getLinearVelocity().length());
+  rod.step(1. / 60);
+  EXPECT_LT(double(load.getLinearVelocity().length()), before + 0.05);
+}
+
+TEST(Passes, AHeavyChainIsHeldThreeTimesBetterThanByStocks) {
+  scenes::ChainSettings settings;
+  settings.ratio = 100;
+  settings.make_solver = make_bullets;
+  for (const int iterations : {20, 50, 100}) {
+    settings.iterations = iterations;
+    const double stock = scenes::chain<btHingeConstraint>(settings).mean_gap,
+                 ours = scenes::chain<pintle::QuaternionHinge>(settings).mean_gap;
+    EXPECT_LT(3 * ours, stock) << iterations;
+  }
+}
+
+}  // namespace
