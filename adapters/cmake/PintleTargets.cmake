@@ -48,6 +48,9 @@ function(pintle_add_library precision wanted)
     # gcc packs vectors of three, and loops over five rows, for less than it costs.
     "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-vectorize>")
   pintle_set_warnings(${target} -Wconversion)
+  if(PINTLE_TOP_LEVEL)  # who builds it with his own project does so once
+    target_precompile_headers(${target} PRIVATE <Eigen/Geometry> <btBulletDynamicsCommon.h>)
+  endif()
   set(PINTLE_PRECISIONS ${PINTLE_PRECISIONS} ${precision} PARENT_SCOPE)
 endfunction()
 
