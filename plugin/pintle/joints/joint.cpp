@@ -289,10 +289,10 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     Row& row = m_rows[i];
     row.target = step.target(row) - (correct ? row.correction : Scalar(0));
     const BlockRow& to = block.add(row);
-    // A row that depends on others shares its impulse with them as it comes.
-    if (to.K_inv == 0 && m_next == Last::impulse) m_next = Last::nothing;
     out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.firmness], -infinity, infinity);
   }
+  // A row that depends on others shares its impulse with them as it comes.
+  if (!block.independent() && m_next == Last::impulse) m_next = Last::nothing;
   // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
   // rounding errors that does not end well. One alone takes no harm.
   const bool several = n > equalities + 1;

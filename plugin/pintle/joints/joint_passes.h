@@ -32,10 +32,8 @@ inline btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2
   auto* row =
       reinterpret_cast<btSolverConstraint*>(bytes - offsetof(btSolverConstraint, m_contactNormal1));
   const bool same = info.rowskip * sizeof(btScalar) == sizeof(btSolverConstraint) &&
-                    info.m_J2linearAxis == row->m_contactNormal2.m_floats &&
-                    info.m_J1angularAxis == row->m_relpos1CrossNormal.m_floats &&
                     info.m_J2angularAxis == row->m_relpos2CrossNormal.m_floats &&
-                    info.m_constraintError == &row->m_rhs && info.cfm == &row->m_cfm &&
+                    info.m_constraintError == &row->m_rhs &&
                     info.m_lowerLimit == &row->m_lowerLimit;
   return same ? row : nullptr;
 }

@@ -37,28 +37,33 @@ class Block {
 
   /// Makes `row` of `from`, orthogonal to the rows of the block. A row that depends on them stays as
   /// it was: it says the same again, and a remainder of rounding errors must not be solved for.
-  void orthogonalize(BlockRow& row, const Row& from) const {
+  /// Returns whether it is independent.
+  bool orthogonalize(BlockRow& row, const Row& from) const {
     const Scalar lost = eliminate(row, from);
     weigh(row);
     // Bullet's solver passes over a row of less: what the bodies' factors leave of it is rounding.
     if (row.K > rounding_of_K * lost + SIMD_EPSILON) {
       row.K_inv = 1 / row.K;
-      return;
+      return true;
     }
     take(row, from);
     row.angular = false;  // it may stand behind one that is not
     weigh(row);
     row.K_inv = 0;
+    return false;
   }
 
   /// Appends what orthogonalize makes of `from`.
   const BlockRow& add(const Row& from) {
     BlockRow& row = *m_end;
-    orthogonalize(row, from);
+    if (!orthogonalize(row, from)) m_independent = false;
     ++m_end;
     if (row.angular) m_angular_end = m_end;
     return row;
   }
+
+  /// Whether all rows are independent of those before them.
+  bool independent() const { return m_independent; }
 
   /// Makes `row` of `from`, less what it shares with the rows of the block. Returns what K loses by
   /// it; the row's own K is not computed.
@@ -124,6 +129,7 @@ class Block {
   BlockRow m_rows[max_rows];
   BlockRow* m_end = m_rows;
   BlockRow* m_angular_end = m_rows;  ///< of the angular rows that come first
+  bool m_independent = true;
 };
 
 }  // namespace PINTLE_PRECISION
