@@ -307,17 +307,23 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 }
 
-// Plain rows move as the equalities let them, too.
+// Plain rows move as the equalities let them, too. Softness is a fraction of the K that is left then, of
+// which the solver does not know.
 PINTLE_NOINLINE AxisRow Joint::actBesideEqualities(Row& row, const Step& step) {
   Block block(BodyPair(m_rbA, m_rbB));
   for (int i = 0; i < m_rows.equalities(); ++i) {
     m_rows[i].target = step.target(m_rows[i]);
     block.add(m_rows[i]);
   }
-  BlockRow orthogonal;
+  BlockRow plain, orthogonal;
   row.target = 0;
+  Block::take(plain, row);
+  block.weigh(plain);
   block.eliminate(orthogonal, row);
-  return act(row, &orthogonal, &block, step);
+  block.weigh(orthogonal);
+  AxisRow axis = act(row, &orthogonal, &block, step);
+  if (plain.K > orthogonal.K) axis.cfm *= orthogonal.K / plain.K;
+  return axis;
 }
 
 // Plain rows of needles, and such of which an equality is so soft that Bullet's iteration would diverge: it

@@ -29,8 +29,9 @@ constexpr double least_impulses = 3e-8;
 constexpr double damped_correction = 1e-4;
 // Rows of one joint that depend on each other but for this part are treated as those of a loop.
 constexpr double nearly_dependent = 1e-6;
-// Rows with bounds of which no more than this is left are iterated.
-constexpr Scalar thin = Scalar(1e-5);
+// Rows with bounds of which no more than this is left are iterated. Factors leave more: what a game in
+// two dimensions forbids is never next to nothing for long, but passed through.
+constexpr Scalar thin = Scalar(1e-5), thin_by_factors = Scalar(0.01);
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
@@ -56,9 +57,30 @@ bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
 
+bool isHindered(const btSolverBody& body) {
+  const btVector3 one(1, 1, 1);
+  return !body.internalGetInvMass().isZero() &&
+         !(body.m_angularFactor == one && body.m_linearFactor == one);
+}
+
+// What the bodies' factors, of which 1 / m_jacDiagABInv knows nothing, leave of J M^-1 J^T.
+Scalar hinderedK(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+  const auto term = [&](int id, const btVector3& L, const btVector3& A) {
+    const btSolverBody& body = bodies[id];
+    if (body.internalGetInvMass().isZero()) return Scalar(0);
+    const btVector3 turned = A * body.m_angularFactor;
+    return L.dot(L * body.internalGetInvMass() * body.m_linearFactor) +
+           turned.dot(body.m_originalBody->getInvInertiaTensorWorld() * turned);
+  };
+  return term(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) +
+         term(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
+}
+
 // Whether J M^-1 J^T of a row is next to nothing of what the bodies could have, as across a needle: a limit
 // there that is held exactly turns the needle about itself without bound.
-bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies,
+            bool hindered) {
+  if (hindered && !(hinderedK(row, bodies) * row.m_jacDiagABInv > thin_by_factors)) return true;
   const auto terms = [&](int id, const btVector3& L, const btVector3& A) {
     const btSolverBody& body = bodies[id];
     if (body.internalGetInvMass().isZero()) return Scalar(0);
@@ -110,7 +132,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_gathered.clear();
   m_joints.clear();
   m_all = true;
-  m_loops = m_loaded = m_bounded = false;
+  m_loops = m_loaded = m_bounded = m_hindered = false;
   m_fastest = 0;
   const auto moving = [&](int body) {
     return bodies[body].internalGetInvMass().isZero() ? -1 : body;
@@ -128,12 +150,15 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       continue;
     }
     const bool bilateral = isBilateral(row);
+    const bool hindered =
+        isHindered(bodies[row.m_solverBodyIdA]) || isHindered(bodies[row.m_solverBodyIdB]);
+    m_hindered = m_hindered || hindered;
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
     const bool full = known && m_gathered.back().rows == block_rows;
     // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
     const bool fits = !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
                       (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
-                      row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies);
+                      row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies, hindered);
     if (!bilateral && !fits) {
       m_all = false;
       continue;
@@ -194,6 +219,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       block.deficit[r] = double(row.m_rhs) * K;
       block.rest[r] = bounded ? block.deficit[r] : -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
+      block.damping[r] = bounded ? 0 : damped_correction * K;
       block.holds[r] = !bounded && !(row.m_cfm > 0);
       m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
@@ -269,20 +295,16 @@ void JointSystem::factorise() {
       }
     }
   }
-  if (!loops() && (m_topology->loops || dependsOnItself())) {
+  if (!loops() && (m_topology->loops || m_hindered || dependsOnItself())) {
     m_loops = true;
     addLeastSoftness();
   }
   if (loops()) {
     m_damped = m_factor;
     for (int c = 0; c < columns; ++c) {
-      JointBlock& block = m_blocks[size_t(c)];
+      const JointBlock& block = m_blocks[size_t(c)];
       double* K = m_damped.block(c);
-      for (int r = 0; r < block.rows; ++r) {
-        if (block.bound[r] >= 0) continue;
-        block.damping[r] = damped_correction * K[r * (block_rows + 1)];
-        K[r * (block_rows + 1)] += block.damping[r];
-      }
+      for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.damping[r];
     }
     m_damped_is_factor = false;
   }
@@ -295,7 +317,8 @@ void JointSystem::addLeastSoftness() {
     JointBlock& block = m_blocks[c];
     double* K = m_factor.block(int(c));
     for (int r = 0; r < block.rows; ++r) {
-      const double least = least_impulses * K[r * (block_rows + 1)];
+      const double whole = std::max(K[r * (block_rows + 1)], block.damping[r] / damped_correction);
+      const double least = least_impulses * whole;
       K[r * (block_rows + 1)] += least;
       block.softness[r] += least;
     }

@@ -226,7 +226,8 @@ class JointSystem {
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
   std::vector<double> m_fastest_of;  ///< of each component
   double m_fastest = 0;
-  bool m_loops = false;  ///< whether rows may depend on each other
+  bool m_loops = false;     ///< whether rows may depend on each other
+  bool m_hindered = false;  ///< whether bodies have factors, as in two dimensions
   bool m_all = true, m_loaded = false, m_bounded = false, m_damped_is_factor = false;
 };
 
