@@ -15,7 +15,7 @@ namespace {
 
 // What the last step left of an error is taken away in whole, and so is what is no faster to correct
 // than this, m/s or rad/s: it is of the size of what a step of motion makes. A joint that starts
-// further off is brought together as ERP says.
+// further off is brought together as ERP and its largest speed of correction say.
 constexpr double free_correction = 1;
 
 constexpr int most_rows = 16;  // of a stock joint
@@ -167,17 +167,23 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   bool far = false;
   for (int r = 0; r < block.rows; ++r) {
     error[r] = block.holds[r] ? end[r] : 0;
-    far = far || !(std::abs(error[r]) <= free_correction);
+    far = far || !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2));
   }
   if (!far) return;
   Speeds start;
   speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most);
+  bool turns_back = false;
   for (int r = 0; r < block.rows; ++r) {
     if (!block.holds[r]) continue;
     const double whole = std::abs(start[r]);
-    const double speed = std::max(std::min(double(m_erp) * whole, most[r]), free_correction);
+    turns_back = turns_back || double(m_erp) * whole > most[r];
+    const double speed = std::min(std::max(double(m_erp) * whole, free_correction), most[r]);
     if (whole > speed) error[r] -= start[r] * (1 - speed / whole);
   }
+  // As far off as that, angular rows say where to turn, but not how far: the speed that they have is right.
+  if (!turns_back) return;
+  for (int r = 0; r < block.rows; ++r)
+    if (rows[block.row[r]].m_contactNormal1.isZero()) error[r] = 0;
 }
 
 }  // namespace PINTLE_PRECISION
