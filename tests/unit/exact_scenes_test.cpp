@@ -44,12 +44,17 @@ TEST(ExactScenes, ChainsOfBulletsHingesHold) {
   }
 }
 
-// The tip whips round by 0.65 rad in a step of 1/60 s; half the step, a third of the error.
+// The tip whips round by 0.65 rad in a step of 1/60 s, of which Bullet goes the chord. Half the step, a third
+// of the error.
 TEST(ExactScenes, EnergyErrsAsTheStepDoes) {
-  EXPECT_LE(scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 60)).in_step_energy_error,
-            0.031);
-  EXPECT_LE(scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 120)).in_step_energy_error,
-            0.01);
+  const double at_60 =
+      scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 60)).in_step_energy_error;
+  const double at_120 =
+      scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 120)).in_step_energy_error;
+  const double stock =
+      scenes::chain<btHingeConstraint>(chain(10, 1, 1. / 60, false)).in_step_energy_error;
+  EXPECT_LT(at_60, stock / 10);
+  EXPECT_LT(at_120, at_60 / 3);
 }
 
 class Extreme : public testing::TestWithParam<double> {};

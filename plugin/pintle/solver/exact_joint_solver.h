@@ -84,6 +84,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void restart();
   void beginReactions();
   bool findWorse();
+  bool findWork();
   bool findGained(double gain, double speed);
   void calm();
   bool iteratePositions(const btContactSolverInfo& info);

@@ -810,6 +810,27 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     sum.added += energy(of.m_deltaLinearVelocity, of.m_deltaAngularVelocity);
     sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
   }
+  // An impulse works by the mean of the velocities before and after, of which moving frames are a part.
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    const JointBlock& block = m_blocks[c];
+    const BlockColumn change = velocity(block);
+    for (int r = 0; r < block.rows; ++r)
+      if (block.bound[r] < 0)
+        each[size_t(m_topology->component[c])].work +=
+            block.impulse[r] * (change[r] / 2 - block.rest[r]);
+  }
+}
+
+void JointSystem::undoCorrections(const btConstraintArray& rows,
+                                  const std::vector<char>& components) {
+  for (size_t c = 0; c < m_blocks.size(); ++c) {
+    JointBlock& block = m_blocks[c];
+    if (!components[size_t(m_topology->component[c])]) continue;
+    for (int r = 0; r < block.rows; ++r) {
+      const btSolverConstraint& row = rows[block.row[r]];
+      block.deficit[r] = double(row.m_rhs) / double(row.m_jacDiagABInv);
+    }
+  }
 }
 
 void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,

@@ -120,8 +120,11 @@ class JointSystem {
     double now = 0;
     double added = 0;  ///< what the changes by impulses have alone
     double unit = 0;   ///< at 1 m/s and 1 rad/s
+    double work = 0;   ///< of the impulses of rows without bounds
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
+  /// The rows of the marked components are to be solved with the targets that they came with.
+  void undoCorrections(const btConstraintArray& rows, const std::vector<char>& components);
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
   void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components,
