@@ -14,6 +14,7 @@ inline namespace PINTLE_PRECISION {
 
 class BodyPair;
 class Block;
+class EndOfStep;
 class ExactJointSolver;
 struct BlockRow;
 
@@ -142,6 +143,7 @@ class Joint : public btTypedConstraint {
                        const char* force_field = "friction max torque") const;
 
  private:
+  friend class EndOfStep;
   friend class ExactJointSolver;
   struct Step;
   /// What Row::last is of equalities.

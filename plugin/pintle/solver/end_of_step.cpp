@@ -23,7 +23,8 @@ constexpr int most_rows = 16;  // of a stock joint
 // Bullet's rows of a stock joint, for any pose of its bodies.
 class StockRows {
  public:
-  void ask(btTypedConstraint& joint, Scalar fps, Scalar erp) {
+  /// Returns the part of a velocity along the rows that they take away.
+  Scalar ask(btTypedConstraint& joint, Scalar fps, Scalar erp) {
     std::memset(static_cast<void*>(m_rows), 0, sizeof(m_rows));
     btTypedConstraint::btConstraintInfo2 info;
     info.fps = fps;
@@ -40,6 +41,7 @@ class StockRows {
     info.m_numIterations = 1;
     info.m_damping = 1;
     joint.getInfo2(&info);
+    return info.m_damping;
   }
   const btSolverConstraint& operator[](int i) const { return m_rows[i]; }
 
@@ -122,6 +124,8 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     most[r] = double(infinity);
   }
   if (block.ours != nullptr) {
+    // A damped row leaves a velocity on purpose.
+    if (block.ours->impulseSetting().damping != 1) return;
     Rows now(m_memory);
     block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
     for (int r = 0; r < block.rows; ++r) {
@@ -135,7 +139,7 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   }
   PoseGuard at_a(a, pose_a), at_b(b, pose_b);
   StockRows with, without;
-  with.ask(*block.joint, fps, 1);
+  if (with.ask(*block.joint, fps, 1) != 1) return;
   without.ask(*block.joint, fps, 0);
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
@@ -151,7 +155,7 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
   largest.assign(size_t(joints.topology().components), 0.);
   for (size_t c = 0; c < blocks.size(); ++c) {
     double* of = &error[block_rows * c];
-    errors(blocks[c], rows, of);
+    errors(blocks[c], rows, of, m_far[c]);
     double& most = largest[size_t(joints.topology().component[c])];
     for (int r = 0; r < blocks[c].rows; ++r) {
       const double size = double(m_dt) * std::abs(of[r]);
@@ -160,11 +164,11 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
   }
 }
 
-void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error) {
+void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error,
+                       char& far) {
   const btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
   Speeds end, most;
   speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
-  bool far = false;
   for (int r = 0; r < block.rows; ++r) {
     error[r] = block.holds[r] ? end[r] : 0;
     far = far || !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2));

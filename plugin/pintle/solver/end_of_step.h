@@ -9,6 +9,8 @@ inline namespace PINTLE_PRECISION {
 
 class EndOfStep {
  public:
+  /// Begins a step of so many blocks.
+  void begin(size_t blocks) { m_far.assign(blocks, false); }
   /// The poses that Bullet integrates to from the velocities that the bodies have now.
   void predict(const btAlignedObjectArray<btSolverBody>& bodies, const btContactSolverInfo& info);
 
@@ -19,7 +21,8 @@ class EndOfStep {
               std::vector<double>& largest);
 
  private:
-  void errors(const JointBlock& block, const btConstraintArray& rows, double* error);
+  /// `far`: whether it begins further off than the step may close.
+  void errors(const JointBlock& block, const btConstraintArray& rows, double* error, char& far);
   const btTransform& pose(const btRigidBody& body, int solver_body) const {
     return solver_body < 0 ? body.getCenterOfMassTransform() : m_poses[size_t(solver_body)];
   }
@@ -31,6 +34,7 @@ class EndOfStep {
   static constexpr int most_joint_rows = 8;  // of a joint of Pintle's
   RowMemory<most_joint_rows, most_joint_rows> m_memory;
   std::vector<btTransform> m_poses;
+  std::vector<char> m_far;  ///< of each block
   Scalar m_dt = 0, m_erp = 0;
 };
 

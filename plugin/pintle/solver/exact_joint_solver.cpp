@@ -35,9 +35,11 @@ bool isFar(const std::vector<double>& errors, double than) {
 // this speed, m/s and rad/s.
 constexpr double most_gain = 1.1, correction_speed = 3;
 
-// By this, and by what it takes to move them at this speed, m/s and rad/s, the end of a step may add to the
-// energy of what joints connect. It adds and takes again where these turn fast.
-constexpr double most_work = 0.05, work_speed = 1;
+// A centre that is to end its step on its circle moves along the chord, for which its speed holds
+// (w dt / 2)^2 more than on the circle. No more than twice that, and what it takes to move at this speed,
+// m/s and rad/s, may the ends of steps add to the energy of what joints connect, where it turns by more than
+// the first of these in a step, rad, and for no more than the second.
+constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 
 // What gains more is closed at this speed at most: as ERP asks it of joints that are 8 m apart at 60 Hz.
 constexpr double calm_speed = 100;
@@ -65,6 +67,7 @@ struct ExactJointSolver::Island {
     for (std::vector<double>* of : {&largest, &next_largest, &parts}) of->reserve(components);
     energy.reserve(components);
     worse.reserve(components);
+    joints.topology().gained.reserve(components);
   }
 };
 
@@ -165,17 +168,23 @@ void ExactJointSolver::lookAhead(const btContactSolverInfo& info, std::vector<do
   island.end.errors(island.joints, m_tmpSolverNonContactConstraintPool, island.error, largest);
 }
 
-// Whether the joints of a component do more work than holds may do: `worse`.
-bool ExactJointSolver::findWork() {
+// Whether the ends of steps have fed a component more than they may: `worse`.
+bool ExactJointSolver::findFed(double dt) {
   Island& island = *m_island;
   island.joints.write(m_tmpSolverBodyPool);
   island.joints.energies(m_tmpSolverBodyPool, island.energy);
   island.worse.resize(island.energy.size());
+  std::vector<double>& gained = island.joints.topology().gained;
+  gained.resize(island.energy.size(), 0);
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
-    const double most = most_work * energy.free + work_speed * work_speed * energy.unit;
-    island.worse[i] = !(std::min(energy.work, energy.now - energy.free) <= most);
+    const double turn = std::min(energy.spin * dt, most_turn);
+    const double most = turn * turn / 2 * energy.free + chord_speed * chord_speed * energy.unit;
+    // What other rows add is not the joints' work, and what they take is none of it.
+    const double sum = gained[i] + std::min(energy.work, energy.now - energy.free) / most;
+    island.worse[i] = !(turn < least_turn) && !(sum <= 1);
+    if (!island.worse[i]) gained[i] = turn < least_turn ? 0 : std::max(0., sum);
     any = any || island.worse[i];
   }
   return any;
@@ -199,10 +208,10 @@ bool ExactJointSolver::findGained(double gain, double speed) {
 // Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
 // force would add energy without end: components that gain too much close them at a bounded speed, and
 // what still gains more than that, where other rows drive it, gets as much less of all impulses.
-void ExactJointSolver::calm() {
+void ExactJointSolver::calm(double dt) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
-  if (findWork()) {
+  if (findFed(dt)) {
     joints.undoCorrections(m_tmpSolverNonContactConstraintPool, island.worse);
     restart();
     joints.settle();
@@ -230,6 +239,7 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   if (m_position_iterations == 0) return false;
   Island& island = *m_island;
   JointSystem& joints = island.joints;
+  island.end.begin(joints.blocks().size());
   lookAhead(info, island.largest);
   bool any_far = false;
   for (int i = 1;; ++i) {
@@ -310,7 +320,10 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   if (iterations > 0 || joints.bounded())
     m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
-  if (iteratePositions(info) || joints.fastest() > correction_speed) calm();
+  if (iteratePositions(info) || joints.fastest() > correction_speed)
+    calm(double(info.m_timeStep));
+  else
+    std::fill(joints.topology().gained.begin(), joints.topology().gained.end(), 0.);
   return used;
 }
 

@@ -84,9 +84,9 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void restart();
   void beginReactions();
   bool findWorse();
-  bool findWork();
+  bool findFed(double dt);
   bool findGained(double gain, double speed);
-  void calm();
+  void calm(double dt);
   bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);
 

@@ -806,6 +806,7 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse;
     const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
     sum.free += energy(v, w);
+    sum.spin = std::max(sum.spin, double(w.length()));
     sum.now += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
     sum.added += energy(of.m_deltaLinearVelocity, of.m_deltaAngularVelocity);
     sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));

@@ -121,6 +121,7 @@ class JointSystem {
     double added = 0;  ///< what the changes by impulses have alone
     double unit = 0;   ///< at 1 m/s and 1 rad/s
     double work = 0;   ///< of the impulses of rows without bounds
+    double spin = 0;   ///< of the body that turns fastest, rad/s, before any impulse
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
   /// The rows of the marked components are to be solved with the targets that they came with.
@@ -132,6 +133,7 @@ class JointSystem {
   /// Leaves this part of what impulses have done to each component.
   void weaken(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
+  Topology& topology() { return *m_topology; }
 
   /// False if a velocity holds NaN or infinity.
   bool finite() const;

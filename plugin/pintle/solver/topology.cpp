@@ -94,6 +94,7 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
   (*place)->joints = joints;
   (*place)->first = first;
   (*place)->impulses.clear();
+  (*place)->gained.clear();
   (*place)->at_bound.assign(block_rows * joints.size(), Topology::inside);
   (*place)->last_use = m_uses;
   analyse(**place);

@@ -34,6 +34,8 @@ struct Topology {
   /// bound; else `inside`.
   std::vector<Scalar> at_bound;
   static constexpr Scalar inside = infinity;
+  /// Of each component: how much of what the ends of steps may add to its energy they have.
+  std::vector<double> gained;
   unsigned long long last_use = 0;
 };
 
