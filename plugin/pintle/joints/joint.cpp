@@ -271,9 +271,10 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     }
     for (int i = equalities; i < n; ++i) {
       Row& row = m_rows[i];
-      const AxisRow axis = m_rows.axis(row.axis).axis->isSimple(row.limit)
-                               ? act(row, nullptr, nullptr, step)
-                               : actBesideEqualities(row, step);
+      AxisRow axis;
+      const bool simple = m_rows.axis(row.axis).axis->isSimple(row.limit);
+      if (simple) axis = act(row, nullptr, nullptr, step);
+      if (!simple || axis.cfm > 0) axis = actBesideEqualities(row, step);
       write_axis(row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, axis);
     }
     return;

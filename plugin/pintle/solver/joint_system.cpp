@@ -154,7 +154,8 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
         isHindered(bodies[row.m_solverBodyIdA]) || isHindered(bodies[row.m_solverBodyIdB]);
     m_hindered = m_hindered || hindered;
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
-    const bool full = known && m_gathered.back().rows == block_rows;
+    const bool full = known && (m_gathered.back().rows == Topology::joint_rows ||
+                                (bilateral && m_gathered.back().bilateral == block_rows));
     // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
     const bool fits = !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
                       (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
@@ -164,7 +165,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       continue;
     }
     if (!known || full) {
-      m_gathered.push_back({joint, as_joint(joint), 0, {}, {}, {}});
+      m_gathered.push_back({joint, as_joint(joint), 0, 0, {}, {}, {}});
       m_joints.push_back({{moving(row.m_solverBodyIdA), moving(row.m_solverBodyIdB)}});
     }
     Gathered& to = m_gathered.back();
@@ -172,6 +173,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     to.index[to.rows] = index;
     to.bound[to.rows] = bilateral ? -1 : to.rows;
     ++to.rows;
+    if (bilateral) ++to.bilateral;
   }
   if (m_joints.empty()) return false;
 
@@ -196,10 +198,12 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     block.joint = from.joint;
     block.ours = from.ours;
     for (int side = 0; side < 2; ++side) block.body[side] = joint.body[side];
+    int places = block_rows - from.bilateral;
     for (int i = 0; i < from.rows; ++i) {
       btSolverConstraint& row = rows[from.row[i]];
       const bool bounded = from.bound[i] >= 0;
-      const Scalar before = m_topology->at_bound[block_rows * c + size_t(i)];
+      Scalar& before = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
+      if (bounded && before == Topology::inside && places-- <= 0) before = 0;
       if (bounded && before != Topology::inside) {
         m_all = false;
         if (row.m_overrideNumSolverIterations == 0) row.m_overrideNumSolverIterations = iterations;
@@ -886,7 +890,7 @@ bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
       for (int r = 0; r < m_blocks[c].rows; ++r)
         if (m_blocks[c].bound[r] >= 0)
           f(rows[m_blocks[c].row[r]], Scalar(m_blocks[c].impulse[r]),
-            m_topology->at_bound[block_rows * c + size_t(m_blocks[c].bound[r])]);
+            m_topology->at_bound[Topology::joint_rows * c + size_t(m_blocks[c].bound[r])]);
   };
   each([&](const btSolverConstraint& row, Scalar impulse, Scalar& at_bound) {
     at_bound = atBound(row, impulse);
@@ -904,11 +908,17 @@ bool JointSystem::takeBack(const btConstraintArray& rows) {
   const Elimination& elimination = m_topology->elimination;
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const Gathered& from = m_gathered[size_t(elimination.node(int(c)))];
+    int places = block_rows - m_blocks[c].rows;
     for (int i = 0; i < from.rows; ++i) {
-      Scalar& at_bound = m_topology->at_bound[block_rows * c + size_t(i)];
+      Scalar& at_bound = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
       if (from.bound[i] < 0 || at_bound == Topology::inside) continue;
-      at_bound = atBound(rows[from.row[i]], rows[from.row[i]].m_appliedImpulse);
-      any = any || at_bound == Topology::inside;
+      const Scalar impulse = rows[from.row[i]].m_appliedImpulse;
+      at_bound = atBound(rows[from.row[i]], impulse);
+      if (at_bound != Topology::inside) continue;
+      if (places-- > 0)
+        any = true;
+      else
+        at_bound = impulse;
     }
   }
   return any;

@@ -213,7 +213,8 @@ class JointSystem {
   struct Gathered {
     btTypedConstraint* joint;
     const Joint* ours;
-    int rows, row[block_rows], index[block_rows], bound[block_rows];
+    int rows, bilateral;
+    int row[Topology::joint_rows], index[Topology::joint_rows], bound[Topology::joint_rows];
   };
   std::vector<Gathered> m_gathered;  ///< as they come
   std::vector<JointBlock> m_blocks;  ///< in the order of elimination

@@ -95,7 +95,7 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
   (*place)->first = first;
   (*place)->impulses.clear();
   (*place)->gained.clear();
-  (*place)->at_bound.assign(block_rows * joints.size(), Topology::inside);
+  (*place)->at_bound.assign(Topology::joint_rows * joints.size(), Topology::inside);
   (*place)->last_use = m_uses;
   analyse(**place);
   return **place;

@@ -30,10 +30,12 @@ struct Topology {
   /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
   /// world, which says how stiff the bodies will be in the next. Empty before the first.
   std::vector<double> impulses;
-  /// Of each row of each joint, in the order of elimination: its impulse in the last step, if it was at a
-  /// bound; else `inside`.
+  /// Of each row of each joint, joint_rows of each, in the order of elimination: its impulse in the last
+  /// step, if it was at a bound; else `inside`.
   std::vector<Scalar> at_bound;
   static constexpr Scalar inside = infinity;
+  /// Of a joint, no more than block_rows of which have a place in its block: those at a bound need none.
+  static constexpr int joint_rows = 8;
   /// Of each component: how much of what the ends of steps may add to its energy they have.
   std::vector<double> gained;
   unsigned long long last_use = 0;
