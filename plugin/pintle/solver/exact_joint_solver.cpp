@@ -317,6 +317,7 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   }
   if (iterations > 0) joints.endReactions();
   joints.remember(m_tmpSolverNonContactConstraintPool);
+  joints.restoreMomentum(m_tmpSolverBodyPool);
   if (iterations > 0 || joints.bounded())
     m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
@@ -355,7 +356,9 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   };
   int used = solveIsland(infoGlobal, joints.loaded(), pass);
   for (int round = 1; joints.finite(); ++round) {
-    const bool taken = limits && round <= rounds_of_taking && joints.takeBack(rows);
+    joints.write(m_tmpSolverBodyPool);
+    const bool taken = limits && round <= rounds_of_taking &&
+                       joints.takeBack(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
     if (!joints.giveBack(rows, round == most_rounds) && !taken) break;
     gather();
     used = solveIsland(infoGlobal, true, pass);
@@ -372,7 +375,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   }
   joints.write(m_tmpSolverBodyPool);
   joints.writeImpulses(rows);
-  joints.takeBack(rows);
+  joints.takeBack(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   joints.report(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   ++m_analyticsData.m_numSolverCalls;
   m_analyticsData.m_numIterationsUsed = used;

@@ -93,6 +93,9 @@ bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBo
   return !(1 > thin * all * row.m_jacDiagABInv);
 }
 
+// Rows at a bound that this is to be missed by, m or rad, are not to be left there.
+constexpr Scalar missed = Scalar(5e-5);
+
 // As Topology::at_bound has it.
 Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
   if (impulse > row.m_lowerLimit && impulse < row.m_upperLimit) return Topology::inside;
@@ -187,6 +190,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     if (moving(i) >= 0) scale(body, bodies[i]);
   }
   m_swings.clear();
+  m_touched.clear();
   m_blocks.resize(n);
   m_rows.resize(n);
   for (size_t c = 0; c < n; ++c) {
@@ -660,6 +664,48 @@ void JointSystem::endReactions() {
   solve();
 }
 
+void JointSystem::restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodies) {
+  if (m_hindered || std::none_of(m_swings.begin(), m_swings.end(),
+                                 [](const Swing& swing) { return swing.stiffening.any(); }))
+    return;
+  const std::vector<int>& component = m_topology->body_component;
+  m_wholes.assign(size_t(m_topology->components), Whole());
+  for (size_t i = 0; i < m_wholes.size(); ++i) m_wholes[i].held = m_topology->grounded[i];
+  for (const int body : m_touched) m_wholes[size_t(component[size_t(body)])].held = true;
+  const auto each = [&](const auto& f) {
+    for (size_t i = 0; i < component.size(); ++i) {
+      if (component[i] < 0 || m_wholes[size_t(component[i])].held) continue;
+      const btVector3& x = bodies[int(i)].m_worldTransform.getOrigin();
+      const double mass = 1 / double(bodies[int(i)].internalGetInvMass()[0]);
+      f(m_wholes[size_t(component[i])], i, inDouble(x), mass);
+    }
+  };
+  each([](Whole& whole, size_t, const Vector3d& x, double mass) {
+    whole.mass += mass;
+    whole.centre += mass * x;
+  });
+  for (Whole& whole : m_wholes) whole.centre /= whole.mass;
+  each([this](Whole& whole, size_t i, const Vector3d& x, double mass) {
+    const Swing& swing = m_swings[i];
+    const Vector3d r = x - whole.centre;
+    const Matrix3d inertia = swing.inverse.transpose() * swing.inverse;
+    whole.inertia += inertia + mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+    if (!swing.stiffening.any()) return;
+    const Eigen::Map<const Vector3d> u(&m_u[6 * i + 3]);
+    whole.lost += m_bodies[i].inverse.transpose() * (u - swing.kick) -
+                  inertia * (m_bodies[i].angular * u);
+  });
+  each([this](const Whole& whole, size_t i, const Vector3d& x, double) {
+    const Vector3d w = whole.inertia.inverse() * whole.lost;
+    if (!w.allFinite()) return;
+    const Vector3d v = w.cross(x - whole.centre), u = m_bodies[i].inverse * w;
+    for (int k = 0; k < 3; ++k) {
+      m_u[6 * i + size_t(k)] += v[k] / m_bodies[i].linear[k];
+      m_u[6 * i + 3 + size_t(k)] += u[k];
+    }
+  });
+}
+
 // In the world: rows may have turned by the next step.
 void JointSystem::remember(const btConstraintArray& rows) {
   m_topology->impulses.resize(3 * m_blocks.size());
@@ -903,7 +949,19 @@ bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
   return any;
 }
 
-bool JointSystem::takeBack(const btConstraintArray& rows) {
+bool JointSystem::takeBack(const btAlignedObjectArray<btSolverBody>& bodies,
+                           const btConstraintArray& rows, Scalar dt) {
+  // What the row lacks, against a bound that lets it push that way.
+  const Scalar much = missed / dt;
+  const auto isDrawnOff = [&](const btSolverConstraint& row) {
+    const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
+    const Scalar v = row.m_contactNormal1.dot(a.m_deltaLinearVelocity) +
+                     row.m_relpos1CrossNormal.dot(a.m_deltaAngularVelocity) +
+                     row.m_contactNormal2.dot(b.m_deltaLinearVelocity) +
+                     row.m_relpos2CrossNormal.dot(b.m_deltaAngularVelocity);
+    const Scalar lacks = (row.m_rhs - row.m_cfm * row.m_appliedImpulse) / row.m_jacDiagABInv - v;
+    return row.m_appliedImpulse > row.m_lowerLimit ? lacks < -much : lacks > much;
+  };
   bool any = false;
   const Elimination& elimination = m_topology->elimination;
   for (size_t c = 0; c < m_blocks.size(); ++c) {
@@ -912,8 +970,9 @@ bool JointSystem::takeBack(const btConstraintArray& rows) {
     for (int i = 0; i < from.rows; ++i) {
       Scalar& at_bound = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
       if (from.bound[i] < 0 || at_bound == Topology::inside) continue;
-      const Scalar impulse = rows[from.row[i]].m_appliedImpulse;
-      at_bound = atBound(rows[from.row[i]], impulse);
+      const btSolverConstraint& row = rows[from.row[i]];
+      const Scalar impulse = row.m_appliedImpulse;
+      at_bound = isDrawnOff(row) ? Topology::inside : atBound(row, impulse);
       if (at_bound != Topology::inside) continue;
       if (places-- > 0)
         any = true;

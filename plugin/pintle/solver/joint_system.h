@@ -103,6 +103,9 @@ class JointSystem {
   /// Solves all joints for what they have reacted to.
   void endReactions();
 
+  /// Bodies that are stiffer than they are take less angular momentum from their joints than these have to
+  /// give. What nothing else holds gets it back, turning as a whole.
+  void restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodies);
   /// Impulses are those with which the next step begins to tell how stiff the bodies are.
   void remember(const btConstraintArray& rows);
   /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
@@ -144,9 +147,10 @@ class JointSystem {
   /// Gives those rows back to Bullet's iteration that are beyond their bounds now; with `all`, the others that
   /// have any, too. Returns whether there were such: gather anew.
   bool giveBack(const btConstraintArray& rows, bool all);
-  /// Rows that Bullet has iterated and that are within their bounds are the system's when it gathers next. Returns
-  /// whether there were such.
-  bool takeBack(const btConstraintArray& rows);
+  /// Rows that Bullet has iterated and that are within their bounds, or that what the system has done since
+  /// then would draw off them, are the system's when it gathers next. Returns whether there were such.
+  bool takeBack(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
+                Scalar dt);
   /// Tells joints that have rows with bounds in the system what became of them.
   void report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
               Scalar dt) const;
@@ -178,6 +182,15 @@ class JointSystem {
     Vector3d omega;      ///< sum of its neighbours', rad/s
     int neighbours = 0;
     Vector3d kick = Vector3d::Zero();  ///< towards them, of u
+  };
+
+  /// A component as one rigid body.
+  struct Whole {
+    double mass = 0;
+    Vector3d centre = Vector3d::Zero();     ///< times the mass, at first
+    Matrix3d inertia = Matrix3d::Zero();    ///< about the centre
+    Vector3d lost = Vector3d::Zero();       ///< angular momentum
+    bool held = false;
   };
 
   void scale(Body& body, const btSolverBody& of) const;
@@ -222,7 +235,8 @@ class JointSystem {
   std::vector<int> m_rows;  ///< of each block
   std::vector<Body> m_bodies;
   std::vector<Swing> m_swings;  ///< of each body; empty as long as none is loaded
-  std::vector<double> m_u;      ///< 6 a body
+  std::vector<Whole> m_wholes;
+  std::vector<double> m_u;  ///< 6 a body
   std::vector<double> m_x;      ///< block_rows a block
   std::vector<double> m_kept_u, m_kept_rows;
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks

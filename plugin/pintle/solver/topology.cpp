@@ -50,14 +50,22 @@ void findComponents(Topology& topology) {
   topology.body_component.assign(size_t(bodies), -1);
   topology.component.clear();
   topology.components = 0;
+  topology.grounded.clear();
   for (int c = 0; c < topology.elimination.columns(); ++c) {
     const auto& joint = joints[size_t(topology.elimination.node(c))];
     const int any = joint.body[0] >= 0 ? joint.body[0] : joint.body[1];
     int& component = number[size_t(without.find(any))];
-    if (component < 0) component = topology.components++;
+    if (component < 0) {
+      component = topology.components++;
+      topology.grounded.push_back(false);
+    }
     topology.component.push_back(component);
-    for (const int body : joint.body)
-      if (body >= 0) topology.body_component[size_t(body)] = component;
+    for (const int body : joint.body) {
+      if (body >= 0)
+        topology.body_component[size_t(body)] = component;
+      else
+        topology.grounded[size_t(component)] = true;
+    }
   }
 }
 

@@ -27,6 +27,8 @@ struct Topology {
   /// elimination, and of each body; -1 for a body that has none.
   std::vector<int> component, body_component;
   int components = 0;
+  /// Whether a component hangs on the ground, or on what its owner moves.
+  std::vector<char> grounded;
   /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
   /// world, which says how stiff the bodies will be in the next. Empty before the first.
   std::vector<double> impulses;
