@@ -5,6 +5,7 @@
 #include <pintle/joints/contact_joint.h>
 
 #include "free_joint_support.h"
+#include "solver_of_tests.h"
 
 namespace {
 
@@ -163,6 +164,7 @@ TEST(ContactJoint, ABouncingBodyGainsNoEnergyAndAtLastRests) {
 // --- the plane -----------------------------------------------------------------------------------
 
 TEST(ContactJoint, APenetrationIsTakenAway) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("errors of up to 1 m/s and 1 rad/s are closed at once");
   // Two-sided, a part erp of it a step.
   Floor held(-0.2, 0);
   held.joint.setTwoSided(true);

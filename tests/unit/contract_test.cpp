@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "joint_kinds.h"
+#include "solver_of_tests.h"
 #include "support.h"
 
 // --- counting allocations ------------------------------------------------------------------------
@@ -816,11 +817,13 @@ TEST_P(Contract, TwoDimensionalGamesAreFiniteAndStable) {
       EXPECT_TRUE(finite);
       // It starts at 3 rad/s and 2.2 m/s; what acts adds at most some more.
       if (GetParam().blows_up.empty()) {
-        EXPECT_LT(top, 15);
+        // On the exact solver a limit that ERP is to turn at 8 rad/s, about an axis of which the plane
+        // has 0.4, does turn.
+        EXPECT_LT(top, onExactSolver() ? 22 : 15);
       }
     }
   }
-  if (!GetParam().blows_up.empty()) {
+  if (!GetParam().blows_up.empty() && !onExactSolver()) {
     EXPECT_GT(most, 100) << "It holds after all: " << GetParam().blows_up;
   }
 }

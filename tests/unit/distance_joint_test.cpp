@@ -3,6 +3,7 @@
 #include <scenes/pendulum.h>
 
 #include "free_joint_support.h"
+#include "solver_of_tests.h"
 
 namespace {
 
@@ -89,6 +90,7 @@ TEST(DistanceJoint, APendulumOnARodHasThePeriodOfTheClosedForm) {
   EXPECT_NEAR(spinning.period_error, swings.period_error, 1e-4);
   EXPECT_LT(spinning.stretch, 6e-6);
   // The document's row stretches by the whole of v^2 dt^2 / 2 over erp, and loses energy by it.
+  if (onExactSolver()) return;  // on which it does not
   const Swing document = swing(Formulation::document, dt);
   EXPECT_GT(document.stretch, 1000 * swings.stretch);
   EXPECT_LT(document.period_error, 3 * -std::abs(swings.period_error));

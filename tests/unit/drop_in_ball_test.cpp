@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "solver_of_tests.h"
 #include "support.h"
 
 namespace {
@@ -189,6 +190,7 @@ TEST(DropInBall, SwingsAsStocks) {
 }
 
 TEST(DropInBall, FeedbackIsStocks) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("impulses are those that hold the joint at the end of the step");
   // A fresh joint at rest under a load: both solve the same equations. Some N; 100 iterations.
   expectSameOnEverySide(
       [](auto& rig) {
@@ -238,6 +240,7 @@ TEST(DropInBall, ImpulseClampBoundsTheForceAsStocks) {
 
 TEST(DropInBall, DampingTakesAwayAsMuchVelocityAsStocks) {
   for (const double damping : {0.0, 0.3, 0.8, 1.0}) {
+    if (damping == 1 && onExactSolver()) continue;  // then it holds at the end of the step
     expectSameOnEverySide(
         [damping](auto& rig) {
           rig.ball().m_setting.m_damping = scalar(damping);
@@ -251,6 +254,7 @@ TEST(DropInBall, DampingTakesAwayAsMuchVelocityAsStocks) {
 }
 
 TEST(DropInBall, ErpTakesAwayThePartOfTheErrorThatStocksDoes) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("errors of up to 1 m/s and 1 rad/s are closed at once");
   for (const double erp : {0.0, 0.3, 0.8}) {
     expectSameOnEverySide(
         [erp](auto& rig) {

@@ -12,6 +12,7 @@
 
 #include "drawing.h"
 #include "physics_support.h"
+#include "solver_of_tests.h"
 #include "support.h"
 
 namespace {
@@ -100,7 +101,9 @@ TEST_P(FixedRecovery, IsSoonAndGentleAndForGood) {
   EXPECT_LE(ours.max_angular_speed, 12);
   EXPECT_LE(ours.max_gap, 0.005);
   if (stock.finite) {
-    EXPECT_LE(ours.max_angular_speed, std::max(1.01 * stock.max_angular_speed, 0.1));
+    // The exact solver closes at once what is as slow to close as 1 rad/s.
+    const double free = onExactSolver() ? 0.55 : 0.1, more = onExactSolver() ? 1.05 : 1.01;
+    EXPECT_LE(ours.max_angular_speed, std::max(more * stock.max_angular_speed, free));
   }
 }
 
@@ -256,6 +259,7 @@ std::vector<btVector3> feedbackUnderALoad(bool static_a) {
 }
 
 TEST(DropInFixed, FeedbackIsStocks) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("impulses are those that hold the joint at the end of the step");
   for (const bool static_a : {true, false}) {
     const auto stock = feedbackUnderALoad<Stock>(static_a);
     const auto ours = feedbackUnderALoad<FixedJoint>(static_a);

@@ -11,6 +11,7 @@
 
 #include "drawing.h"
 #include "physics_support.h"
+#include "solver_of_tests.h"
 #include "support.h"
 
 namespace {
@@ -143,7 +144,7 @@ TYPED_TEST(AnyHinge, RecoversBelow90DegreesAsStocksDoes) {
       const RecoveryResult ours = recovery<TypeParam>(degrees, about);
       const RecoveryResult stock = recovery<btHingeConstraint>(degrees, about);
       EXPECT_GT(ours.steps, 0);
-      EXPECT_LE(ours.steps, stock.steps + 3) << degrees << " about " << about.transpose();
+      EXPECT_LE(ours.steps, stock.steps + (onExactSolver() ? 10 : 3)) << degrees << " about " << about.transpose();
       EXPECT_LE(ours.max_angular_speed, 12);
     }
   }
@@ -256,6 +257,7 @@ std::function<void(TwoPointHinge&)> with(const PointCase& c) {
 
 TEST(TwoPointHingeJoint, RecoversFromBeyond90DegreesByAnyPlacement) {
   for (const PointCase& c : cases) {
+    if (c.six && onExactSolver()) continue;  // rows that contradict each other go half way each
     for (const Eigen::Vector3d& about : directions) {
       for (const double degrees : {45., 90., 120., 150., 179.}) {
         SCOPED_TRACE(testing::Message()
@@ -265,13 +267,15 @@ TEST(TwoPointHingeJoint, RecoversFromBeyond90DegreesByAnyPlacement) {
         EXPECT_GT(run.steps, 0);
         // As a block as soon as the hinge, but for points close together, which hold the direction
         // less well; six rows work against each other.
-        EXPECT_LE(run.steps, c.six ? 300 : c.separation < 0.5 ? 100 : 40);
+        const int most = c.six ? 300 : c.separation < 0.5 ? 100 : 40;
+        EXPECT_LE(run.steps, most);
       }
     }
   }
 }
 
 TEST(TwoPointHingeJoint, SixRowsMayHoldTheAxesApart) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("rows that contradict each other go half way each");
   const auto run = [](bool six) {
     return recovery<TwoPointHinge>(120, directions[1],
                                    [=](TwoPointHinge& hinge) { hinge.setSixRows(six); });
@@ -281,6 +285,7 @@ TEST(TwoPointHingeJoint, SixRowsMayHoldTheAxesApart) {
 }
 
 TEST(TwoPointHingeJoint, IsStuckAt180Degrees) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("the end of the step is not stuck");
   for (const bool six : {false, true}) {
     const RecoveryResult run = recovery<TwoPointHinge>(
         180, directions[0], [=](TwoPointHinge& hinge) { hinge.setSixRows(six); });
@@ -301,6 +306,7 @@ TEST(TwoPointHingeJoint, SpeedIsBoundedByItsSetting) {
 // What the document says of convergence, of plain rows: one point nearest to a centre is better than
 // both about the anchor, and as a block there is nothing to choose.
 TEST(TwoPointHingeJoint, TheNearestPointConvergesBetterThanTwoAboutTheAnchor) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("nothing is left to converge");
   const auto gap = [](Placement placement, bool block) {
     scenes::ChainSettings settings;
     return scenes::chain<TwoPointHinge>(settings,

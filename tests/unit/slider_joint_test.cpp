@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "drawing.h"
+#include "solver_of_tests.h"
 #include "support.h"
 
 namespace {
@@ -474,6 +475,7 @@ Left errorAfterAStep(int which) {
 }
 
 TEST(Slider, SoftnessesAndErpsDoWhatTheyDoInStock) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("errors of up to 1 m/s and 1 rad/s are closed at once");
   const Left as_is = {0.8, 0.8, 0.8, 0.8};
   std::vector<Left> expected(10, as_is);
   expected[1].across = 0.9;
@@ -837,7 +839,8 @@ TEST(Slider, CorrectsWithTorqueAndConservesAngularMomentum) {
         EXPECT_LT(example.left, 0.01);
         EXPECT_GT(example.spin, 1);
         EXPECT_LT(example.momentum, nothing);
-        EXPECT_LT(example.angular, nothing);
+        // (On the exact solver the gap closes within the step, and turns in it.)
+        EXPECT_LT(example.angular, document && !turns && onExactSolver() ? 1e-2 : nothing);
         // Off the centres the force is not along the gap. The document's levers meet half-way along
         // the axis, but each on its own side of the gap: there it turns the pair out of nothing.
         const Correction other = correct(formulation, block, turns, false);
@@ -1238,8 +1241,13 @@ TEST(Slider, ASliderCrankFollowsItsClosedForm) {
   }
   // Five turns at 60 Hz, of a stroke of 0.6 m; third order in the step, where stock's is second.
   EXPECT_LT(errors[0], 6e-4);
-  EXPECT_GT(std::log2(errors[0] / errors[1]), 2.7);
-  EXPECT_GT(std::log2(errors[1] / errors[2]), 2.7);
+  if (onExactSolver()) {
+    // Nothing is left but rounding.
+    EXPECT_LT(*std::max_element(errors.begin(), errors.end()), support::is_double ? 1e-6 : 2e-5);
+  } else {
+    EXPECT_GT(std::log2(errors[0] / errors[1]), 2.7);
+    EXPECT_GT(std::log2(errors[1] / errors[2]), 2.7);
+  }
   // With few iterations the crank lags, and that is of the first order.
   settings.dt = 1.0 / 60;
   settings.iterations = 10;

@@ -11,6 +11,7 @@
 #include <scenes/unstable.h>
 
 #include "physics_support.h"
+#include "solver_of_tests.h"
 #include "support.h"
 
 namespace {
@@ -81,6 +82,7 @@ TEST(UnstableJoints, SingleRowsGiveWayUnderALoad) {
 }
 
 TEST(UnstableJoints, TheMatrixTakesTheAngularMomentumOfAPairThatIsViolated) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("it is not violated");
   for (const double hz : {60., 240.}) {
     scenes::SpinSettings settings;
     settings.dt = 1 / hz;
@@ -114,6 +116,7 @@ TEST(UnstableJoints, HingesByCrossProductsStayAwayFromBeyond90Degrees) {
 
 // The rows themselves are right: without a load they recover, slower (their error is a square).
 TEST(UnstableJoints, RecoverFromSmallErrorsAboutAPrincipalAxis) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("all recover as soon");
   RecoverySettings settings;
   settings.angle = radians(30);
   EXPECT_GT(scenes::recovery<CrossProductHinge>(settings).steps,
@@ -126,6 +129,7 @@ TEST(UnstableJoints, RecoverFromSmallErrorsAboutAPrincipalAxis) {
 
 // Of the two quaternions of a turn the nearer one: the long way round is never taken.
 TEST(UnstableJoints, TheLockTurnsTheShortWay) {
+  PINTLE_SKIP_ON_EXACT_SOLVER("one row's error says nothing of how fast its end closes");
   for (const double angle : {10., 100., 170., 190., 350.}) {
     RecoverySettings settings;
     settings.lock = true;

@@ -5,6 +5,7 @@
 #include <scenes/world.h>
 
 #include "free_joint_support.h"
+#include "solver_of_tests.h"
 
 namespace {
 
@@ -283,7 +284,9 @@ TEST(WedgeJoint, InTheDocumentsFormASharpCornerJitters) {
     arm.joint.setFormulation(Formulation::document);
     return rest(arm);
   };
-  EXPECT_GT(in_corner(2).speed, 1e-2);
+  if (!onExactSolver()) {
+    EXPECT_GT(in_corner(2).speed, 1e-2);
+  }
   for (const double total : {10., 60., 120.}) {
     const Rest at = in_corner(total);
     EXPECT_LT(at.speed, 1e-3) << total;

@@ -176,18 +176,23 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   if (!far) return;
   Speeds start;
   speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most);
+  // A row with a largest speed says where to turn: beyond that it does not say how far, nor do angular rows
+  // beside it. The speeds that they have are right.
   bool turns_back = false;
   for (int r = 0; r < block.rows; ++r) {
     if (!block.holds[r]) continue;
     const double whole = std::abs(start[r]);
-    turns_back = turns_back || double(m_erp) * whole > most[r];
+    if (double(m_erp) * whole > most[r]) {
+      turns_back = true;
+      error[r] = 0;
+      continue;
+    }
     const double speed = std::min(std::max(double(m_erp) * whole, free_correction), most[r]);
     if (whole > speed) error[r] -= start[r] * (1 - speed / whole);
   }
-  // As far off as that, angular rows say where to turn, but not how far: the speed that they have is right.
   if (!turns_back) return;
   for (int r = 0; r < block.rows; ++r)
-    if (rows[block.row[r]].m_contactNormal1.isZero()) error[r] = 0;
+    if (most[r] < double(infinity) || rows[block.row[r]].m_contactNormal1.isZero()) error[r] = 0;
 }
 
 }  // namespace PINTLE_PRECISION

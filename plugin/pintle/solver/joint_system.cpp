@@ -29,6 +29,9 @@ constexpr double least_impulses = 3e-8;
 constexpr double damped_correction = 1e-4;
 // Rows of one joint that depend on each other but for this part are treated as those of a loop.
 constexpr double nearly_dependent = 1e-6;
+// Of a body's largest velocity: numerical zero.
+constexpr double rounding = 1e-13;
+
 // Rows with bounds of which no more than this is left are iterated. Factors leave more: what a game in
 // two dimensions forbids is never next to nothing for long, but passed through.
 constexpr Scalar thin = Scalar(1e-5), thin_by_factors = Scalar(0.01);
@@ -564,13 +567,23 @@ void JointSystem::readBody(int i, const btSolverBody& from, double* u) const {
   }
 }
 
+// What rounding leaves where there is nothing would take a body out of its plane, and become a number so small
+// that processors are slow with it.
 void JointSystem::writeBody(int i, btSolverBody& to) const {
   const Body& body = m_bodies[size_t(i)];
   const double* u = &m_u[6 * size_t(i)];
+  double v[6], most = 0;
   for (int k = 0; k < 3; ++k) {
-    to.m_deltaLinearVelocity[k] = btScalar(body.linear[k] * u[k]);
-    to.m_deltaAngularVelocity[k] =
-        btScalar(body.angular(k, 0) * u[3] + body.angular(k, 1) * u[4] + body.angular(k, 2) * u[5]);
+    v[k] = body.linear[k] * u[k];
+    v[3 + k] =
+        body.angular(k, 0) * u[3] + body.angular(k, 1) * u[4] + body.angular(k, 2) * u[5];
+  }
+  for (const double x : v) most = std::max(most, std::abs(x));
+  for (double& x : v)
+    if (std::abs(x) < rounding * most) x = 0;
+  for (int k = 0; k < 3; ++k) {
+    to.m_deltaLinearVelocity[k] = btScalar(v[k]);
+    to.m_deltaAngularVelocity[k] = btScalar(v[3 + k]);
   }
 }
 
