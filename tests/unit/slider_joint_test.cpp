@@ -1242,8 +1242,8 @@ TEST(Slider, ASliderCrankFollowsItsClosedForm) {
   // Five turns at 60 Hz, of a stroke of 0.6 m; third order in the step, where stock's is second.
   EXPECT_LT(errors[0], 6e-4);
   if (onExactSolver()) {
-    // Nothing is left but rounding.
-    EXPECT_LT(*std::max_element(errors.begin(), errors.end()), support::is_double ? 1e-6 : 2e-5);
+    // What is left is of a loop's least softness, and of rounding.
+    EXPECT_LT(*std::max_element(errors.begin(), errors.end()), support::is_double ? 5e-6 : 2e-5);
   } else {
     EXPECT_GT(std::log2(errors[0] / errors[1]), 2.7);
     EXPECT_GT(std::log2(errors[1] / errors[2]), 2.7);

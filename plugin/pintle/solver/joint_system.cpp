@@ -366,21 +366,13 @@ void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   }
 }
 
-Eigen::Map<const Vector3d> JointSystem::lastImpulse(size_t c) const {
-  static constexpr double none[3] = {};
-  return Eigen::Map<const Vector3d>(m_topology->impulses.empty() ? none
-                                                                 : &m_topology->impulses[3 * c]);
-}
-
-// A blow is no load: it is over before a body can swing under it.
 void JointSystem::addLoads(double dt) {
   for (Body& body : m_bodies) body.load = 0;
-  for (size_t c = 0; c < m_blocks.size(); ++c) {
-    const JointBlock& block = m_blocks[c];
+  for (const JointBlock& block : m_blocks) {
     if (block.point[0] < 0) continue;
     double p = 0;
     for (const int i : block.point) p += block.impulse[i] * block.impulse[i];
-    p = dt * std::min(std::sqrt(p), 2 * lastImpulse(c).norm());
+    p = dt * std::sqrt(p);
     for (int side = 0; side < 2; ++side)
       if (block.body[side] >= 0) m_bodies[size_t(block.body[side])].load += p * block.swing[side];
   }
@@ -733,7 +725,7 @@ void JointSystem::remember(const btConstraintArray& rows) {
 
 void JointSystem::recall(JointBlock& block, const btConstraintArray& rows, size_t c) const {
   if (m_topology->impulses.empty() || block.point[0] < 0) return;
-  const auto p = lastImpulse(c);
+  const Eigen::Map<const Vector3d> p(&m_topology->impulses[3 * c]);
   for (const int i : block.point)
     block.impulse[i] = p.dot(inDouble(rows[block.row[i]].m_contactNormal1));
 }

@@ -208,8 +208,6 @@ class JointSystem {
   void applyDamped(const Change& change);
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
-  /// Of the joint's point in the last step, N s in the world.
-  Eigen::Map<const Vector3d> lastImpulse(size_t c) const;
   void addLoads(double dt);
   bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
