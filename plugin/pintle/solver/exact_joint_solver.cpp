@@ -41,8 +41,9 @@ constexpr double most_gain = 1.1, correction_speed = 3;
 // the first of these in a step, rad, and for no more than the second.
 constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 
-// What gains more is closed at this speed at most: as ERP asks it of joints that are 8 m apart at 60 Hz.
-constexpr double calm_speed = 100;
+// What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
+// away must not be thrown, and one that turns at 1000 rad/s must not get away.
+constexpr double least_calm = 20, calm_speed = 100;
 
 // What is larger is corrected again, up to so often.
 constexpr int most_extra_iterations = 3;
@@ -56,7 +57,7 @@ struct ExactJointSolver::Island {
   std::vector<double> error;                  ///< of all rows at the end of the step, by block
   std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
   std::vector<JointSystem::Energy> energy;    ///< of each component
-  std::vector<double> parts;                  ///< of the impulses, that each keeps
+  std::vector<double> parts;                  ///< of the impulses, that each keeps; or its speed
   std::vector<char> worse;                    ///< whether a large error has grown, or energy has
   std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
   int stiffenings = 0;                           ///< in this step
@@ -217,7 +218,12 @@ void ExactJointSolver::calm(double dt) {
     joints.settle();
   }
   if (!findGained(most_gain, correction_speed)) return;
-  joints.calm(m_tmpSolverBodyPool, island.worse, calm_speed);
+  island.parts.resize(island.energy.size());
+  for (size_t i = 0; i < island.energy.size(); ++i) {
+    const double speed = std::sqrt(island.energy[i].free / island.energy[i].unit);
+    island.parts[i] = std::clamp(speed, least_calm, calm_speed);
+  }
+  joints.calm(m_tmpSolverBodyPool, island.worse, island.parts);
   restart();
   joints.settle();
   if (!findGained(1, calm_speed)) return;

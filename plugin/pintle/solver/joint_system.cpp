@@ -898,7 +898,8 @@ void JointSystem::undoCorrections(const btConstraintArray& rows,
 }
 
 void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
-                       const std::vector<char>& components, double speed) {
+                       const std::vector<char>& components,
+                       const std::vector<double>& speed) {
   std::vector<double>& fastest = m_fastest_of;
   fastest.assign(components.size(), 0);
   const auto component = [&](size_t c) { return size_t(m_topology->component[c]); };
@@ -908,10 +909,11 @@ void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
     fastest[component(c)] = std::max(fastest[component(c)], correction.cwiseAbs().maxCoeff());
   }
   for (size_t c = 0; c < m_blocks.size(); ++c) {
-    if (!components[component(c)] || !(fastest[component(c)] > speed)) continue;
+    const size_t of = component(c);
+    if (!components[of] || !(fastest[of] > speed[of])) continue;
     JointBlock& block = m_blocks[c];
     const BlockColumn correction = column(block.deficit) - column(block.rest);
-    column(block.deficit) = column(block.rest) + speed / fastest[component(c)] * correction;
+    column(block.deficit) = column(block.rest) + speed[of] / fastest[of] * correction;
   }
   if (m_swings.empty()) return;
   for (Swing& swing : m_swings) swing.next_stiffening = Stiffening();

@@ -132,7 +132,7 @@ class JointSystem {
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
   void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components,
-            double speed);
+            const std::vector<double>& speed);
   /// Leaves this part of what impulses have done to each component.
   void weaken(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
