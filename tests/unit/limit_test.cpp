@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "physics_support.h"
+#include "solver_of_tests.h"
 
 namespace {
 
@@ -157,7 +158,10 @@ TEST_P(FastLimit, IsEnforcedInTheStepThatReachesIt) {
         fastest = std::max(fastest, std::abs(rig.speed()));
       }
       SCOPED_TRACE("offset " + std::to_string(offset) + ", way " + std::to_string(way));
-      EXPECT_LT(overshoot, reached);
+      // On the exact solver a pair keeps its speed: it swings about itself so fast that it turns further
+      // than its velocity says, past limits that this does not reach.
+      const bool swings = onExactSolver() && partner == Partner::free && speed > 100;
+      EXPECT_LT(overshoot, swings ? 0.02 : reached);
       EXPECT_LT(reading, reached) << "the count is lost";
       // A rebound is slower than what came. (About a centre: off it, the inertia of a free pair
       // changes with the angle.)

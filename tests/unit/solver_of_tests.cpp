@@ -16,13 +16,12 @@ class ExactForOurs : public pintle::ExactJointSolver {
                       int numManifolds, btTypedConstraint** constraints, int numConstraints,
                       const btContactSolverInfo& info, btIDebugDraw* drawer,
                       btDispatcher* dispatcher) override {
-    const bool ours =
-        std::any_of(constraints, constraints + numConstraints, [](btTypedConstraint* joint) {
-          return dynamic_cast<pintle::Joint*>(joint) != nullptr;
-        });
+    const bool ours = std::any_of(
+        constraints, constraints + numConstraints,
+        [](btTypedConstraint* joint) { return dynamic_cast<pintle::Joint*>(joint) != nullptr; });
     return ours || numConstraints == 0
-               ? ExactJointSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
-                                              numConstraints, info, drawer, dispatcher)
+               ? ExactJointSolver::solveGroup(bodies, numBodies, manifolds, numManifolds,
+                                              constraints, numConstraints, info, drawer, dispatcher)
                : stock_.solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
                                    numConstraints, info, drawer, dispatcher);
   }
@@ -32,11 +31,11 @@ class ExactForOurs : public pintle::ExactJointSolver {
 
 class SolverOfTests : public testing::Environment {
   void SetUp() override {
-    if (onExactSolver())
-      scenes::default_solver() = [] { return std::make_unique<ExactForOurs>(); };
+    if (onExactSolver()) scenes::default_solver() = [] { return std::make_unique<ExactForOurs>(); };
   }
 };
-[[maybe_unused]] const auto* const environment = testing::AddGlobalTestEnvironment(new SolverOfTests);
+[[maybe_unused]] const auto* const environment =
+    testing::AddGlobalTestEnvironment(new SolverOfTests);
 
 }  // namespace
 

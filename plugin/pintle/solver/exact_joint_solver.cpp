@@ -25,8 +25,9 @@ constexpr int iterations_of_load = 2;
 constexpr int rounds_of_taking = 3, most_rounds = 6;
 
 // An error of this size, m or rad, is small enough for one correction to leave next to nothing of it. Of
-// larger ones no more is to be left than the second: what is, adds up to energy.
-constexpr double small_error = 1e-3, small_rest = 1e-4;
+// larger ones no more is to be left than the second: what is, adds up to energy. Contacts take energy, and
+// do not follow what joints correct: among them more may be left.
+constexpr double small_error = 1e-4, small_rest = 1e-5, small_among_contacts = 1e-2;
 bool isFar(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
 }
@@ -247,9 +248,12 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   JointSystem& joints = island.joints;
   island.end.begin(joints.blocks().size());
   lookAhead(info, island.largest);
+  const bool contacts = m_tmpSolverContactConstraintPool.size() > 0;
+  const double small = contacts ? small_among_contacts : small_error;
+  const double rest = contacts ? small_among_contacts : small_rest;
   bool any_far = false;
   for (int i = 1;; ++i) {
-    const bool last = i >= m_position_iterations, far = isFar(island.largest, small_error);
+    const bool last = i >= m_position_iterations, far = isFar(island.largest, small);
     any_far = any_far || far;
     if (far || !last) joints.keep();
     joints.correct(island.error);
@@ -258,25 +262,25 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
     bool worse = false;
     for (const double part : {0.5, 0.}) {
       lookAhead(info, island.next_largest);
-      worse = findWorse();
+      worse = findWorse(small);
       if (!worse) break;
       joints.goBack(part, island.worse);
     }
-    const bool enough =
-        worse || i >= m_position_iterations + most_extra_iterations || !isFar(island.next_largest, small_rest);
+    const bool enough = worse || i >= m_position_iterations + most_extra_iterations ||
+                        !isFar(island.next_largest, rest);
     if (last && enough) return any_far;
     lookAhead(info, island.largest);
   }
 }
 
-bool ExactJointSolver::findWorse() {
+bool ExactJointSolver::findWorse(double small) {
   Island& island = *m_island;
   bool any = false;
   island.worse.resize(island.largest.size());
   for (size_t i = 0; i < island.largest.size(); ++i) {
     // Not NaN, either.
-    const bool small = island.next_largest[i] <= small_error;
-    island.worse[i] = !small && !(island.next_largest[i] < island.largest[i]);
+    island.worse[i] =
+        !(island.next_largest[i] <= small) && !(island.next_largest[i] < island.largest[i]);
     any = any || island.worse[i];
   }
   return any;

@@ -83,7 +83,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void resetVelocities();
   void restart();
   void beginReactions();
-  bool findWorse();
+  bool findWorse(double small);
   bool findFed(double dt);
   bool findGained(double gain, double speed);
   void calm(double dt);

@@ -108,7 +108,8 @@ Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
 // (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any.
 // Beyond the second it is not stable, and the swing would be fed by what turns the load: half of what
 // a body turns otherwise than its neighbours is taken away in each step, the more the further beyond.
-constexpr double stiff = 1, unresolved = 4;
+// Where nothing holds what spins, to be stiffer now and then would feed it.
+constexpr double stiff = 1, stiff_if_free = 2.5, unresolved = 4;
 
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
@@ -378,13 +379,22 @@ void JointSystem::addLoads(double dt) {
   }
 }
 
+double JointSystem::stiffFrom(size_t body) const {
+  return m_topology->grounded[size_t(m_topology->body_component[body])] ? stiff : stiff_if_free;
+}
+
 // Whether a body bears so much more or less than when its stiffness was looked at that it may be another.
 bool JointSystem::loadsChanged() const {
-  return std::any_of(m_bodies.begin(), m_bodies.end(), [](const Body& body) {
-    if (body.known_load == 0) return body.load > stiff;
+  for (size_t i = 0; i < m_bodies.size(); ++i) {
+    const Body& body = m_bodies[i];
+    if (body.known_load == 0) {
+      if (body.load > stiff && body.load > stiffFrom(i)) return true;
+      continue;
+    }
     const double ratio = (1 + body.load) / (1 + body.known_load);
-    return ratio > same_stiffness || ratio * same_stiffness < 1;
-  });
+    if (ratio > same_stiffness || ratio * same_stiffness < 1) return true;
+  }
+  return false;
 }
 
 void JointSystem::addLevers(const btConstraintArray& rows) {
@@ -392,7 +402,8 @@ void JointSystem::addLevers(const btConstraintArray& rows) {
   for (const JointBlock& block : m_blocks) {
     for (int side = 0; side < 2; ++side) {
       if (block.body[side] < 0 || block.point[0] < 0) continue;
-      if (!(m_bodies[size_t(block.body[side])].load > stiff)) continue;
+      const auto body = size_t(block.body[side]);
+      if (!(m_bodies[body].load > stiffFrom(body))) continue;
       Vector3d p = Vector3d::Zero();
       for (const int i : block.point) {
         const btSolverConstraint& row = rows[block.row[i]];
@@ -460,9 +471,9 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
     Stiffening& next = swing.next_stiffening;
     next = Stiffening();
     body.known_load = body.load;
-    if (body.load > stiff) {
+    if (body.load > stiff && body.load > stiffFrom(i)) {
       next = Stiffening(double(dt) * swing.angular.transpose() * swing.stiffness * swing.angular);
-      if (!(next.most() > stiff)) next = Stiffening();
+      if (!(next.most() > stiffFrom(i))) next = Stiffening();
     }
     const double ratio = (1 + next.most()) / (1 + swing.stiffening.most());
     changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
@@ -567,8 +578,7 @@ void JointSystem::writeBody(int i, btSolverBody& to) const {
   double v[6], most = 0;
   for (int k = 0; k < 3; ++k) {
     v[k] = body.linear[k] * u[k];
-    v[3 + k] =
-        body.angular(k, 0) * u[3] + body.angular(k, 1) * u[4] + body.angular(k, 2) * u[5];
+    v[3 + k] = body.angular(k, 0) * u[3] + body.angular(k, 1) * u[4] + body.angular(k, 2) * u[5];
   }
   for (const double x : v) most = std::max(most, std::abs(x));
   for (double& x : v)
@@ -697,8 +707,8 @@ void JointSystem::restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodi
     whole.inertia += inertia + mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
     if (!swing.stiffening.any()) return;
     const Eigen::Map<const Vector3d> u(&m_u[6 * i + 3]);
-    whole.lost += m_bodies[i].inverse.transpose() * (u - swing.kick) -
-                  inertia * (m_bodies[i].angular * u);
+    whole.lost +=
+        m_bodies[i].inverse.transpose() * (u - swing.kick) - inertia * (m_bodies[i].angular * u);
   });
   each([this](const Whole& whole, size_t i, const Vector3d& x, double) {
     const Vector3d w = whole.inertia.inverse() * whole.lost;
@@ -898,8 +908,7 @@ void JointSystem::undoCorrections(const btConstraintArray& rows,
 }
 
 void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
-                       const std::vector<char>& components,
-                       const std::vector<double>& speed) {
+                       const std::vector<char>& components, const std::vector<double>& speed) {
   std::vector<double>& fastest = m_fastest_of;
   fastest.assign(components.size(), 0);
   const auto component = [&](size_t c) { return size_t(m_topology->component[c]); };

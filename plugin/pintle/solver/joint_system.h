@@ -187,9 +187,9 @@ class JointSystem {
   /// A component as one rigid body.
   struct Whole {
     double mass = 0;
-    Vector3d centre = Vector3d::Zero();     ///< times the mass, at first
-    Matrix3d inertia = Matrix3d::Zero();    ///< about the centre
-    Vector3d lost = Vector3d::Zero();       ///< angular momentum
+    Vector3d centre = Vector3d::Zero();   ///< times the mass, at first
+    Matrix3d inertia = Matrix3d::Zero();  ///< about the centre
+    Vector3d lost = Vector3d::Zero();     ///< angular momentum
     bool held = false;
   };
 
@@ -209,6 +209,8 @@ class JointSystem {
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
+  /// (omega h)^2 of a body's swing from where on it is stiffened.
+  double stiffFrom(size_t body) const;
   bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
   void beginSwings();
@@ -235,7 +237,7 @@ class JointSystem {
   std::vector<Swing> m_swings;  ///< of each body; empty as long as none is loaded
   std::vector<Whole> m_wholes;
   std::vector<double> m_u;  ///< 6 a body
-  std::vector<double> m_x;      ///< block_rows a block
+  std::vector<double> m_x;  ///< block_rows a block
   std::vector<double> m_kept_u, m_kept_rows;
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
   std::vector<int> m_touched, m_reacting;    ///< the same as lists
