@@ -4,6 +4,9 @@
 #include <pintle/joints/joint.h>
 #include <pintle/rows/block.h>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
