@@ -55,6 +55,7 @@ TEST(ExactScenes, EnergyErrsAsTheStepDoes) {
       scenes::chain<btHingeConstraint>(chain(10, 1, 1. / 60, false)).in_step_energy_error;
   EXPECT_LT(at_60, stock / 10);
   EXPECT_LT(at_120, at_60 / 3);
+  EXPECT_LE(at_120, 0.01);
 }
 
 class Extreme : public testing::TestWithParam<double> {};

@@ -144,7 +144,8 @@ TYPED_TEST(AnyHinge, RecoversBelow90DegreesAsStocksDoes) {
       const RecoveryResult ours = recovery<TypeParam>(degrees, about);
       const RecoveryResult stock = recovery<btHingeConstraint>(degrees, about);
       EXPECT_GT(ours.steps, 0);
-      EXPECT_LE(ours.steps, stock.steps + (onExactSolver() ? 10 : 3)) << degrees << " about " << about.transpose();
+      EXPECT_LE(ours.steps, stock.steps + (onExactSolver() ? 10 : 3))
+          << degrees << " about " << about.transpose();
       EXPECT_LE(ours.max_angular_speed, 12);
     }
   }
@@ -267,8 +268,7 @@ TEST(TwoPointHingeJoint, RecoversFromBeyond90DegreesByAnyPlacement) {
         EXPECT_GT(run.steps, 0);
         // As a block as soon as the hinge, but for points close together, which hold the direction
         // less well; six rows work against each other.
-        const int most = c.six ? 300 : c.separation < 0.5 ? 100 : 40;
-        EXPECT_LE(run.steps, most);
+        EXPECT_LE(run.steps, c.six ? 300 : c.separation < 0.5 ? 100 : 40);
       }
     }
   }

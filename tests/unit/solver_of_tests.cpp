@@ -11,6 +11,8 @@
 
 namespace {
 
+constexpr char variable[] = "PINTLE_TEST_SOLVER";
+
 class ExactForOurs : public pintle::ExactJointSolver {
   btScalar solveGroup(btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds,
                       int numManifolds, btTypedConstraint** constraints, int numConstraints,
@@ -31,6 +33,8 @@ class ExactForOurs : public pintle::ExactJointSolver {
 
 class SolverOfTests : public testing::Environment {
   void SetUp() override {
+    const char* const name = std::getenv(variable);
+    ASSERT_TRUE(name == nullptr || onExactSolver()) << variable << "=" << name;
     if (onExactSolver()) scenes::default_solver() = [] { return std::make_unique<ExactForOurs>(); };
   }
 };
@@ -40,6 +44,6 @@ class SolverOfTests : public testing::Environment {
 }  // namespace
 
 bool onExactSolver() {
-  const char* const name = std::getenv("PINTLE_TEST_SOLVER");
+  const char* const name = std::getenv(variable);
   return name != nullptr && std::string(name) == "exact";
 }

@@ -184,7 +184,6 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
     const double whole = std::abs(start[r]);
     if (double(m_erp) * whole > most[r]) {
       turns_back = true;
-      error[r] = 0;
       continue;
     }
     const double speed = std::min(std::max(double(m_erp) * whole, free_correction), most[r]);

@@ -58,7 +58,8 @@ struct ExactJointSolver::Island {
   std::vector<double> error;                  ///< of all rows at the end of the step, by block
   std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
   std::vector<JointSystem::Energy> energy;    ///< of each component
-  std::vector<double> parts;                  ///< of the impulses, that each keeps; or its speed
+  std::vector<double> speeds;                 ///< of each component, to close what is open
+  std::vector<double> parts;                  ///< of the impulses, that each keeps
   std::vector<char> worse;                    ///< whether a large error has grown, or energy has
   std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
   int stiffenings = 0;                           ///< in this step
@@ -66,7 +67,8 @@ struct ExactJointSolver::Island {
   /// A step that is the first to need these allocates nothing, either.
   void reserve() {
     const auto components = size_t(joints.topology().components);
-    for (std::vector<double>* of : {&largest, &next_largest, &parts}) of->reserve(components);
+    for (std::vector<double>* of : {&largest, &next_largest, &speeds, &parts})
+      of->reserve(components);
     energy.reserve(components);
     worse.reserve(components);
     joints.topology().gained.reserve(components);
@@ -170,12 +172,16 @@ void ExactJointSolver::lookAhead(const btContactSolverInfo& info, std::vector<do
   island.end.errors(island.joints, m_tmpSolverNonContactConstraintPool, island.error, largest);
 }
 
-// Whether the ends of steps have fed a component more than they may: `worse`.
-bool ExactJointSolver::findFed(double dt) {
+void ExactJointSolver::findEnergies() {
   Island& island = *m_island;
   island.joints.write(m_tmpSolverBodyPool);
   island.joints.energies(m_tmpSolverBodyPool, island.energy);
   island.worse.resize(island.energy.size());
+}
+
+// Whether the ends of steps have fed a component more than they may: `worse`.
+bool ExactJointSolver::findFed(double dt) {
+  Island& island = *m_island;
   std::vector<double>& gained = island.joints.topology().gained;
   gained.resize(island.energy.size(), 0);
   bool any = false;
@@ -195,9 +201,6 @@ bool ExactJointSolver::findFed(double dt) {
 // Whether a component has gained more energy than joints may give it: `worse`.
 bool ExactJointSolver::findGained(double gain, double speed) {
   Island& island = *m_island;
-  island.joints.write(m_tmpSolverBodyPool);
-  island.joints.energies(m_tmpSolverBodyPool, island.energy);
-  island.worse.resize(island.energy.size());
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
@@ -213,20 +216,23 @@ bool ExactJointSolver::findGained(double gain, double speed) {
 void ExactJointSolver::calm(double dt) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
+  findEnergies();
   if (findFed(dt)) {
     joints.undoCorrections(m_tmpSolverNonContactConstraintPool, island.worse);
     restart();
     joints.settle();
+    findEnergies();
   }
   if (!findGained(most_gain, correction_speed)) return;
-  island.parts.resize(island.energy.size());
+  island.speeds.resize(island.energy.size());
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const double speed = std::sqrt(island.energy[i].free / island.energy[i].unit);
-    island.parts[i] = std::clamp(speed, least_calm, calm_speed);
+    island.speeds[i] = std::clamp(speed, least_calm, calm_speed);
   }
-  joints.calm(m_tmpSolverBodyPool, island.worse, island.parts);
+  joints.calm(m_tmpSolverBodyPool, island.worse, island.speeds);
   restart();
   joints.settle();
+  findEnergies();
   if (!findGained(1, calm_speed)) return;
   island.parts.assign(island.energy.size(), 1);
   for (size_t i = 0; i < island.energy.size(); ++i) {
@@ -383,7 +389,6 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
       for (int i = 0; i < pool->size(); ++i) (*pool)[i].m_appliedImpulse = 0;
     return 0;
   }
-  joints.write(m_tmpSolverBodyPool);
   joints.writeImpulses(rows);
   joints.takeBack(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   joints.report(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);

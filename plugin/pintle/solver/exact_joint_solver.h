@@ -84,6 +84,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void restart();
   void beginReactions();
   bool findWorse(double small);
+  void findEnergies();
   bool findFed(double dt);
   bool findGained(double gain, double speed);
   void calm(double dt);

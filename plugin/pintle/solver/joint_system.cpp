@@ -41,18 +41,32 @@ constexpr Scalar thin = Scalar(1e-5), thin_by_factors = Scalar(0.01);
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
+double velocityAlong(const btSolverConstraint& row, const btVector3& v_a, const btVector3& w_a,
+                     const btVector3& v_b, const btVector3& w_b) {
+  return inDouble(row.m_contactNormal1).dot(inDouble(v_a)) +
+         inDouble(row.m_relpos1CrossNormal).dot(inDouble(w_a)) +
+         inDouble(row.m_contactNormal2).dot(inDouble(v_b)) +
+         inDouble(row.m_relpos2CrossNormal).dot(inDouble(w_b));
+}
+
 double freeVelocity(const btSolverConstraint& row,
                     const btAlignedObjectArray<btSolverBody>& bodies) {
   const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
-  return inDouble(row.m_contactNormal1)
-             .dot(inDouble(a.m_linearVelocity + a.m_externalForceImpulse)) +
-         inDouble(row.m_relpos1CrossNormal)
-             .dot(inDouble(a.m_angularVelocity + a.m_externalTorqueImpulse)) +
-         inDouble(row.m_contactNormal2)
-             .dot(inDouble(b.m_linearVelocity + b.m_externalForceImpulse)) +
-         inDouble(row.m_relpos2CrossNormal)
-             .dot(inDouble(b.m_angularVelocity + b.m_externalTorqueImpulse));
+  return velocityAlong(row, a.m_linearVelocity + a.m_externalForceImpulse,
+                       a.m_angularVelocity + a.m_externalTorqueImpulse,
+                       b.m_linearVelocity + b.m_externalForceImpulse,
+                       b.m_angularVelocity + b.m_externalTorqueImpulse);
 }
+
+double changeOfVelocity(const btSolverConstraint& row,
+                        const btAlignedObjectArray<btSolverBody>& bodies) {
+  const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
+  return velocityAlong(row, a.m_deltaLinearVelocity, a.m_deltaAngularVelocity,
+                       b.m_deltaLinearVelocity, b.m_deltaAngularVelocity);
+}
+
+// J M^-1 J^T as Bullet has it, of bodies without factors.
+double wholeK(const btSolverConstraint& row) { return 1 / double(row.m_jacDiagABInv); }
 
 // Nobody can move: both bodies are static, or hold NaN.
 bool isVoid(const btSolverConstraint& row) {
@@ -100,7 +114,7 @@ bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBo
 }
 
 // Rows at a bound that this is to be missed by, m or rad, are not to be left there.
-constexpr Scalar missed = Scalar(5e-5);
+constexpr double missed = 5e-5;
 
 // As Topology::at_bound has it.
 Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
@@ -230,7 +244,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       block.bound[r] = from.bound[i];
       for (int side = 0; side < 2; ++side)
         if (block.body[side] >= 0) setRow(block, side, row, r);
-      const double K = 1 / double(row.m_jacDiagABInv);
+      const double K = wholeK(row);
       block.deficit[r] = double(row.m_rhs) * K;
       block.rest[r] = bounded ? block.deficit[r] : -freeVelocity(row, bodies);
       block.softness[r] = double(row.m_cfm) * K;
@@ -382,8 +396,9 @@ void JointSystem::addLoads(double dt) {
   }
 }
 
-double JointSystem::stiffFrom(size_t body) const {
-  return m_topology->grounded[size_t(m_topology->body_component[body])] ? stiff : stiff_if_free;
+bool JointSystem::isStiff(double swing, size_t body) const {
+  return swing > stiff_if_free ||
+         (swing > stiff && m_topology->grounded[size_t(m_topology->body_component[body])]);
 }
 
 // Whether a body bears so much more or less than when its stiffness was looked at that it may be another.
@@ -391,7 +406,7 @@ bool JointSystem::loadsChanged() const {
   for (size_t i = 0; i < m_bodies.size(); ++i) {
     const Body& body = m_bodies[i];
     if (body.known_load == 0) {
-      if (body.load > stiff && body.load > stiffFrom(i)) return true;
+      if (isStiff(body.load, i)) return true;
       continue;
     }
     const double ratio = (1 + body.load) / (1 + body.known_load);
@@ -406,7 +421,7 @@ void JointSystem::addLevers(const btConstraintArray& rows) {
     for (int side = 0; side < 2; ++side) {
       if (block.body[side] < 0 || block.point[0] < 0) continue;
       const auto body = size_t(block.body[side]);
-      if (!(m_bodies[body].load > stiffFrom(body))) continue;
+      if (!isStiff(m_bodies[body].load, body)) continue;
       Vector3d p = Vector3d::Zero();
       for (const int i : block.point) {
         const btSolverConstraint& row = rows[block.row[i]];
@@ -474,9 +489,9 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
     Stiffening& next = swing.next_stiffening;
     next = Stiffening();
     body.known_load = body.load;
-    if (body.load > stiff && body.load > stiffFrom(i)) {
+    if (isStiff(body.load, i)) {
       next = Stiffening(double(dt) * swing.angular.transpose() * swing.stiffness * swing.angular);
-      if (!(next.most() > stiffFrom(i))) next = Stiffening();
+      if (!isStiff(next.most(), i)) next = Stiffening();
     }
     const double ratio = (1 + next.most()) / (1 + swing.stiffening.most());
     changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
@@ -905,7 +920,7 @@ void JointSystem::undoCorrections(const btConstraintArray& rows,
     if (!components[size_t(m_topology->component[c])]) continue;
     for (int r = 0; r < block.rows; ++r) {
       const btSolverConstraint& row = rows[block.row[r]];
-      block.deficit[r] = double(row.m_rhs) / double(row.m_jacDiagABInv);
+      block.deficit[r] = double(row.m_rhs) * wholeK(row);
     }
   }
 }
@@ -971,14 +986,10 @@ bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
 bool JointSystem::takeBack(const btAlignedObjectArray<btSolverBody>& bodies,
                            const btConstraintArray& rows, Scalar dt) {
   // What the row lacks, against a bound that lets it push that way.
-  const Scalar much = missed / dt;
+  const double much = missed / double(dt);
   const auto isDrawnOff = [&](const btSolverConstraint& row) {
-    const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
-    const Scalar v = row.m_contactNormal1.dot(a.m_deltaLinearVelocity) +
-                     row.m_relpos1CrossNormal.dot(a.m_deltaAngularVelocity) +
-                     row.m_contactNormal2.dot(b.m_deltaLinearVelocity) +
-                     row.m_relpos2CrossNormal.dot(b.m_deltaAngularVelocity);
-    const Scalar lacks = (row.m_rhs - row.m_cfm * row.m_appliedImpulse) / row.m_jacDiagABInv - v;
+    const double lacks = double(row.m_rhs - row.m_cfm * row.m_appliedImpulse) * wholeK(row) -
+                         changeOfVelocity(row, bodies);
     return row.m_appliedImpulse > row.m_lowerLimit ? lacks < -much : lacks > much;
   };
   bool any = false;
@@ -1028,6 +1039,7 @@ size_t JointSystem::bytes() const {
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
          m_joints.capacity() * sizeof(Topology::Joint) + m_rows.capacity() * sizeof(int) +
          m_bodies.capacity() * sizeof(Body) + m_swings.capacity() * sizeof(Swing) +
+         m_wholes.capacity() * sizeof(Whole) +
          (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
           m_unreacted.capacity() + m_change.capacity()) *
              sizeof(double) +

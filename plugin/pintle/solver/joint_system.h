@@ -209,8 +209,8 @@ class JointSystem {
   void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
-  /// (omega h)^2 of a body's swing from where on it is stiffened.
-  double stiffFrom(size_t body) const;
+  /// Whether a body of this (omega h)^2 of its swing is stiffened.
+  bool isStiff(double swing, size_t body) const;
   bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
   void beginSwings();

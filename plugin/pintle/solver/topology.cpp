@@ -115,7 +115,8 @@ size_t Topologies::bytes() const {
     sum += sizeof(Topology) + known->elimination.bytes() +
            known->joints.capacity() * sizeof(Topology::Joint) +
            (known->component.capacity() + known->body_component.capacity()) * sizeof(int) +
-           known->impulses.capacity() * sizeof(double) +
+           known->grounded.capacity() +
+           (known->impulses.capacity() + known->gained.capacity()) * sizeof(double) +
            known->at_bound.capacity() * sizeof(Scalar);
   return sum;
 }
