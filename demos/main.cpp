@@ -534,8 +534,7 @@ Measurement measure_wedge(double total, engines::MakeJoint make_joint) {
   // A little to one side, so that it is known which way a wedge of more than half a turn lets it slide.
   const scenes::Vector3d down = direction(scenes::pi - 0.1, radians(40));
   scenes::Scene scene = scenes::elbow_scene(
-      total, Eigen::Quaterniond::FromTwoVectors(down, -scenes::Vector3d::UnitZ()),
-      direction(0.1 * total, 0.4));
+      total, scenes::turn_between(down, -scenes::Vector3d::UnitZ()), direction(0.1 * total, 0.4));
   scene.bodies.back().damping = 0.9;
   scene.seconds = 10;
   measures::Overshoot outside(scene.joints[0]);

@@ -51,7 +51,7 @@ Scene stick_rope_scene(bool slack) {
   for (int i = 0; i < sticks; ++i) {
     const Vector3d from = i * way + (i % 2 == 0 ? Vector3d(0, 0, 0) : side),
                    along = way + (i % 2 == 0 ? 1 : -1) * side;
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), along);
+    const auto turn = turn_between(Vector3d::UnitX(), along);
     const int stick = scene.add(box(0.02, {stick_length / 2, 0.01, 0.01}, from + along / 2, turn));
     scene.connect(Kind::ball, last, stick, at(from));
     last = stick;

@@ -4,6 +4,10 @@
 
 namespace scenes {
 
+Eigen::Quaterniond turn_between(const Vector3d& from, const Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
 const char* name(Error error) {
   static const char* const names[] = {"gap",    "axis",     "overshoot",  "energy",
                                       "gained", "momentum", "trajectory", "recovery"};
@@ -67,11 +71,11 @@ void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about) {
 Isometry3d at(const Vector3d& point) { return Isometry3d(Eigen::Translation3d(point)); }
 
 Isometry3d with_z(const Vector3d& point, const Vector3d& z) {
-  return Eigen::Translation3d(point) * Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), z);
+  return Eigen::Translation3d(point) * turn_between(Vector3d::UnitZ(), z);
 }
 
 Isometry3d with_x(const Vector3d& point, const Vector3d& x) {
-  return Eigen::Translation3d(point) * Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), x);
+  return Eigen::Translation3d(point) * turn_between(Vector3d::UnitX(), x);
 }
 
 }  // namespace scenes

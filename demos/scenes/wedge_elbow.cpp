@@ -12,7 +12,7 @@ constexpr double arm = 0.3;  // m
 
 Scene elbow_scene(double total, const Eigen::Quaterniond& frame, const Vector3d& start) {
   Scene scene{"elbow", "forearm on an elbow in a wedge"};
-  const auto turn = frame * Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitX(), start);
+  const auto turn = frame * turn_between(Vector3d::UnitX(), start);
   const int forearm = scene.add(box(1, {0.05, 0.05, 0.05}, turn * Vector3d(arm, 0, 0), turn));
   Joint& elbow = scene.connect(Kind::wedge, 0, forearm, Isometry3d(frame));
   elbow.in_b = at({-arm, 0, 0});

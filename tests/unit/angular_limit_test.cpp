@@ -5,7 +5,7 @@
 
 #include "free_joint_support.h"
 
-namespace {
+namespace angular_limit_test {
 
 using namespace free_joints;
 using pintle::AngularLimit;
@@ -366,4 +366,4 @@ TEST(AngularLimit, IsDrawn) {
   expectDrawn(t.joint, 6, false);
 }
 
-}  // namespace
+}  // namespace angular_limit_test

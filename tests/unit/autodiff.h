@@ -32,6 +32,16 @@ constexpr double step = 6e-6;
 /// What follows for constraints whose third derivatives and values are of the order of 1 to 10.
 constexpr double difference_tolerance = 1e-9;
 
+/// What a right equation leaves: about as many roundings lie between the poses and an entry.
+constexpr double kRight = 20 * epsilon;
+
+/// A NaN that comes to it stays, unlike with std::max.
+inline double greatest(double so_far, double value) { return so_far > value ? so_far : value; }
+
+/// A hinge's gaps (m; nothing, a little, more than the bodies' size) and swings (rad) that most rows are looked at for.
+inline const std::vector<double> kGaps = {0, 1e-8, 0.5, 4};
+inline const std::vector<double> kSwings = {0, 1e-8, -pi, pi - 1e-8, pi};
+
 /// Random numbers that are the same with every standard library.
 class Random {
  public:

@@ -7,7 +7,7 @@
 
 #include "support.h"
 
-namespace {
+namespace bullet_numbers_test {
 
 namespace equations = pintle::equations;
 using pintle::Scalar;
@@ -136,4 +136,4 @@ TEST_P(BulletNumbers, TheForceFormIsTheImpulseOverTheStep) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, BulletNumbers, testing::Range(1u, 21u));
 
-}  // namespace
+}  // namespace bullet_numbers_test

@@ -6,7 +6,7 @@
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <gtest/gtest.h>
 
-namespace {
+namespace chain_test {
 
 using Case = std::tuple<double, int>;  // mass ratio, iterations
 
@@ -28,4 +28,4 @@ INSTANTIATE_TEST_SUITE_P(RatioAndIterations, Chain,
                                           testing::Values(1, 2, 3, 4, 5, 7, 10, 14, 20, 30, 50, 70,
                                                           100)));
 
-}  // namespace
+}  // namespace chain_test

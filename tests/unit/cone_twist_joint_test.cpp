@@ -18,7 +18,7 @@
 #include "drawing.h"
 #include "support.h"
 
-namespace {
+namespace cone_twist_joint_test {
 
 using scenes::pi;
 using scenes::radians;
@@ -1335,4 +1335,4 @@ TEST(ConeTwistDrawing, DrawsWhatIsAskedFor) {
   }
 }
 
-}  // namespace
+}  // namespace cone_twist_joint_test

@@ -13,7 +13,7 @@
 #include "drawing.h"
 #include "support.h"
 
-namespace {
+namespace constant_velocity_joint_test {
 
 using pintle::ConstantVelocityJoint;
 using pintle::Formulation;
@@ -591,4 +591,4 @@ TEST(ConstantVelocity, DrawsFramesAndItsConeAsTheModeSays) {
   EXPECT_EQ(drawing::linesOf(rig.joint(), btIDebugDraw::DBG_DrawConstraintLimits), 40);
 }
 
-}  // namespace
+}  // namespace constant_velocity_joint_test

@@ -7,7 +7,7 @@
 #include "free_joint_support.h"
 #include "solver_of_tests.h"
 
-namespace {
+namespace contact_joint_test {
 
 using namespace free_joints;
 using pintle::ContactJoint;
@@ -335,4 +335,4 @@ TEST(ContactJoint, IsDrawn) {
   expectDrawn(floor.joint, 6, true);
 }
 
-}  // namespace
+}  // namespace contact_joint_test

@@ -25,7 +25,7 @@
 
 // --- counting allocations ------------------------------------------------------------------------
 
-namespace {
+namespace contract_test {
 thread_local long allocations = 0;
 
 void* allocate(std::size_t size, std::size_t alignment) {
@@ -35,14 +35,14 @@ void* allocate(std::size_t size, std::size_t alignment) {
   if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;
   throw std::bad_alloc();
 }
-}  // namespace
+}  // namespace contract_test
 
 // The array and the nothrow forms call these. Inlined, they look to the compiler like a mismatch.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  return allocate(size, alignof(std::max_align_t));
+  return contract_test::allocate(size, alignof(std::max_align_t));
 }
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, std::size_t(alignment));
+  return contract_test::allocate(size, std::size_t(alignment));
 }
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
@@ -53,7 +53,7 @@ void* allocate(std::size_t size, std::size_t alignment) {
   std::free(memory);
 }
 
-namespace {
+namespace contract_test {
 
 using kinds::Kind;
 using pintle::BallJoint;
@@ -673,10 +673,14 @@ TEST_P(Contract, AddRowsAtAnotherPoseChangesNothing) {
 
 TEST(ContractOfThisTest, AllocationsAreCounted) {
   const long before = allocations;
-  delete new int(1);
-  delete[] new double[3];
-  std::vector<int>(10).swap(*std::make_unique<std::vector<int>>());
-  EXPECT_GE(allocations - before, 3);
+  // A compiler may leave out what nobody reads.
+  int* volatile one = new int(1);
+  delete one;
+  double* volatile three = new double[3];
+  delete[] three;
+  std::vector<int>* volatile many = new std::vector<int>(10);
+  delete many;
+  EXPECT_GE(allocations - before, 3);  // sanitizers have their own for arrays
 }
 
 TEST_P(Contract, AStepAllocatesNothing) {
@@ -1186,4 +1190,4 @@ TEST(ContractOfTheBall, RefusesBadSettingsAndStaysAsItWas) {
   }
 }
 
-}  // namespace
+}  // namespace contract_test

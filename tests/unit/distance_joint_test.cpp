@@ -5,7 +5,7 @@
 #include "free_joint_support.h"
 #include "solver_of_tests.h"
 
-namespace {
+namespace distance_joint_test {
 
 using namespace free_joints;
 using pintle::DistanceJoint;
@@ -466,4 +466,4 @@ TEST(DistanceJoint, IsDrawn) {
   expectDrawn(h.joint, 6, true);
 }
 
-}  // namespace
+}  // namespace distance_joint_test

@@ -11,16 +11,17 @@
 #include "joint_kinds.h"
 #include "support.h"
 
-namespace {
+namespace draw_joints_test {
 
 using drawing::Line;
 using drawing::Recorder;
 using support::scalar;
 using support::vec;
 
-constexpr int modes[] = {btIDebugDraw::DBG_NoDebug, btIDebugDraw::DBG_DrawConstraints,
-                         btIDebugDraw::DBG_DrawConstraintLimits,
-                         btIDebugDraw::DBG_DrawConstraints | btIDebugDraw::DBG_DrawConstraintLimits};
+constexpr int modes[] = {
+    btIDebugDraw::DBG_NoDebug, btIDebugDraw::DBG_DrawConstraints,
+    btIDebugDraw::DBG_DrawConstraintLimits,
+    btIDebugDraw::DBG_DrawConstraints | btIDebugDraw::DBG_DrawConstraintLimits};
 
 // The lines of a world with one joint, made by `add`, drawn by Bullet or by us.
 template <class Add, class Draw>
@@ -123,4 +124,4 @@ TEST(DrawJoints, AWorldWithoutADrawerOrWithStockJointsOnlyIsLeftAlone) {
   EXPECT_TRUE(recorder.lines.empty());
 }
 
-}  // namespace
+}  // namespace draw_joints_test

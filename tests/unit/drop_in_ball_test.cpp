@@ -9,7 +9,7 @@
 #include "solver_of_tests.h"
 #include "support.h"
 
-namespace {
+namespace drop_in_ball_test {
 
 using support::Random;
 using support::scalar;
@@ -354,4 +354,4 @@ TEST(DropInBall, DoesNotBreakBelowItsThreshold) {
   EXPECT_FALSE(breaks(Rig<Ours>(Side::world, 9.81), 1.01));
 }
 
-}  // namespace
+}  // namespace drop_in_ball_test

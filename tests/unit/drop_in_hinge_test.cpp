@@ -10,7 +10,7 @@
 #include "solver_of_tests.h"
 #include "support.h"
 
-namespace {
+namespace drop_in_hinge_test {
 
 using scenes::pi;
 using scenes::radians;
@@ -58,10 +58,8 @@ std::unique_ptr<Hinge> construct(Constructor which, btRigidBody& a, btRigidBody&
                                      use);
     case Constructor::pivot_to_world:
       return std::make_unique<Hinge>(a, args.pivot_a, args.axis_a, use);
-    case Constructor::frames:
-      return std::make_unique<Hinge>(a, b, args.frame_a, args.frame_b, use);
-    case Constructor::frame_to_world:
-      return std::make_unique<Hinge>(a, args.frame_a, use);
+    case Constructor::frames: return std::make_unique<Hinge>(a, b, args.frame_a, args.frame_b, use);
+    case Constructor::frame_to_world: return std::make_unique<Hinge>(a, args.frame_a, use);
   }
   return nullptr;
 }
@@ -1108,4 +1106,4 @@ TYPED_TEST(DropInHinge, ABrokenJointLetsGoAndCanBeMended) {
   EXPECT_NEAR(rig->free().getCenterOfMassPosition().z(), 0, 0.05);
 }
 
-}  // namespace
+}  // namespace drop_in_hinge_test

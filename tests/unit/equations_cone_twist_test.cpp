@@ -396,8 +396,8 @@ TEST(ConeOfBullet, HasTheSameInsideForSwingAndTwist) {
       wrong_swings += (row.C > 0) != bool(joint.getSolveSwingLimit());
     }
     const auto dot = [&](int e, int f) { return world<T>(q_a, e).dot(world<T>(q_b, f)); };
-    const double th = double(equations::twist_angle(
-        equations::twist<T>(dot(1, 1), dot(2, 2), dot(2, 1), dot(1, 2))));
+    const double th = double(
+        equations::twist_angle(equations::twist<T>(dot(1, 1), dot(2, 2), dot(2, 1), dot(1, 2))));
     if (std::abs(std::abs(th) - twist_span) > lost / std::cos(double(s.angle) / 2)) {
       ++twists;
       wrong_twists += (std::abs(th) > twist_span) != bool(joint.getSolveTwistLimit());

@@ -15,7 +15,7 @@ namespace {
 using namespace autodiff;
 namespace equations = pintle::equations;
 
-const std::vector<double> kSwings = {0, 1e-8, -pi, pi / 2, pi - 1e-8, pi};
+const std::vector<double> kSwingsWithARightAngle = {0, 1e-8, -pi, pi / 2, pi - 1e-8, pi};
 
 template <class T>
 class OtherHinges : public testing::Test {
@@ -39,7 +39,7 @@ equations::AngularRow<T> dot_row(const Hinge& hinge, int i) {
 }
 
 TYPED_TEST(OtherHinges, DotIsTheGradientOnAndOffTheManifold) {
-  for (const Hinge& hinge : hinges(kSwings, {0, 1})) {
+  for (const Hinge& hinge : hinges(kSwingsWithARightAngle, {0, 1})) {
     for (int i = 0; i < 2; ++i) {
       const auto C = [&](const auto& bodies) {
         const auto c = axis(bodies.q_a, hinge.f_a, 2).dot(axis(bodies.q_b, hinge.f_b, i));
@@ -55,7 +55,7 @@ TYPED_TEST(OtherHinges, DotIsTheGradientOnAndOffTheManifold) {
 }
 
 TYPED_TEST(OtherHinges, DotHasSingularValuesOneAndCosOfTheSwing) {
-  for (const Hinge& hinge : hinges(kSwings, {0})) {
+  for (const Hinge& hinge : hinges(kSwingsWithARightAngle, {0})) {
     const Vector J_0 = dot_row<TypeParam>(hinge, 0).J_b.template cast<double>();
     const Vector J_1 = dot_row<TypeParam>(hinge, 1).J_b.template cast<double>();
     const double cosine = std::cos(hinge.swing);
@@ -99,7 +99,7 @@ equations::LinearRow<T> point_row(const Hinge& hinge, const Vector& u, double s)
 
 TYPED_TEST(OtherHinges, PointsAreTheGradientOnAndOffTheManifold) {
   Random random(1);
-  for (const Hinge& hinge : hinges(kSwings, {0, 1})) {
+  for (const Hinge& hinge : hinges(kSwingsWithARightAngle, {0, 1})) {
     const double s = random.uniform(-2, 2);
     const Vector u = random.unit();
     const auto C = [&](const auto& bodies) {

@@ -13,9 +13,6 @@ namespace {
 using namespace autodiff;
 namespace equations = pintle::equations;
 
-const std::vector<double> kGaps = {0, 1e-8, 0.5, 4};
-const std::vector<double> kSwings = {0, 1e-8, -pi, pi - 1e-8, pi};
-
 template <class T>
 class LinearRows : public testing::Test {
  public:

@@ -72,7 +72,7 @@ TYPED_TEST(Lock, DocumentsIsHalfLongAcrossTheErrorAndVanishesAlongItAtPi) {
 // --- the conditioned one -------------------------------------------------------------------------
 
 // Angles at which the code has a branch to take, from either side, and those that are exact.
-const std::vector<double> kAngles = {
+const std::vector<double> kLockAngles = {
     0, 1e-20,  1e-12,  1e-8, 1e-4,      3.1e-3,    3.2e-3,    0.1,       1,         pi / 2,
     2, 2.0944, 2.0945, 3,    pi - 1e-2, pi - 1e-4, pi - 1e-6, pi - 1e-8, pi - 1e-15};
 
@@ -82,7 +82,7 @@ TYPED_TEST(Lock, ErrorTurnsTheFrameOfAIntoThatOfB) {
     const Turn q = seed % 5 ? random.turn() : Turn{1, Vector::Zero()};
     const Vector n = seed % 3 ? random.unit() : Vector(Vector::Unit(seed % 9 / 3));
     const Matrix3<double> F_a = matrix(q);
-    for (const double angle : kAngles) {
+    for (const double angle : kLockAngles) {
       const Matrix3<double> F_b = matrix(equations::product(equations::rotation(n, angle), q));
       const Vector phi = this->error(F_a, F_b);
       ASSERT_LE(std::abs(length(phi) - angle), this->kTolerance) << angle;
@@ -136,7 +136,7 @@ TYPED_TEST(Lock, RotationVectorIsBlindToTheSignOfTheQuaternion) {
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     const Vector n = random.unit();
-    const double angle = i % 2 ? random.uniform(0, 3.1) : kAngles[i / 2 % 12];
+    const double angle = i % 2 ? random.uniform(0, 3.1) : kLockAngles[i / 2 % 12];
     const Turn q = equations::rotation(n, angle);
     const Vector3<T> phi = equations::rotation_vector<T>({T(q.w), q.v.cast<T>()});
     ASSERT_EQ(phi, equations::rotation_vector<T>({T(-q.w), -q.v.cast<T>()}));
@@ -225,8 +225,8 @@ TYPED_TEST(Lock, CurvatureIsThatOfTheErrorAtConstantVelocities) {
     const auto phi = [&](double t) {
       Hinge then = hinge;
       then.bodies = moved(hinge.bodies, v, t);
-      return Vector(equations::orientation_error<double>(matrix(then.frame_a()),
-                                                         matrix(then.frame_b())));
+      return Vector(
+          equations::orientation_error<double>(matrix(then.frame_a()), matrix(then.frame_b())));
     };
     const Vector expected = second_difference(phi, kCurvatureStep);
     const Vector curvature =

@@ -12,10 +12,6 @@ namespace {
 using namespace autodiff;
 namespace equations = pintle::equations;
 
-// Violated by nothing, by a little and by more than the bodies' size.
-const std::vector<double> kGaps = {0, 1e-8, 0.5, 4};
-const std::vector<double> kSwings = {0, 1e-8, -pi, pi - 1e-8, pi};
-
 template <class T>
 class PositionRow : public testing::Test {
  public:

@@ -173,14 +173,14 @@ TYPED_TEST(HingeRows, UnitRowsNormalToHAreThatGradientTimesAnInvertibleMatrix) {
 }
 
 // Errors at which the code has a branch to take, from either side, and those that are exact.
-const std::vector<double> kSwings = {
+const std::vector<double> kSwingsOfAllBranches = {
     0, 1e-12, 1e-8,      1e-4,      3.1e-3,    3.2e-3,    0.1,       1,         pi / 2,
     2, 3,     pi - 1e-2, pi - 1e-3, pi - 1e-4, pi - 2e-5, pi - 5e-6, pi - 1e-8, pi};
 
 TYPED_TEST(HingeRows, SwingTurnsOneAxisIntoTheOtherAtAnyError) {
   using T = TypeParam;
   for (unsigned seed = 0; seed < 200; ++seed) {
-    for (const double angle : kSwings) {
+    for (const double angle : kSwingsOfAllBranches) {
       const Hinge hinge = make_hinge(seed, 0.7, angle, 0, 1);
       const Vector c_a = hinge.axis_a(2);
       const Vector c_b = angle == pi ? Vector(-c_a) : hinge.axis_b(2);
@@ -211,7 +211,7 @@ TYPED_TEST(HingeRows, SwingTurnsOneAxisIntoTheOtherAtAnyError) {
 TYPED_TEST(HingeRows, RowsNormalToHAreUnitAndIndependentAtAnyErrorExactlyPiToo) {
   using T = TypeParam;
   for (unsigned seed = 0; seed < 200; ++seed) {
-    for (const double angle : kSwings) {
+    for (const double angle : kSwingsOfAllBranches) {
       const Hinge hinge = make_hinge(seed, -2, angle, 0, 1);
       const Vector c_a = hinge.axis_a(2);
       const Vector c_b = angle == pi ? Vector(-c_a) : hinge.axis_b(2);

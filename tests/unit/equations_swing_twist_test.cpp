@@ -26,7 +26,7 @@ using Scalars = testing::Types<double, pintle::Scalar>;
 TYPED_TEST_SUITE(SwingTwist, Scalars);
 
 const std::vector<double> kSmoothSwings = {0, 1e-8, 1e-3, 3e-3, 4e-3, -pi, pi - 1e-4};
-const std::vector<double> kSwings = {0, 1e-8, 1e-3, -pi, pi - 1e-4, pi - 1e-8, pi};
+const std::vector<double> kSwingsNearHalfATurn = {0, 1e-8, 1e-3, -pi, pi - 1e-4, pi - 1e-8, pi};
 
 // How much of the digits a direction normal to both axes keeps.
 double loss(double swing) { return 1 + (swing > 1 ? swing / std::max(std::sin(swing), 1e-5) : 0); }
@@ -52,7 +52,7 @@ equations::SwingTwist<T> parts(const Quaternion<T>& q) {
 
 TYPED_TEST(SwingTwist, PartsAreASwingAfterATwistOfUnitLengthAtAnySwing) {
   using T = TypeParam;
-  for (const Hinge& hinge : hinges(kSwings, {0})) {
+  for (const Hinge& hinge : hinges(kSwingsNearHalfATurn, {0})) {
     const Turn exact = turn(hinge, hinge.bodies);
     const Quaternion<T> q{T(exact.w), exact.v.cast<T>()};
     const auto found = parts(q);

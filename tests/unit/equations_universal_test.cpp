@@ -321,8 +321,8 @@ TYPED_TEST(Shafts, SpiderAnglesAreTheHingesAtAnyBendAndTheirRowsTheirAxes) {
               this->kTolerance + 30 * difference_tolerance);
     // The forms with x_b have the same angles, but no bound on alpha's row at a quarter of a turn.
     if (std::abs(beta) > 1.4) continue;
-    const auto other = equations::universal_alpha<T>(hinge.axis_a(0).cast<T>(), z,
-                                                     hinge.axis_b(0).cast<T>());
+    const auto other =
+        equations::universal_alpha<T>(hinge.axis_a(0).cast<T>(), z, hinge.axis_b(0).cast<T>());
     ASSERT_LE(std::abs(double(other.angle()) - alpha), this->kTolerance / std::cos(beta));
   }
 }

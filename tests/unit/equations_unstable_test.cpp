@@ -22,8 +22,6 @@ class Unstable : public testing::Test {
 using Scalars = testing::Types<double, pintle::Scalar>;
 TYPED_TEST_SUITE(Unstable, Scalars);
 
-const std::vector<double> kSwings = {0, 1e-8, -pi, pi - 1e-8, pi};
-
 template <class T>
 Vector3<T> axis(const Quaternion<T>& q, const Turn& frame) {
   return arm(equations::product(q, constant<T>(frame)), Vector::Unit(2));

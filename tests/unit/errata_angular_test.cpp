@@ -14,10 +14,7 @@ namespace {
 using namespace autodiff;
 namespace equations = pintle::equations;
 
-// About as many roundings lie between the poses and an entry.
-constexpr double kRight = 20 * epsilon;
-
-std::vector<Hinge> all_hinges() { return hinges({0, 1e-8, -pi, pi - 1e-8, pi}, {0}); }
+std::vector<Hinge> all_hinges() { return hinges(kSwings, {0}); }
 
 template <class T>
 Vector3<T> crossed(const Hinge& hinge, const Bodies<T>& bodies) {

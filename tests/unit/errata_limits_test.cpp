@@ -15,11 +15,6 @@ namespace {
 using namespace autodiff;
 namespace equations = pintle::equations;
 
-// About as many roundings lie between the poses and an entry.
-constexpr double kRight = 20 * epsilon;
-
-double greatest(double a, double b) { return a > b ? a : b; }
-
 // {c_a, c_b} about w: c_a normal to it, c_b at psi and at `height` from w.
 struct Directions {
   Vector w, c_a, c_b;

@@ -13,9 +13,6 @@ namespace {
 using namespace autodiff;
 namespace equations = pintle::equations;
 
-// About as many roundings lie between the poses and an entry.
-constexpr double kRight = 20 * epsilon;
-
 // J M^-1 J^T by the twelve numbers of the row.
 double dense_product(const equations::Jacobian<double>& J,
                      const equations::InverseMass<double>& M) {

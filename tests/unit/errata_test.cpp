@@ -13,9 +13,6 @@ using namespace autodiff;
 namespace equations = pintle::equations;
 using Matrix4 = Eigen::Matrix<double, 4, 4>;
 
-// About as many roundings lie between the poses and an entry.
-constexpr double kRight = 20 * epsilon;
-
 // (A.16), (A.17)
 Matrix4 M_L(const Turn& a) {
   Matrix4 m;
@@ -43,14 +40,12 @@ Matrix3<double> G(const Hinge& hinge) {
   return m.block<3, 3>(1, 1);
 }
 
-std::vector<Hinge> all_hinges() { return hinges({0, 1e-8, -pi, pi - 1e-8, pi}, {0, 1}); }
+std::vector<Hinge> hinges_apart() { return hinges(kSwings, {0, 1}); }
 
 equations::AngularRow<double> used_row(const Hinge& hinge, int axis) {
   return equations::quaternion_hinge_row<double>(turn(hinge, hinge.bodies), matrix(hinge.frame_a()),
                                                  Vector::Unit(axis));
 }
-
-double greatest(double a, double b) { return a > b ? a : b; }
 
 // --- 2 -------------------------------------------------------------------------------------------
 
@@ -152,7 +147,7 @@ TEST(Errata, Equations3_6To3_8AddAngularMomentumWhileTheJointIsViolated) {
 
 TEST(Errata, Equations3_18To3_24AreTheGradientButSingularAtHalfATurn) {
   double wrong = 0, stuck = 0, determinant = 0, used = 0, used_at_half = 10;
-  for (const Hinge& hinge : all_hinges()) {
+  for (const Hinge& hinge : hinges_apart()) {
     const Matrix3<double> printed = 0.5 * G(hinge);
     for (int i = 0; i < 3; ++i) {
       const auto C = [&](const auto& bodies) {
@@ -241,7 +236,7 @@ TEST(Errata, Section3_2_4TurnsQ0TheWrongWay) {
 
 TEST(Errata, Equations3_25To3_28AreTransposed) {
   double printed = 0, printed_matrix = 0, used = 0, difference_used = 0;
-  for (const Hinge& hinge : all_hinges()) {
+  for (const Hinge& hinge : hinges_apart()) {
     for (int i = 0; i < 2; ++i) {
       const Vector tangent = equations::rotate<double>(hinge.f_a, Vector::Unit(i));
       const auto C = [&](const auto& bodies) {

@@ -450,8 +450,8 @@ TEST(ExactJointSolver, AFreePairThatSpinsGainsNoEnergy) {
       pair.world.step(1. / 60);
       least = std::min(least, energy() / start);
       most = std::max(most, energy() / start);
-      top = std::max(top, std::abs(double(pair.a.getAngularVelocity().z() -
-                                          pair.b.getAngularVelocity().z())));
+      top = std::max(
+          top, std::abs(double(pair.a.getAngularVelocity().z() - pair.b.getAngularVelocity().z())));
     }
     // The chord's speed differs from the circle's by half of the turn of a step, squared.
     const double chord = std::pow(top / 60 / 2, 2);

@@ -7,7 +7,7 @@
 
 #include "support.h"
 
-namespace {
+namespace far_limit_test {
 
 using pintle::CosineLimit;
 using pintle::DirectionLimit;
@@ -69,4 +69,4 @@ TEST(FarLimit, ADirectionIsTakenFromTheMiddleOfItsRangeAtAnyLength) {
   EXPECT_GT(far, 10000) << "this test proves nothing";
 }
 
-}  // namespace
+}  // namespace far_limit_test

@@ -15,7 +15,7 @@
 #include "solver_of_tests.h"
 #include "support.h"
 
-namespace {
+namespace fixed_joint_test {
 
 using pintle::FixedJoint;
 using pintle::Formulation;
@@ -484,4 +484,4 @@ TEST(FixedJoint, RowsAreUnitAtAnyErrorAndTheirErrorIsTheShortestTurn) {
   }
 }
 
-}  // namespace
+}  // namespace fixed_joint_test

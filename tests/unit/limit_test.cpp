@@ -9,7 +9,7 @@
 #include "physics_support.h"
 #include "solver_of_tests.h"
 
-namespace {
+namespace limit_test {
 
 using physics::angle_name;
 using physics::degrees;
@@ -487,4 +487,4 @@ INSTANTIATE_TEST_SUITE_P(
         Spin{"AllOfIt", Partner::kinematic, 0, radians(179) * 60, true, 5, 2}),
     [](const testing::TestParamInfo<Spin>& tested) { return std::string(tested.param.name); });
 
-}  // namespace
+}  // namespace limit_test

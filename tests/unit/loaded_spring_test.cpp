@@ -8,7 +8,7 @@
 
 #include "support.h"
 
-namespace {
+namespace loaded_spring_test {
 
 using scenes::World;
 using support::scalar;
@@ -50,4 +50,4 @@ TEST(LoadedSpring, GivesByWhatItBearsInAll) {
   }
 }
 
-}  // namespace
+}  // namespace loaded_spring_test

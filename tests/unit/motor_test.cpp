@@ -5,7 +5,7 @@
 
 #include "physics_support.h"
 
-namespace {
+namespace motor_test {
 
 using physics::angle_name;
 using physics::HingeRig;
@@ -363,4 +363,4 @@ INSTANTIATE_TEST_SUITE_P(Setups, Motor,
                                           testing::Bool()),
                          setup_name);
 
-}  // namespace
+}  // namespace motor_test

@@ -14,7 +14,7 @@
 #include "solver_of_tests.h"
 #include "support.h"
 
-namespace {
+namespace other_hinges_test {
 
 using physics::rounding;
 using pintle::DotHinge;
@@ -372,4 +372,4 @@ TEST(OtherHinges, AreDrawnAsTheHingeAndTwoPointsMore) {
   EXPECT_EQ(drawing::linesOf(two, limits), drawing::linesOf(hinge, limits));
 }
 
-}  // namespace
+}  // namespace other_hinges_test

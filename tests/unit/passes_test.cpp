@@ -9,7 +9,7 @@
 
 #include "support.h"
 
-namespace {
+namespace passes_test {
 
 using pintle::BallJoint;
 using support::scalar;
@@ -134,4 +134,4 @@ TEST(Passes, AHeavyChainIsHeldThreeTimesBetterThanByStocks) {
   }
 }
 
-}  // namespace
+}  // namespace passes_test

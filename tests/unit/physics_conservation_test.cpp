@@ -11,7 +11,7 @@
 #include "physics_support.h"
 #include "solver_of_tests.h"
 
-namespace {
+namespace physics_conservation_test {
 
 using Eigen::Vector3d;
 using physics::vector;
@@ -20,8 +20,7 @@ const Vector3d pivot_in_a(0.5, 0.1, -0.2), pivot_in_b(-0.4, 0.3, 0.1);
 const Vector3d hinge_axis = Vector3d(1, 2, 2) / 3;
 
 btTransform at(const Vector3d& point, const Vector3d& axis) {
-  const Eigen::Matrix3d R =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), axis).toRotationMatrix();
+  const Eigen::Matrix3d R = scenes::turn_between(Vector3d::UnitZ(), axis).toRotationMatrix();
   return btTransform(scenes::matrix_to_bullet(R), scenes::to_bullet(point));
 }
 
@@ -279,4 +278,4 @@ INSTANTIATE_TEST_SUITE_P(SpeedAndPartner, FastSpin,
                                   to_string(std::get<1>(tested.param));
                          });
 
-}  // namespace
+}  // namespace physics_conservation_test

@@ -11,7 +11,7 @@
 #include "physics_support.h"
 #include "solver_of_tests.h"
 
-namespace {
+namespace physics_pendulum_test {
 
 using physics::rounding;
 using physics::vector;
@@ -175,8 +175,7 @@ OffsetRun offset_pendulum(double amplitude, double heading, double dt) {
   const double mass = 2, arm = offset_pivot.norm();
   const Eigen::Vector3d level(std::cos(heading), std::sin(heading), 0), up(0, 0, 1);
   const Eigen::Vector3d start = arm * (std::sin(amplitude) * level - std::cos(amplitude) * up);
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(-offset_pivot), start);
+  const Eigen::Quaterniond turn = scenes::turn_between(-offset_pivot, start);
   scenes::World world;
   btRigidBody& cube = world.add_box(
       mass, vector(0.2, 0.2, 0.2),
@@ -264,4 +263,4 @@ TEST(LongPendulum, DriftsLessInEnergyThanStockAndEverLessAtShorterSteps) {
   }
 }
 
-}  // namespace
+}  // namespace physics_pendulum_test

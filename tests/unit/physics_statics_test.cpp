@@ -9,7 +9,7 @@
 
 #include "physics_support.h"
 
-namespace {
+namespace physics_statics_test {
 
 using Eigen::Vector3d;
 using physics::vector;
@@ -233,4 +233,4 @@ TEST(Statics, PlankOnTwoBallsFollowsTheLeverRule) {
   }
 }
 
-}  // namespace
+}  // namespace physics_statics_test

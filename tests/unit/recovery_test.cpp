@@ -6,7 +6,7 @@
 
 #include "physics_support.h"
 
-namespace {
+namespace recovery_test {
 
 using scenes::RecoveryResult;
 using scenes::RecoverySettings;
@@ -122,4 +122,4 @@ TEST(DocumentRecovery180, NeverMoves) {
   }
 }
 
-}  // namespace
+}  // namespace recovery_test

@@ -15,7 +15,7 @@
 #include <pintle/joints/two_point_hinge.h>
 #include <pintle/joints/universal_joint.h>
 
-namespace {
+namespace size_test {
 
 template <class Joint, class Stock>
 struct Pair {
@@ -39,4 +39,4 @@ TYPED_TEST(Size, IsAtMostHalfMoreThanStock) {
   EXPECT_LE(2 * sizeof(typename TypeParam::joint), 3 * sizeof(typename TypeParam::stock));
 }
 
-}  // namespace
+}  // namespace size_test

@@ -18,7 +18,7 @@
 #include "solver_of_tests.h"
 #include "support.h"
 
-namespace {
+namespace slider_joint_test {
 
 using scenes::pi;
 using support::infinite;
@@ -1352,4 +1352,4 @@ TEST(Slider, RefusesBadSettingsAndStaysAsItWas) {
     expectRefused([=](Ours& j) { j.setParam(BT_CONSTRAINT_CFM, 1, axis); }, "axis");
 }
 
-}  // namespace
+}  // namespace slider_joint_test

@@ -9,7 +9,7 @@
 #include "scenes/world.h"
 #include "support.h"
 
-namespace {
+namespace subnormal_test {
 
 using support::vec;
 
@@ -37,4 +37,4 @@ TEST(Subnormal, ADoorDoesNotConvergeToTheLeastNumbers) {
   EXPECT_GT(double(door.getAngularVelocity().z()), 0.5);
 }
 
-}  // namespace
+}  // namespace subnormal_test

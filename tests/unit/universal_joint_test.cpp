@@ -14,7 +14,7 @@
 #include "drawing.h"
 #include "support.h"
 
-namespace {
+namespace universal_joint_test {
 
 using scenes::pi;
 using support::infinite;
@@ -783,4 +783,4 @@ TEST(Universal, FastShaftsAreNearerToTheClosedFormThanStocks) {
   }
 }
 
-}  // namespace
+}  // namespace universal_joint_test

@@ -14,7 +14,7 @@
 #include "solver_of_tests.h"
 #include "support.h"
 
-namespace {
+namespace unstable_joints_test {
 
 using physics::rounding;
 using pintle::CrossProductHinge;
@@ -153,4 +153,4 @@ TEST(UnstableJoints, OneBodyIsHeldToTheWorldWhereItIs) {
   expectThere(SingleRowLock(*body, frame));
 }
 
-}  // namespace
+}  // namespace unstable_joints_test

@@ -5,7 +5,7 @@
 
 #include "autodiff.h"
 
-namespace {
+namespace unwrapped_angle_test {
 
 using autodiff::Random;
 using pintle::pi;
@@ -159,4 +159,4 @@ TEST(UnwrappedAngle, MinusZeroIsZero) {
   EXPECT_LE(std::abs(double(back.value()) + 3), tolerance(pi));
 }
 
-}  // namespace
+}  // namespace unwrapped_angle_test

@@ -7,7 +7,7 @@
 #include "free_joint_support.h"
 #include "solver_of_tests.h"
 
-namespace {
+namespace wedge_joint_test {
 
 using namespace free_joints;
 using pintle::Formulation;
@@ -586,4 +586,4 @@ TEST(WedgeJoint, IsDrawn) {
   expectDrawn(arm.joint, 6, true);
 }
 
-}  // namespace
+}  // namespace wedge_joint_test
