@@ -62,10 +62,12 @@ struct ExactJointSolver::Island {
   std::vector<double> parts;                  ///< of the impulses, that each keeps
   std::vector<char> worse;                    ///< whether a large error has grown, or energy has
   std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
+  std::vector<btTypedConstraint*> in_passes;     ///< joints that Bullet's passes are to call
   int stiffenings = 0;                           ///< in this step
 
   /// A step that is the first to need these allocates nothing, either.
-  void reserve() {
+  void reserve(int constraints) {
+    in_passes.reserve(size_t(constraints));
     const auto components = size_t(joints.topology().components);
     for (std::vector<double>* of : {&largest, &next_largest, &speeds, &parts})
       of->reserve(components);
@@ -154,6 +156,21 @@ void ExactJointSolver::restart() {
         &m_tmpSolverContactRollingFrictionConstraintPool})
     joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
   joints.begin(m_tmpSolverBodyPool);
+}
+
+// Bullet calls each joint in each pass: those of Pintle's only where rows of theirs are iterated.
+void ExactJointSolver::findInPasses(btTypedConstraint** constraints, int numConstraints) {
+  const btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
+  m_island->in_passes.clear();
+  AsJoint as_joint;
+  int row = 0;
+  for (int i = 0; i < numConstraints; ++i) {
+    bool iterated = false;
+    for (; row < rows.size() && rows[row].m_originalContactPoint == constraints[i]; ++row)
+      iterated = iterated || rows[row].m_overrideNumSolverIterations > 0;
+    if (iterated || as_joint(constraints[i]) == nullptr)
+      m_island->in_passes.push_back(constraints[i]);
+  }
 }
 
 void ExactJointSolver::beginReactions() {
@@ -319,19 +336,18 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   int used = 0;
   m_leastSquaresResidual = 0;
   if (iterations > 0) beginReactions();
-  while (used < iterations) {
+  for (bool last = iterations == 0; !last;) {
     m_leastSquaresResidual = pass(used++);
-    joints.react(m_tmpSolverBodyPool);
+    last = used == iterations || m_leastSquaresResidual <= info.m_leastSquaresResidualThreshold;
+    if (last || used == iterations_of_load) joints.endReactions(m_tmpSolverBodyPool);
     if (used == iterations_of_load) {
-      joints.endReactions();
-      joints.write(m_tmpSolverBodyPool);
       if (stiffen(info)) joints.settle();
       joints.write(m_tmpSolverBodyPool);
-      beginReactions();
+      if (!last) beginReactions();
+    } else if (!last) {
+      joints.react(m_tmpSolverBodyPool);
     }
-    if (m_leastSquaresResidual <= info.m_leastSquaresResidualThreshold) break;
   }
-  if (iterations > 0) joints.endReactions();
   joints.remember(m_tmpSolverNonContactConstraintPool);
   joints.restoreMomentum(m_tmpSolverBodyPool);
   if (iterations > 0 || joints.bounded())
@@ -361,14 +377,16 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     return joints.gather(m_tmpSolverBodyPool, rows, limits, infoGlobal.m_numIterations);
   };
   if (!gather()) return solve_by_bullet();
-  m_island->reserve();
+  m_island->reserve(numConstraints);
 
   solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifoldPtr, numManifolds,
                                                 constraints, numConstraints, infoGlobal,
                                                 debugDrawer);
   const auto pass = [&](int iteration) {
+    if (iteration == 0) findInPasses(constraints, numConstraints);
+    std::vector<btTypedConstraint*>& in_passes = m_island->in_passes;
     return solveSingleIteration(iteration, bodies, numBodies, manifoldPtr, numManifolds,
-                                constraints, numConstraints, infoGlobal, debugDrawer);
+                                in_passes.data(), int(in_passes.size()), infoGlobal, debugDrawer);
   };
   int used = solveIsland(infoGlobal, joints.loaded(), pass);
   for (int round = 1; joints.finite(); ++round) {

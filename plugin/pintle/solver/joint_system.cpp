@@ -158,9 +158,16 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_all = true;
   m_loops = m_loaded = m_bounded = m_hindered = false;
   m_fastest = 0;
-  const auto moving = [&](int body) {
-    return bodies[body].internalGetInvMass().isZero() ? -1 : body;
-  };
+  if (rows.size() == 0) return false;
+  m_bodies.resize(size_t(bodies.size()));
+  for (int i = 0; i < bodies.size(); ++i) {
+    Body& body = m_bodies[size_t(i)];
+    body.load = body.known_load = 0;
+    body.moves = !bodies[i].internalGetInvMass().isZero();
+    body.hindered = isHindered(bodies[i]);
+    if (body.moves) scale(body, bodies[i]);
+  }
+  const auto moving = [this](int body) { return m_bodies[size_t(body)].moves ? body : -1; };
   const btTypedConstraint* last = nullptr;
   AsJoint as_joint;
   int index = 0;
@@ -174,17 +181,19 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       continue;
     }
     const bool bilateral = isBilateral(row);
-    const bool hindered =
-        isHindered(bodies[row.m_solverBodyIdA]) || isHindered(bodies[row.m_solverBodyIdB]);
+    const bool hindered = m_bodies[size_t(row.m_solverBodyIdA)].hindered ||
+                          m_bodies[size_t(row.m_solverBodyIdB)].hindered;
     m_hindered = m_hindered || hindered;
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
     const bool full = known && (m_gathered.back().rows == Topology::joint_rows ||
                                 (bilateral && m_gathered.back().bilateral == block_rows));
     // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
-    const bool fits = !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
-                      (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
-                      row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies, hindered);
-    if (!bilateral && !fits) {
+    const auto fits = [&] {
+      return !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
+             (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
+             row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies, hindered);
+    };
+    if (!bilateral && !fits()) {
       m_all = false;
       continue;
     }
@@ -204,12 +213,6 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_topology = &m_topologies.get(m_joints, m_gathered.front().joint);
   const Elimination& elimination = m_topology->elimination;
   const size_t n = m_joints.size();
-  m_bodies.resize(size_t(bodies.size()));
-  for (int i = 0; i < bodies.size(); ++i) {
-    Body& body = m_bodies[size_t(i)];
-    body.load = body.known_load = 0;
-    if (moving(i) >= 0) scale(body, bodies[i]);
-  }
   m_swings.clear();
   m_touched.clear();
   m_blocks.resize(n);
@@ -653,7 +656,7 @@ void JointSystem::beginReactions(const btAlignedObjectArray<btSolverBody>& bodie
   m_change.assign(m_u.size(), 0.);
 }
 
-void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
+void JointSystem::readTouched(const btAlignedObjectArray<btSolverBody>& bodies) {
   double* unreacted = m_unreacted.data();
   for (const int body : m_touched) {
     double* u = &m_u[6 * size_t(body)];
@@ -666,6 +669,10 @@ void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
       *unreacted++ += change[k];
     }
   }
+}
+
+void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
+  readTouched(bodies);
   for (const int c : m_reacting) column(m_x.data(), c).setZero();
   for (const int c : m_first_reacting) {
     const JointBlock& block = m_blocks[size_t(c)];
@@ -690,7 +697,8 @@ void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
   for (const int body : m_touched) writeBody(body, bodies[body]);
 }
 
-void JointSystem::endReactions() {
+void JointSystem::endReactions(const btAlignedObjectArray<btSolverBody>& bodies) {
+  readTouched(bodies);
   const double* unreacted = m_unreacted.data();
   for (const int body : m_touched)
     for (int k = 0; k < 6; ++k) m_u[6 * size_t(body) + size_t(k)] = *unreacted++;

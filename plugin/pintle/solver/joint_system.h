@@ -100,8 +100,8 @@ class JointSystem {
   /// Reads the velocities of these bodies, and writes them as the joints make them: as solve() would,
   /// but that only the joints which these velocities depend on are solved.
   void react(btAlignedObjectArray<btSolverBody>& bodies);
-  /// Solves all joints for what they have reacted to.
-  void endReactions();
+  /// Solves all joints for what they have reacted to, and for what has come since.
+  void endReactions(const btAlignedObjectArray<btSolverBody>& bodies);
 
   /// Bodies that are stiffer than they are take less angular momentum from their joints than these have to
   /// give. What nothing else holds gets it back, turning as a whole.
@@ -171,6 +171,7 @@ class JointSystem {
     Matrix3d angular, inverse;  ///< S of the body, with its stiffening, and its inverse
     double load = 0;            ///< more than (omega h)^2 of its swing under the joints' impulses
     double known_load = 0;      ///< with which its stiffening was looked at last
+    bool moves = false, hindered = false;  ///< hindered: by factors, as in two dimensions
   };
   /// What a body has besides where one of them bears a load under which it swings fast.
   struct Swing {
@@ -217,6 +218,7 @@ class JointSystem {
   void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
   void touch(const btConstraintArray& rows, bool of_contacts);
   void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
+  void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
   void writeBody(int body, btSolverBody& to) const;
   void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
