@@ -456,8 +456,9 @@ TEST(ExactJointSolver, AFreePairThatSpinsGainsNoEnergy) {
     // The chord's speed differs from the circle's by half of the turn of a step, squared.
     const double chord = std::pow(top / 60 / 2, 2);
     EXPECT_LT(most, 1 + chord) << speed;
-    // Beyond that an end that would feed the spin is done without, which takes from it.
-    EXPECT_GT(least, speed <= 10 ? 1 - chord : 0.5) << speed;
+    // Beyond that an end that would feed the spin is done without, which takes from it: in the first seconds, down
+    // to where half a radian a step is left.
+    EXPECT_GT(least, speed <= 10 ? 1 - chord : speed <= 20 ? 0.5 : 0.4) << speed;
   }
 }
 

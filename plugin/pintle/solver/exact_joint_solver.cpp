@@ -25,11 +25,21 @@ constexpr int iterations_of_load = 2;
 constexpr int rounds_of_taking = 3, most_rounds = 6;
 
 // An error of this size, m or rad, is small enough for one correction to leave next to nothing of it. Of
-// larger ones no more is to be left than the second: what is, adds up to energy. Contacts take energy, and
-// do not follow what joints correct: among them more may be left.
-constexpr double small_error = 1e-4, small_rest = 1e-5, small_among_contacts = 1e-2;
+// larger ones no more is to be left than the second: what is, adds up to energy, over a million steps to more than
+// there was. Contacts take energy, and do not follow what joints correct: among them more may be left.
+constexpr double small_error = 1e-5, small_rest = 1e-6, small_among_contacts = 1e-2;
+// From this one on motion may be too violent to be corrected.
+constexpr double large_error = 1e-4;
 bool isFar(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
+}
+
+// Whether any is larger than this, and has at least been halved.
+bool isConverging(const std::vector<double>& errors, const std::vector<double>& before,
+                  double than) {
+  for (size_t i = 0; i < errors.size(); ++i)
+    if (errors[i] > than && 2 * errors[i] < before[i]) return true;
+  return false;
 }
 
 // By this a step may raise the energy of what joints connect, and by what it takes to move it at
@@ -46,8 +56,9 @@ constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 // away must not be thrown, and one that turns at 1000 rad/s must not get away.
 constexpr double least_calm = 20, calm_speed = 100;
 
-// What is larger is corrected again, up to so often.
-constexpr int most_extra_iterations = 3;
+// What is larger is corrected again, up to so often; and up to so often as long as that is of use, which it is not
+// where poses are rounded, or rows say again what others say.
+constexpr int most_extra_iterations = 3, most_converging_iterations = 6;
 
 }  // namespace
 
@@ -274,10 +285,10 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   const bool contacts = m_tmpSolverContactConstraintPool.size() > 0;
   const double small = contacts ? small_among_contacts : small_error;
   const double rest = contacts ? small_among_contacts : small_rest;
-  bool any_far = false;
+  const double large = contacts ? small_among_contacts : large_error;
+  const bool any_far = isFar(island.largest, large);
   for (int i = 1;; ++i) {
     const bool last = i >= m_position_iterations, far = isFar(island.largest, small);
-    any_far = any_far || far;
     if (far || !last) joints.keep();
     joints.correct(island.error);
     if (!far && last) return any_far;
@@ -285,25 +296,31 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
     bool worse = false;
     for (const double part : {0.5, 0.}) {
       lookAhead(info, island.next_largest);
-      worse = findWorse(small);
+      worse = findWorse(large);
       if (!worse) break;
       joints.goBack(part, island.worse);
     }
-    const bool enough = worse || i >= m_position_iterations + most_extra_iterations ||
-                        !isFar(island.next_largest, rest);
-    if (last && enough) return any_far;
-    lookAhead(info, island.largest);
+    const int extra = i - m_position_iterations;
+    const bool more = extra < most_extra_iterations
+                          ? isFar(island.next_largest, rest)
+                          : extra < most_converging_iterations &&
+                                isConverging(island.next_largest, island.largest, rest);
+    if (last && (worse || !more)) return any_far;
+    if (worse)
+      lookAhead(info, island.largest);
+    else
+      island.largest.swap(island.next_largest);
   }
 }
 
-bool ExactJointSolver::findWorse(double small) {
+bool ExactJointSolver::findWorse(double large) {
   Island& island = *m_island;
   bool any = false;
   island.worse.resize(island.largest.size());
   for (size_t i = 0; i < island.largest.size(); ++i) {
     // Not NaN, either.
     island.worse[i] =
-        !(island.next_largest[i] <= small) && !(island.next_largest[i] < island.largest[i]);
+        !(island.next_largest[i] <= large) && !(island.next_largest[i] < island.largest[i]);
     any = any || island.worse[i];
   }
   return any;

@@ -84,7 +84,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void restart();
   void findInPasses(btTypedConstraint** constraints, int numConstraints);
   void beginReactions();
-  bool findWorse(double small);
+  bool findWorse(double large);
   void findEnergies();
   bool findFed(double dt);
   bool findGained(double gain, double speed);

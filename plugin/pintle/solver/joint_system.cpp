@@ -452,11 +452,11 @@ void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies
   }
 }
 
-// Whether a joint that holds all of an orientation, or says that it does, says some of it twice.
+// Whether a joint that holds all of an orientation, or two points, or says that it does, says some of it twice.
 bool JointSystem::dependsOnItself() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const int rows = m_blocks[c].rows;
-    if (m_blocks[c].angular_rows < 3) continue;
+    if (m_blocks[c].angular_rows < 3 && rows - m_blocks[c].angular_rows <= 3) continue;
     double K[block_rows * block_rows];
     std::copy_n(m_factor.block(int(c)), block_rows * block_rows, K);
     for (int p = 0; p < rows; ++p) {
