@@ -360,15 +360,14 @@ void JointSystem::addLeastSoftness() {
 // The sum of L x (r x L) of three directions is 2 r.
 void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   block.point[0] = -1;
-  int found = 0;
   for (int i = 0; i < block.rows; ++i) {
     if (block.bound[i] >= 0) continue;
     if (rows[block.row[i]].m_contactNormal1.isZero())
       ++block.angular_rows;
-    else if (found < 3)
-      block.point[found++] = i;
+    else if (block.linear_rows++ < 3)
+      block.point[block.linear_rows - 1] = i;
   }
-  if (found < 3) {
+  if (block.linear_rows < 3) {
     block.point[0] = -1;
     return;
   }
@@ -456,7 +455,7 @@ void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies
 bool JointSystem::dependsOnItself() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const int rows = m_blocks[c].rows;
-    if (m_blocks[c].angular_rows < 3 && rows - m_blocks[c].angular_rows <= 3) continue;
+    if (m_blocks[c].angular_rows < 3 && m_blocks[c].linear_rows <= 3) continue;
     double K[block_rows * block_rows];
     std::copy_n(m_factor.block(int(c)), block_rows * block_rows, K);
     for (int p = 0; p < rows; ++p) {

@@ -41,15 +41,15 @@ struct JointBlock {
   double deficit[block_rows];  ///< what J v lacks before any impulse
   double rest
       [block_rows];  ///< the part of it that brings the row to rest: -J v; of a motor, all of it
-  double softness[block_rows];  ///< Sigma
-  double damping[block_rows];   ///< of what rows of a loop may be unable to do together
-  double impulse[block_rows];   ///< lambda
-  bool holds[block_rows];       ///< is rigid, and to hold in position
-  int bound[block_rows];        ///< by which a row with bounds is known again; -1: it has none
-  int angular_rows;
-  int point[3];        ///< three rows that hold a point in all directions; -1: none do
-  double lever[2][3];  ///< of the point, from each body's centre
-  double swing[2];     ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
+  double softness[block_rows];    ///< Sigma
+  double damping[block_rows];     ///< of what rows of a loop may be unable to do together
+  double impulse[block_rows];     ///< lambda
+  bool holds[block_rows];         ///< is rigid, and to hold in position
+  int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
+  int angular_rows, linear_rows;  ///< of those without bounds
+  int point[3];                   ///< three rows that hold a point in all directions; -1: none do
+  double lever[2][3];             ///< of the point, from each body's centre
+  double swing[2];  ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
 };
 
 class JointSystem {
