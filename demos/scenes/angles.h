@@ -19,9 +19,6 @@ inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// The shortest turn that takes one direction to another. (Compiled once: it brings in a decomposition.)
-Eigen::Quaterniond turn_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
-
 // Counts the turns of an angle that is known modulo 2 pi: each value continues the last one by the
 // shortest way. Exact while the angle moves less than pi between two calls; Bullet turns a body by
 // at most pi/4 a step, so a call after each step always is.

@@ -4,10 +4,6 @@
 
 namespace scenes {
 
-Eigen::Quaterniond turn_between(const Vector3d& from, const Vector3d& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to);
-}
-
 const char* name(Error error) {
   static const char* const names[] = {"gap",    "axis",     "overshoot",  "energy",
                                       "gained", "momentum", "trajectory", "recovery"};
@@ -66,6 +62,10 @@ Body box(double mass, const Vector3d& half_extents, const Vector3d& position,
 void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about) {
   body.angular_velocity = angular_velocity;
   body.velocity = angular_velocity.cross(body.pose.translation() - about);
+}
+
+Eigen::Quaterniond turn_between(const Vector3d& from, const Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
 }
 
 Isometry3d at(const Vector3d& point) { return Isometry3d(Eigen::Translation3d(point)); }

@@ -131,6 +131,9 @@ Body box(double mass, const Vector3d& half_extents, const Vector3d& position,
 // Lets a body turn about a point of the world, which stays where it is.
 void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about);
 
+// The shortest turn that takes one direction to another. (Compiled once: it brings in a decomposition.)
+Eigen::Quaterniond turn_between(const Vector3d& from, const Vector3d& to);
+
 // Frames of the world at a point.
 Isometry3d at(const Vector3d& point);
 Isometry3d with_z(const Vector3d& point, const Vector3d& z);

@@ -24,12 +24,15 @@ constexpr int iterations_of_load = 2;
 // then on bounds are only left, and in the end all that has any is iterated.
 constexpr int rounds_of_taking = 3, most_rounds = 6;
 
-// An error of this size, m or rad, is small enough for one correction to leave next to nothing of it. Of
-// larger ones no more is to be left than the second: what is, adds up to energy, over a million steps to more than
-// there was. Contacts take energy, and do not follow what joints correct: among them more may be left.
-constexpr double small_error = 1e-5, small_rest = 1e-6, small_among_contacts = 1e-2;
-// From this one on motion may be too violent to be corrected.
-constexpr double large_error = 1e-4;
+// Errors at the end of a step, m or rad. What is small one correction leaves next to nothing of; of larger ones no
+// more than the rest is to be left: it adds up to energy, over a million steps to more than there was. Large ones
+// are of motion that may be too violent to be corrected.
+struct Sizes {
+  double small, rest, large;
+};
+constexpr Sizes alone = {1e-5, 1e-6, 1e-4};
+// Contacts take energy, and do not follow what joints correct: more may be left.
+constexpr Sizes among_contacts = {1e-2, 1e-2, 1e-2};
 bool isFar(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
 }
@@ -282,13 +285,10 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   JointSystem& joints = island.joints;
   island.end.begin(joints.blocks().size());
   lookAhead(info, island.largest);
-  const bool contacts = m_tmpSolverContactConstraintPool.size() > 0;
-  const double small = contacts ? small_among_contacts : small_error;
-  const double rest = contacts ? small_among_contacts : small_rest;
-  const double large = contacts ? small_among_contacts : large_error;
-  const bool any_far = isFar(island.largest, large);
+  const Sizes& error = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
+  const bool any_far = isFar(island.largest, error.large);
   for (int i = 1;; ++i) {
-    const bool last = i >= m_position_iterations, far = isFar(island.largest, small);
+    const bool last = i >= m_position_iterations, far = isFar(island.largest, error.small);
     if (far || !last) joints.keep();
     joints.correct(island.error);
     if (!far && last) return any_far;
@@ -296,15 +296,15 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
     bool worse = false;
     for (const double part : {0.5, 0.}) {
       lookAhead(info, island.next_largest);
-      worse = findWorse(large);
+      worse = findWorse(error.large);
       if (!worse) break;
       joints.goBack(part, island.worse);
     }
     const int extra = i - m_position_iterations;
     const bool more = extra < most_extra_iterations
-                          ? isFar(island.next_largest, rest)
+                          ? isFar(island.next_largest, error.rest)
                           : extra < most_converging_iterations &&
-                                isConverging(island.next_largest, island.largest, rest);
+                                isConverging(island.next_largest, island.largest, error.rest);
     if (last && (worse || !more)) return any_far;
     if (worse)
       lookAhead(info, island.largest);

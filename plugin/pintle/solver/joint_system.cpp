@@ -359,13 +359,14 @@ void JointSystem::addLeastSoftness() {
 
 // The sum of L x (r x L) of three directions is 2 r.
 void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
-  block.point[0] = -1;
   for (int i = 0; i < block.rows; ++i) {
     if (block.bound[i] >= 0) continue;
-    if (rows[block.row[i]].m_contactNormal1.isZero())
+    if (rows[block.row[i]].m_contactNormal1.isZero()) {
       ++block.angular_rows;
-    else if (block.linear_rows++ < 3)
-      block.point[block.linear_rows - 1] = i;
+    } else {
+      if (block.linear_rows < 3) block.point[block.linear_rows] = i;
+      ++block.linear_rows;
+    }
   }
   if (block.linear_rows < 3) {
     block.point[0] = -1;
