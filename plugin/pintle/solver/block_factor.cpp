@@ -21,7 +21,13 @@ inline void withConstant(int rows, const Function& f) {
   }
 }
 
+// What is below the diagonal of a column.
+constexpr double below[block_rows][block_rows] = {{0, 1, 1, 1, 1, 1}, {0, 0, 1, 1, 1, 1},
+                                                  {0, 0, 0, 1, 1, 1}, {0, 0, 0, 0, 1, 1},
+                                                  {0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0}};
+
 }  // namespace
+
 void BlockFactor::resize(const Elimination& elimination, const std::vector<int>& rows) {
   m_elimination = &elimination;
   m_rows = rows;
@@ -49,8 +55,7 @@ void BlockFactor::factoriseDiagonal(int c, double tolerance) {
       }
       const BlockColumn L = inverse[p] * column(A, p);
       for (int q = p + 1; q < n; ++q) column(A, q) -= A[p * block_rows + q] * L;
-      column(A, p) = L;
-      std::fill_n(A + p * block_rows, p + 1, 0.);
+      column(A, p) = L.cwiseProduct(column(below[p]));
     }
   });
 }

@@ -91,6 +91,15 @@ class PoseGuard {
 
 }  // namespace
 
+void EndOfStep::begin(size_t blocks, const btAlignedObjectArray<btSolverBody>& bodies) {
+  m_far.assign(blocks, false);
+  Scalar furthest = 0;
+  for (int i = 0; i < bodies.size(); ++i)
+    if (!bodies[i].internalGetInvMass().isZero())
+      furthest = btMax(furthest, bodies[i].m_worldTransform.getOrigin().length2());
+  m_rounding = double(SIMD_EPSILON * btSqrt(furthest)) / 2;
+}
+
 void EndOfStep::predict(const btAlignedObjectArray<btSolverBody>& bodies,
                         const btContactSolverInfo& info) {
   m_dt = info.m_timeStep;
@@ -158,7 +167,9 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
     errors(blocks[c], rows, of, m_far[c]);
     double& most = largest[size_t(joints.topology().component[c])];
     for (int r = 0; r < blocks[c].rows; ++r) {
-      const double size = double(m_dt) * std::abs(of[r]);
+      double size = double(m_dt) * std::abs(of[r]);
+      if (size <= most) continue;
+      if (!rows[blocks[c].row[r]].m_contactNormal1.isZero()) size -= m_rounding;
       if (!(size <= most)) most = size;  // also NaN
     }
   }

@@ -10,13 +10,14 @@ inline namespace PINTLE_PRECISION {
 class EndOfStep {
  public:
   /// Begins a step of so many blocks.
-  void begin(size_t blocks) { m_far.assign(blocks, false); }
+  void begin(size_t blocks, const btAlignedObjectArray<btSolverBody>& bodies);
   /// The poses that Bullet integrates to from the velocities that the bodies have now.
   void predict(const btAlignedObjectArray<btSolverBody>& bodies, const btContactSolverInfo& info);
 
   /// Of each row of each block, the change of its velocity (m/s, rad/s) that makes it hold at the end
   /// of the step, as far as a step is to go; 0 for rows that are soft or no matter of position.
-  /// The largest one of each component of the topology, times the step, is `largest`.
+  /// The largest one of each component of the topology, times the step, is `largest`, m or rad: but for what
+  /// positions so far from the origin are rounded by.
   void errors(const JointSystem& joints, const btConstraintArray& rows, std::vector<double>& error,
               std::vector<double>& largest);
 
@@ -36,6 +37,7 @@ class EndOfStep {
   std::vector<btTransform> m_poses;
   std::vector<char> m_far;  ///< of each block
   Scalar m_dt = 0, m_erp = 0;
+  double m_rounding = 0;  ///< of positions, m
 };
 
 }  // namespace PINTLE_PRECISION

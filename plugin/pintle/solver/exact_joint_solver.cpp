@@ -283,7 +283,7 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   if (m_position_iterations == 0) return false;
   Island& island = *m_island;
   JointSystem& joints = island.joints;
-  island.end.begin(joints.blocks().size());
+  island.end.begin(joints.blocks().size(), m_tmpSolverBodyPool);
   lookAhead(info, island.largest);
   const Sizes& error = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
   const bool any_far = isFar(island.largest, error.large);
@@ -346,13 +346,15 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   while (!(foreseen && iterations > 0) && stiffen(info) && joints.hasUnresolved()) {
   }
   joints.settle();
-  joints.write(m_tmpSolverBodyPool);
 
   // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far
   // as that matters to what has.
   int used = 0;
   m_leastSquaresResidual = 0;
-  if (iterations > 0) beginReactions();
+  if (iterations > 0) {
+    joints.write(m_tmpSolverBodyPool);
+    beginReactions();
+  }
   for (bool last = iterations == 0; !last;) {
     m_leastSquaresResidual = pass(used++);
     last = used == iterations || m_leastSquaresResidual <= info.m_leastSquaresResidualThreshold;

@@ -49,15 +49,6 @@ double velocityAlong(const btSolverConstraint& row, const btVector3& v_a, const 
          inDouble(row.m_relpos2CrossNormal).dot(inDouble(w_b));
 }
 
-double freeVelocity(const btSolverConstraint& row,
-                    const btAlignedObjectArray<btSolverBody>& bodies) {
-  const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
-  return velocityAlong(row, a.m_linearVelocity + a.m_externalForceImpulse,
-                       a.m_angularVelocity + a.m_externalTorqueImpulse,
-                       b.m_linearVelocity + b.m_externalForceImpulse,
-                       b.m_angularVelocity + b.m_externalTorqueImpulse);
-}
-
 double changeOfVelocity(const btSolverConstraint& row,
                         const btAlignedObjectArray<btSolverBody>& bodies) {
   const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
@@ -131,12 +122,31 @@ constexpr double stiff = 1, stiff_if_free = 2.5, unresolved = 4;
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
 
+// J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on.
+template <int first>
+void addSquare(double* to, const double (&J)[6][block_rows]) {
+  using Part = Eigen::Matrix<double, block_rows - first, 1>;
+  for (int q = first; q < first + 2; ++q) {
+    Eigen::Map<Part> column(to + q * block_rows + first);
+    Part sum = column;
+    for (int k = 0; k < 6; ++k)
+      if (k >= 3 || J[k][q] != 0) sum += J[k][q] * Eigen::Map<const Part>(J[k] + first);
+    column = sum;
+  }
+}
+void addSquare(double* to, const double (&J)[6][block_rows], int rows) {
+  addSquare<0>(to, J);
+  if (rows > 2) addSquare<2>(to, J);
+  if (rows > 4) addSquare<4>(to, J);
+}
+
 // A J^T of two joints' rows for a body, to their block of K.
 void addProduct(double* to, const double (&A)[6][block_rows], const double (&J)[6][block_rows],
                 int rows) {
   for (int q = 0; q < rows; ++q) {
     BlockColumn sum = column(to, q);
-    for (int k = 0; k < 6; ++k) sum += J[k][q] * column(A[k]);
+    for (int k = 0; k < 6; ++k)
+      if (k >= 3 || J[k][q] != 0) sum += J[k][q] * column(A[k]);
     column(to, q) = sum;
   }
 }
@@ -165,6 +175,8 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     body.load = body.known_load = 0;
     body.moves = !bodies[i].internalGetInvMass().isZero();
     body.hindered = isHindered(bodies[i]);
+    body.v = inDouble(bodies[i].m_linearVelocity + bodies[i].m_externalForceImpulse);
+    body.w = inDouble(bodies[i].m_angularVelocity + bodies[i].m_externalTorqueImpulse);
     if (body.moves) scale(body, bodies[i]);
   }
   const auto moving = [this](int body) { return m_bodies[size_t(body)].moves ? body : -1; };
@@ -245,11 +257,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       block.row[r] = from.row[i];
       block.index[r] = from.index[i];
       block.bound[r] = from.bound[i];
-      for (int side = 0; side < 2; ++side)
-        if (block.body[side] >= 0) setRow(block, side, row, r);
       const double K = wholeK(row);
       block.deficit[r] = double(row.m_rhs) * K;
-      block.rest[r] = bounded ? block.deficit[r] : -freeVelocity(row, bodies);
+      setRow(block, row, r);
+      if (bounded) block.rest[r] = block.deficit[r];
       block.softness[r] = double(row.m_cfm) * K;
       block.damping[r] = bounded ? 0 : damped_correction * K;
       block.holds[r] = !bounded && !(row.m_cfm > 0);
@@ -267,41 +278,42 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   return true;
 }
 
+// Of A = S S^T the Cholesky factor. An axis about which the body cannot turn has no column.
 void JointSystem::scale(Body& body, const btSolverBody& of) const {
-  const btVector3& mass = of.internalGetInvMass();
+  const btVector3 &mass = of.internalGetInvMass(), &f = of.m_angularFactor;
   const btMatrix3x3& I = of.m_originalBody->getInvInertiaTensorWorld();
-  double A[3][3];
   for (int i = 0; i < 3; ++i) {
-    body.linear[i] = std::sqrt(double(mass[i]) * double(of.m_linearFactor[i]));
-    for (int k = 0; k < 3; ++k)
-      A[i][k] = double(of.m_angularFactor[i]) * double(I[i][k]) * double(of.m_angularFactor[k]);
+    const double inverse = double(mass[i]) * double(of.m_linearFactor[i]);
+    const bool as_before =
+        i > 0 && mass[i] == mass[i - 1] && of.m_linearFactor[i] == of.m_linearFactor[i - 1];
+    body.linear[i] = as_before ? body.linear[i - 1] : std::sqrt(inverse);
   }
-  // Cholesky; an axis about which the body cannot turn has no column.
-  Matrix3d &S = body.angular, &inverse = body.inverse;
-  for (int k = 0; k < 3; ++k) {
-    const double pivot = A[k][k];
-    const double root = pivot > 0 ? std::sqrt(pivot) : 0, reciprocal = root > 0 ? 1 / root : 0;
-    for (int i = 0; i < 3; ++i) S(i, k) = i < k ? 0 : A[i][k] * reciprocal;
-    for (int i = k + 1; i < 3; ++i)
-      for (int j = k + 1; j < 3; ++j) A[i][j] -= S(i, k) * S(j, k);
-    for (int j = 0; j < 3; ++j) inverse(k, j) = j == k ? reciprocal : 0;
-    for (int j = 0; j < k; ++j) {
-      double sum = 0;
-      for (int i = j; i < k; ++i) sum -= S(k, i) * inverse(i, j);
-      inverse(k, j) = sum * reciprocal;
-    }
-  }
+  const auto A = [&](int i, int k) { return double(f[i]) * double(I[i][k]) * double(f[k]); };
+  const auto reciprocalRoot = [](double pivot) { return pivot > 0 ? 1 / std::sqrt(pivot) : 0; };
+  const double p0 = A(0, 0), r0 = reciprocalRoot(p0), l1 = A(1, 0) * r0, l2 = A(2, 0) * r0;
+  const double p1 = A(1, 1) - l1 * l1, r1 = reciprocalRoot(p1), m2 = (A(2, 1) - l2 * l1) * r1;
+  const double p2 = A(2, 2) - l2 * l2 - m2 * m2, r2 = reciprocalRoot(p2);
+  body.angular << p0 * r0, 0, 0, l1, p1 * r1, 0, l2, m2, p2 * r2;
+  const double i1 = -l1 * r0 * r1;
+  body.inverse << r0, 0, 0, i1, r1, 0, -(l2 * r0 + m2 * i1) * r2, -m2 * r1 * r2, r2;
 }
 
-void JointSystem::setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const {
-  const Body& body = m_bodies[size_t(block.body[side])];
-  const btVector3& linear = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
-  const btVector3& angular = side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal;
-  const Vector3d w = inDouble(angular);
-  for (int k = 0; k < 3; ++k) {
-    block.J[side][k][r] = double(linear[k]) * body.linear[k];
-    block.J[side][3 + k][r] = body.angular.col(k).dot(w);
-  }
+// J S, and how fast the row moves before any impulse.
+void JointSystem::setRow(JointBlock& block, const btSolverConstraint& row, int r) const {
+  const auto side = [&](int s, int id, const btVector3& linear, const btVector3& angular) {
+    const Body& body = m_bodies[size_t(id)];
+    const Vector3d L = inDouble(linear), A = inDouble(angular);
+    if (block.body[s] >= 0) {
+      const Vector3d w = body.angular.transpose() * A;
+      for (int k = 0; k < 3; ++k) {
+        block.J[s][k][r] = L[k] * body.linear[k];
+        block.J[s][3 + k][r] = w[k];
+      }
+    }
+    return L.dot(body.v) + A.dot(body.w);
+  };
+  block.rest[r] = -side(0, row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) -
+                  side(1, row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
 }
 
 void JointSystem::factorise() {
@@ -313,7 +325,7 @@ void JointSystem::factorise() {
     double* K = m_factor.block(c);
     std::fill_n(K, block_rows * block_rows, 0.);
     for (int side = 0; side < 2; ++side)
-      if (block.body[side] >= 0) addProduct(K, block.J[side], block.J[side], block.rows);
+      if (block.body[side] >= 0) addSquare(K, block.J[side], block.rows);
     for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.softness[r];
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
       const JointBlock& other = m_blocks[size_t(elimination.row(i))];
@@ -357,7 +369,6 @@ void JointSystem::addLeastSoftness() {
   }
 }
 
-// The sum of L x (r x L) of three directions is 2 r.
 void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   for (int i = 0; i < block.rows; ++i) {
     if (block.bound[i] >= 0) continue;
@@ -373,17 +384,14 @@ void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
     return;
   }
   for (int side = 0; side < 2; ++side) {
-    Vector3d r = Vector3d::Zero();
-    double swing = 0;
+    // The squares of r x L of three directions sum up to 2 r^2.
+    double twice = 0, swing = 0;
     for (const int i : block.point) {
       const btSolverConstraint& row = rows[block.row[i]];
-      const btVector3& L = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
-      r += inDouble(L.cross(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
+      twice += double((side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal).length2());
       for (int k = 3; k < 6; ++k) swing += block.J[side][k][i] * block.J[side][k][i];
     }
-    const double length = r.norm();
-    for (int k = 0; k < 3; ++k) block.lever[side][k] = r[k];
-    block.swing[side] = length > 0 ? swing / length : 0;
+    block.swing[side] = twice > 0 ? swing / std::sqrt(twice / 2) : 0;
   }
 }
 
@@ -425,13 +433,15 @@ void JointSystem::addLevers(const btConstraintArray& rows) {
       if (block.body[side] < 0 || block.point[0] < 0) continue;
       const auto body = size_t(block.body[side]);
       if (!isStiff(m_bodies[body].load, body)) continue;
-      Vector3d p = Vector3d::Zero();
+      // The sum of L x (r x L) of three directions is 2 r.
+      Vector3d p = Vector3d::Zero(), r = Vector3d::Zero();
       for (const int i : block.point) {
         const btSolverConstraint& row = rows[block.row[i]];
-        p += block.impulse[i] * inDouble(side == 0 ? row.m_contactNormal1 : row.m_contactNormal2);
+        const btVector3& L = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
+        p += block.impulse[i] * inDouble(L);
+        r += inDouble(L.cross(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
       }
-      m_swings[size_t(block.body[side])].stiffness +=
-          leverStiffness(p, Eigen::Map<const Vector3d>(block.lever[side]));
+      m_swings[body].stiffness += leverStiffness(p, r);
     }
   }
 }
@@ -847,17 +857,17 @@ void JointSystem::solve() {
   apply(m_factor, [this](size_t c) { return residual(m_blocks[c]); });
 }
 
+// Rows are at their targets when they are corrected: what they lack is what these change by.
 void JointSystem::correct(const std::vector<double>& change) {
   const auto add = [&](size_t c) -> BlockColumn {
     const auto more = column(change.data(), int(c));
     column(m_blocks[c].deficit) += more;
     return more;
   };
-  if (loops()) return applyDamped(add);
-  apply(m_factor, [&](size_t c) {
-    add(c);
-    return residual(m_blocks[c]);
-  });
+  if (loops())
+    applyDamped(add);
+  else
+    apply(m_factor, add);
 }
 
 void JointSystem::keep() {
@@ -972,6 +982,7 @@ bool JointSystem::finite() const {
 }
 
 bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
+  if (!m_bounded) return false;
   bool any = false;
   const auto each = [&](const auto& f) {
     for (size_t c = 0; c < m_blocks.size(); ++c)
@@ -993,6 +1004,7 @@ bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
 
 bool JointSystem::takeBack(const btAlignedObjectArray<btSolverBody>& bodies,
                            const btConstraintArray& rows, Scalar dt) {
+  if (m_all) return false;
   // What the row lacks, against a bound that lets it push that way.
   const double much = missed / double(dt);
   const auto isDrawnOff = [&](const btSolverConstraint& row) {
@@ -1023,6 +1035,7 @@ bool JointSystem::takeBack(const btAlignedObjectArray<btSolverBody>& bodies,
 
 void JointSystem::report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
                          Scalar dt) const {
+  if (!m_bounded) return;
   for (const JointBlock& block : m_blocks) {
     if (std::none_of(block.bound, block.bound + block.rows, [](int i) { return i >= 0; })) continue;
     const btSolverConstraint& row = rows[block.row[0]];

@@ -48,8 +48,7 @@ struct JointBlock {
   int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
   int angular_rows, linear_rows;  ///< of those without bounds
   int point[3];                   ///< three rows that hold a point in all directions; -1: none do
-  double lever[2][3];             ///< of the point, from each body's centre
-  double swing[2];  ///< how easily it swings under a load: lever / inertia, 1 / (kg m)
+  double swing[2];  ///< how easily each body swings under a load of it: lever / inertia, 1 / (kg m)
 };
 
 class JointSystem {
@@ -169,6 +168,7 @@ class JointSystem {
   struct Body {
     double linear[3];
     Matrix3d angular, inverse;  ///< S of the body, with its stiffening, and its inverse
+    Vector3d v, w;              ///< before any impulse, m/s and rad/s
     double load = 0;            ///< more than (omega h)^2 of its swing under the joints' impulses
     double known_load = 0;      ///< with which its stiffening was looked at last
     bool moves = false, hindered = false;  ///< hindered: by factors, as in two dimensions
@@ -221,7 +221,7 @@ class JointSystem {
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
   void writeBody(int body, btSolverBody& to) const;
-  void setRow(JointBlock& block, int side, const btSolverConstraint& row, int r) const;
+  void setRow(JointBlock& block, const btSolverConstraint& row, int r) const;
 
   Topologies m_topologies;
   Topology* m_topology = nullptr;
