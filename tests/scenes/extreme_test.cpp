@@ -125,6 +125,13 @@ TEST(Extreme, FiniteAndNeverWorseThanStockOnTheExactSolver) {
                             "extreme_known_exact.txt", exact_column);
 }
 
+// What one solver is worse with the other is not.
+TEST(Extreme, WithOneSolverOrTheOtherNeverWorseThanStock) {
+  const std::set<std::string> exact = known("extreme_known_exact.txt");
+  for (const std::string& name : known("extreme_known.txt"))
+    EXPECT_EQ(exact.count(name), 0u) << name;
+}
+
 /// Why a fall of 10^6 steps ends in a worse class than stock's: it has not ended.
 TEST(Extreme, AFallGoesOnWhichStockJointsBrake) {
   const auto energy_left = [](engines::MakeJoint make_joint) {

@@ -183,6 +183,27 @@ TEST(WedgeJoint, ThrownAtItsLimitItStopsWithinAStepsMotionAndSettlesInside) {
   EXPECT_LT(worst, 0.5);
 }
 
+// Two limbs in a line turn together; the first one stops at its wedge, and with it the second, which until then did
+// not turn against it. Foreseen by that alone it would be 0.5 rad beyond its own at the end of the step.
+TEST(WedgeJoint, OfTwoLimbsThatTurnTogetherTheSecondStopsInTheStepOfTheFirst) {
+  World world(0, 50);
+  const btVector3 w = vec(0, 0, 20);
+  btRigidBody* limbs[2];
+  WedgeJoint* joints[2];
+  for (int i = 0; i < 2; ++i) {
+    limbs[i] = &world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(i + 0.5, 0, 0)));
+    limbs[i]->setAngularVelocity(w);
+    limbs[i]->setLinearVelocity(w.cross(limbs[i]->getCenterOfMassPosition()));
+    btRigidBody& to = i == 0 ? addCube(world, 0, vec(0, 0, 0)) : *limbs[0];
+    joints[i] =
+        &world.add_joint<WedgeJoint>(to, *limbs[i], scenes::pose_at(vec(i == 0 ? 0 : 0.5, 0, 0)),
+                                     scenes::pose_at(vec(-0.5, 0, 0)));
+    joints[i]->setLimit(scalar(-0.1), scalar(0.1));
+  }
+  world.step(dt);
+  for (const WedgeJoint* joint : joints) EXPECT_LT(std::abs(double(joint->getAngle())), 0.11);
+}
+
 TEST(WedgeJoint, FromAnywhereOutsideItComesIn) {
   Random random(4);
   for (const Formulation formulation : {Formulation::conditioned, Formulation::document}) {

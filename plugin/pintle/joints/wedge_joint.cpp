@@ -154,6 +154,12 @@ void WedgeJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
+// Of two limbs that turn together one stops at its own wedge: the other's is reached in the same step, which then
+// is to hold it. Rows of the next would find it behind its edge, and turned anyhow.
+inline AngularReach WedgeJoint::reach(const BodyPair& pair) const {
+  return {pair, timeStep(), true};
+}
+
 PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const {
   const Frame a(pair.pose_a(), m_frame_a);
   const Vec3 r_b = pair.R_b() * view(m_frame_b.getOrigin());
@@ -163,15 +169,15 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const 
   // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(d.sum() + components[0] + components[1] + components[2])) return;
   const bool acts =
-      m_side.driven() || (limited() && !m_look.isFarInside(components[0], components[1], 1,
-                                                           AngularReach(pair, timeStep()).most()));
+      m_side.driven() ||
+      (limited() && !m_look.isFarInside(components[0], components[1], 1, reach(pair).most()));
   addPivotRows(pair, a.r(), r_b, d, rows);
   if (acts) addWedgeRows(pair, a, c_b, rows);
 }
 
 PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b,
                                               Rows& rows) const {
-  const Scalar gained = Reach{0, AngularReach(pair, timeStep()).gained()}.of(m_other_side).gained;
+  const Scalar gained = Reach{0, reach(pair).gained()}.of(m_other_side).gained;
   const Directions at{a, c_b, pair.w_b() - pair.w_a(), gained};
   const Scalar dt = m_side.limit_spring.angular_frequency > 0 ? Scalar(0) : timeStep();
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit

@@ -8,6 +8,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class AngularReach;
 class Frame;
 
 /// A point of each body coincide, and a direction c_b of body b keeps between two half planes of
@@ -84,6 +85,7 @@ class WedgeJoint : public FrameJoint {
   }
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
+  AngularReach reach(const BodyPair& pair) const;
   void addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b, Rows& rows) const;
   bool isFarBehindEdge(const Directions& at) const;
   bool isInLowHalf(const Directions& at) const;

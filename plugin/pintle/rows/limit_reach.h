@@ -60,11 +60,15 @@ struct Reach {
 /// How an angle (rad) may move in a step as two bodies turn against each other (b against a).
 class AngularReach {
  public:
-  AngularReach(const BodyPair& pair, Scalar dt) : m_pair(pair), m_dt(dt), m_most(atMost()) {}
+  /// `a_may_stop`: another joint, or a contact, may stop a, and b goes on as fast as it turns now.
+  AngularReach(const BodyPair& pair, Scalar dt, bool a_may_stop = false)
+      : m_pair(pair), m_dt(dt), m_a_may_stop(a_may_stop), m_most(atMost()) {}
 
-  /// By how much forces add to the turn, at most.
+  /// By how much forces, and what stops a, add to the turn, at most.
   Scalar gained() const {
-    return m_dt * m_dt * (accelerationBound(m_pair.a()) + accelerationBound(m_pair.b()));
+    const Scalar forces =
+        m_dt * m_dt * (accelerationBound(m_pair.a()) + accelerationBound(m_pair.b()));
+    return m_a_may_stop ? forces + m_dt * m_pair.w_a().norm() : forces;
   }
   /// About the unit vector h, or the other way (sign -1).
   Reach about(const Vec3& h, Scalar sign = 1) const {
@@ -75,16 +79,20 @@ class AngularReach {
 
  private:
   // 2 dt |w| + gained(), by (x + y)^2 <= 2 (x^2 + y^2) for both bodies and
-  // (2 x + sqrt(2.5) y)^2 <= 6.5 (x^2 + y^2).
+  // (2 x + sqrt(2.5) y)^2 <= 6.5 (x^2 + y^2), and with z for what stops a 7.5 (x^2 + y^2 + z^2).
   Scalar atMost() const {
-    const Lanes w = lanes(m_pair.b().getAngularVelocity()) - lanes(m_pair.a().getAngularVelocity());
+    const LanesView w_a = lanes(m_pair.a().getAngularVelocity());
+    const Lanes w = lanes(m_pair.b().getAngularVelocity()) - w_a;
     const Lanes gain2 = accelerationBound2(m_pair.a()) + accelerationBound2(m_pair.b());
-    const Lanes sum = w * w + m_dt * m_dt * gain2;
-    return m_dt * btSqrt(Scalar(6.5) * (sum[2] + sum[0] + sum[1]));
+    Lanes sum = w * w + m_dt * m_dt * gain2;
+    if (m_a_may_stop) sum += w_a * w_a;
+    const Scalar factor = m_a_may_stop ? Scalar(7.5) : Scalar(6.5);
+    return m_dt * btSqrt(factor * (sum[2] + sum[0] + sum[1]));
   }
 
   const BodyPair& m_pair;
   Scalar m_dt;
+  bool m_a_may_stop;
   Scalar m_most;
 };
 
