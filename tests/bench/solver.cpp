@@ -1,6 +1,7 @@
 // The exact solver beside Bullet's, with its default settings: what joints lack, what energy does, and
 // what a step takes. Times are those of whole steps, in runs that took turns, the shortest of them; read
 // their ratios. Usage: solver [chains|scaling|grid|crowd]...
+//   solver steps chain|tree JOINTS stock|exact STEPS   runs one of scaling's, for an instruction counter (linear.sh)
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
@@ -17,6 +18,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <string>
@@ -27,7 +29,7 @@ namespace {
 using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
-constexpr int rounds = 3;
+constexpr int rounds = 5;
 
 std::unique_ptr<btConstraintSolver> exact() { return std::make_unique<ExactJointSolver>(); }
 
@@ -106,10 +108,12 @@ struct Measured {
   double microseconds_per_step = 0, gap = 0, bytes = 0;
 };
 
-// Where body i of a chain or of a binary tree is. A tree branches in x, y and z by turns, each time by
-// less, so that its bodies are apart.
+// Where body i of a chain or of a binary tree is. A chain goes to and fro in rows of a hundred, so that it stays
+// where single precision knows positions well; a tree branches in x, y and z by turns, each time by less, so that
+// its bodies are apart.
 Eigen::Vector3d place(int i, bool tree) {
-  if (!tree) return {0, 0, -0.5 - i};
+  const int row = i / 100, in_row = i % 100;
+  if (!tree) return {double(row), 0, -0.5 - (row % 2 == 0 ? in_row : 99 - in_row)};
   if (i == 0) return {0, 0, 0};
   const int depth = int(std::floor(std::log2(i + 1.))) - 1;
   Eigen::Vector3d branch = Eigen::Vector3d::Zero();
@@ -120,7 +124,7 @@ Eigen::Vector3d place(int i, bool tree) {
 // Ball joints, each half way between two bodies, hold them to the world: without gravity, which would make the
 // load of a joint depend on how many there are.
 template <class Ball>
-Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
+Measured hang(int joints, bool tree, const SolverFactory& make_solver, int steps) {
   ExactJointSolver* solver = nullptr;
   scenes::World world(0, 10, [&] {
     auto made =
@@ -143,7 +147,7 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
                             scenes::to_bullet(lever(i)), scenes::to_bullet(-lever(i)));
     links.back()->setLinearVelocity(btVector3(btScalar(0.1 * std::sin(double(i))), 0, 0));
   }
-  const int warm_up = 3, steps = std::max(5, 5000 / joints);
+  const int warm_up = 3;
   for (int i = 0; i < warm_up; ++i) world.step(1. / 240);
   const double before = world.microseconds_per_step() * warm_up;
   for (int i = 0; i < steps; ++i) world.step(1. / 240);
@@ -158,14 +162,19 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver) {
   return result;
 }
 
+Measured hang(int joints, bool tree, bool is_exact, int steps) {
+  return is_exact ? hang<pintle::BallJoint>(joints, tree, exact, steps)
+                  : hang<btPoint2PointConstraint>(joints, tree, {}, steps);
+}
+
 void scaling() {
   std::printf("\n%-8s %8s %14s %14s %8s %12s %12s\n", "", "joints", "stock us/joint",
               "exact us/joint", "ratio", "bytes/joint", "gap m");
   for (const bool tree : {false, true}) {
     for (const int joints : {10, 100, 1000, 10000}) {
-      const auto r =
-          inTurn<Measured>({[&] { return hang<btPoint2PointConstraint>(joints, tree, {}); },
-                            [&] { return hang<pintle::BallJoint>(joints, tree, exact); }});
+      const int steps = std::max(5, 5000 / joints);
+      const auto r = inTurn<Measured>({[&] { return hang(joints, tree, false, steps); },
+                                       [&] { return hang(joints, tree, true, steps); }});
       std::printf("%-8s %8d %14.3f %14.3f %8.2f %12.0f %12.1e\n", tree ? "tree" : "chain", joints,
                   r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints,
                   r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints,
@@ -291,6 +300,11 @@ void crowd() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 6 && std::strcmp(argv[1], "steps") == 0) {
+    hang(std::atoi(argv[3]), std::strcmp(argv[2], "tree") == 0, std::strcmp(argv[4], "exact") == 0,
+         std::atoi(argv[5]));
+    return 0;
+  }
   const struct {
     const char* name;
     void (*run)();
