@@ -28,8 +28,8 @@ do for [p = 1:rows] {
     file(who) = sprintf("%s/%s_%s_%s.dat", folder, precision, word(errors, e), who)
     plot for [c = 1:words(contenders)] file(word(contenders, c)) index 0 using 1:2 with points \
            pointtype 7 pointsize 0.6 linecolor rgb "#a0" . word(colours, c)[2:*] notitle, \
-         for [c = 1:words(contenders)] file(word(contenders, c)) index 1 using 1:2 with lines \
-           linewidth 2.5 linecolor rgb word(colours, c) notitle
+         for [c = 1:words(contenders)] file(word(contenders, c)) index 1 using 1:2 with linespoints \
+           pointtype 7 pointsize 0.7 linewidth 2.5 linecolor rgb word(colours, c) notitle
     unset label
   }
 }

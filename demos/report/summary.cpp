@@ -341,10 +341,19 @@ void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
   }
 }
 
+double least(const std::vector<Point>& points) {
+  double least = HUGE_VAL;
+  for (const Point& point : points) least = std::min(least, point.error);
+  return least;
+}
+
 bool is_rounding(const std::vector<Point>& points, const std::string& precision) {
   return std::all_of(points.begin(), points.end(),
                      [&](const Point& point) { return point.error <= rounding(precision); });
 }
+
+// Above rounding by more than this stock's errors would all be at the upper edge of a plot that goes down to it.
+constexpr double far_above = 1e4;
 
 // For plot.gp: the points of a contender, and after two empty lines its front.
 void write_data(const std::string& folder, const Report& report, const Scene& scene) {
@@ -353,9 +362,10 @@ void write_data(const std::string& folder, const Report& report, const Scene& sc
       for (const std::string& who : report.contenders()) {
         std::ofstream data(folder + "/" + precision + "_" + name(error) + "_" + who + ".dat");
         const auto points = report.points(precision, scene, error, who);
-        // Reduced coordinates leave no gap at all: nothing to draw, and far below the others.
+        // Reduced coordinates leave no gap at all: nothing to draw, if that is far below the others.
         if (is_rounding(points, precision) &&
-            !is_rounding(report.points(precision, scene, error, "stock"), precision))
+            least(report.points(precision, scene, error, "stock")) >
+                far_above * rounding(precision))
           continue;
         for (const Point& point : points) {
           if (std::isfinite(point.error)) data << point.time << ' ' << point.error << '\n';
