@@ -4,6 +4,7 @@
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/two_point_hinge.h>
 #include <pintle/body_pair.h>
 #include <pintle/solver/exact_joint_solver.h>
 
@@ -218,6 +219,27 @@ TEST(ExactJointSolver, JointsThatSayTheSameShareTheLoad) {
     EXPECT_NEAR(double(of.m_appliedTorqueBodyA.length()), 0, 1e-3) << "about the centre, at rest";
   }
   EXPECT_NEAR(double(body.getCenterOfMassPosition().z()), 0, 1e-5);
+}
+
+// Two points of a hinge's axis, three rows each: where they hold one of them says nothing new, and off it next to
+// nothing. Held exactly that would turn the bodies by up to 1e9 rad/s.
+TEST(ExactJointSolver, AJointThatSaysNearlyTheSameTwiceThrowsNobody) {
+  for (const double degrees : {60., 90., 120., 150.}) {
+    for (const btVector3& axis : {vec(1, 0, 0), vec(0, 1, 0), vec(0.6, 0.8, 0)}) {
+      World world(0, 10, exact);
+      btTransform pose(btQuaternion(axis, btScalar(scenes::radians(degrees))));
+      pose.setOrigin(vec(0.5, 0, 0) + pose * vec(0.5, 0, 0));
+      btRigidBody& a = world.add_box(1, vec(0.5, 0.1, 0.1), at(0, 0, 0));
+      btRigidBody& b = world.add_box(1, vec(0.5, 0.1, 0.1), pose);
+      world.add_joint<pintle::TwoPointHinge>(a, b, at(0.5, 0, 0), at(-0.5, 0, 0)).setSixRows(true);
+      a.setAngularVelocity(vec(0.3, -0.2, 1));
+      for (int i = 0; i < 300; ++i) {
+        world.step(1. / 60);
+        ASSERT_LT(a.getAngularVelocity().length(), 20) << degrees << ' ' << axis.x();
+        ASSERT_LT(b.getAngularVelocity().length(), 20) << degrees << ' ' << axis.x();
+      }
+    }
+  }
 }
 
 // A planar loop of hinges has three rows too many.

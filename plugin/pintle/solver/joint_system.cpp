@@ -122,7 +122,8 @@ constexpr double stiff = 1, stiff_if_free = 2.5, unresolved = 4;
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
 
-// J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on.
+// J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on. Angular rows, and such
+// along the world's axes, have next to no linear part.
 template <int first>
 void addSquare(double* to, const double (&J)[6][block_rows]) {
   using Part = Eigen::Matrix<double, block_rows - first, 1>;
@@ -388,7 +389,8 @@ void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
     double twice = 0, swing = 0;
     for (const int i : block.point) {
       const btSolverConstraint& row = rows[block.row[i]];
-      twice += double((side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal).length2());
+      twice +=
+          inDouble(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal).squaredNorm();
       for (int k = 3; k < 6; ++k) swing += block.J[side][k][i] * block.J[side][k][i];
     }
     block.swing[side] = twice > 0 ? swing / std::sqrt(twice / 2) : 0;
