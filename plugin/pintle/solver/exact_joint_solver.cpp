@@ -153,7 +153,7 @@ void ExactJointSolver::resetVelocities() {
 bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
   JointSystem& joints = m_island->joints;
   if (m_island->stiffenings == most_stiffenings ||
-      !joints.stiffen(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, info.m_timeStep))
+      !joints.stiffen(m_tmpSolverNonContactConstraintPool, info.m_timeStep))
     return false;
   ++m_island->stiffenings;
   restart();
@@ -260,7 +260,7 @@ void ExactJointSolver::calm(double dt) {
     const double speed = std::sqrt(island.energy[i].free / island.energy[i].unit);
     island.speeds[i] = std::clamp(speed, least_calm, calm_speed);
   }
-  joints.calm(m_tmpSolverBodyPool, island.worse, island.speeds);
+  joints.calm(island.worse, island.speeds);
   restart();
   joints.settle();
   findEnergies();

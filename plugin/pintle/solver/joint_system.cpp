@@ -41,19 +41,13 @@ constexpr Scalar thin = Scalar(1e-5), thin_by_factors = Scalar(0.01);
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
-double velocityAlong(const btSolverConstraint& row, const btVector3& v_a, const btVector3& w_a,
-                     const btVector3& v_b, const btVector3& w_b) {
-  return inDouble(row.m_contactNormal1).dot(inDouble(v_a)) +
-         inDouble(row.m_relpos1CrossNormal).dot(inDouble(w_a)) +
-         inDouble(row.m_contactNormal2).dot(inDouble(v_b)) +
-         inDouble(row.m_relpos2CrossNormal).dot(inDouble(w_b));
-}
-
 double changeOfVelocity(const btSolverConstraint& row,
                         const btAlignedObjectArray<btSolverBody>& bodies) {
   const btSolverBody &a = bodies[row.m_solverBodyIdA], &b = bodies[row.m_solverBodyIdB];
-  return velocityAlong(row, a.m_deltaLinearVelocity, a.m_deltaAngularVelocity,
-                       b.m_deltaLinearVelocity, b.m_deltaAngularVelocity);
+  return inDouble(row.m_contactNormal1).dot(inDouble(a.m_deltaLinearVelocity)) +
+         inDouble(row.m_relpos1CrossNormal).dot(inDouble(a.m_deltaAngularVelocity)) +
+         inDouble(row.m_contactNormal2).dot(inDouble(b.m_deltaLinearVelocity)) +
+         inDouble(row.m_relpos2CrossNormal).dot(inDouble(b.m_deltaAngularVelocity));
 }
 
 // J M^-1 J^T as Bullet has it, of bodies without factors.
@@ -448,7 +442,7 @@ void JointSystem::addLevers(const btConstraintArray& rows) {
   }
 }
 
-void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies) {
+void JointSystem::addNeighbours() {
   for (Swing& swing : m_swings) {
     swing.omega.setZero();
     swing.neighbours = 0;
@@ -456,9 +450,8 @@ void JointSystem::addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies
   for (const JointBlock& block : m_blocks) {
     if (block.body[0] < 0 || block.body[1] < 0) continue;
     for (int side = 0; side < 2; ++side) {
-      const btSolverBody& other = bodies[block.body[1 - side]];
       Swing& swing = m_swings[size_t(block.body[side])];
-      swing.omega += inDouble(other.m_angularVelocity + other.m_externalTorqueImpulse);
+      swing.omega += m_bodies[size_t(block.body[1 - side])].w;
       ++swing.neighbours;
     }
   }
@@ -491,8 +484,7 @@ void JointSystem::beginSwings() {
   }
 }
 
-bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
-                          const btConstraintArray& rows, Scalar dt) {
+bool JointSystem::stiffen(const btConstraintArray& rows, Scalar dt) {
   addLoads(double(dt));
   if (!loadsChanged()) return false;
   beginSwings();
@@ -512,7 +504,7 @@ bool JointSystem::stiffen(const btAlignedObjectArray<btSolverBody>& bodies,
     changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
   }
   if (!changed) return false;
-  changeInertia(bodies);
+  changeInertia();
   return true;
 }
 
@@ -522,7 +514,7 @@ bool JointSystem::hasUnresolved() const {
 }
 
 // To the next stiffening of each body.
-void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies) {
+void JointSystem::changeInertia() {
   for (size_t i = 0; i < m_swings.size(); ++i) {
     Swing& swing = m_swings[i];
     swing.turns = swing.stiffening.any() || swing.next_stiffening.any();
@@ -543,14 +535,12 @@ void JointSystem::changeInertia(const btAlignedObjectArray<btSolverBody>& bodies
         column(J[k]) = turn(0, k) * before[0] + turn(1, k) * before[1] + turn(2, k) * before[2];
     }
   }
-  addNeighbours(bodies);
+  addNeighbours();
   for (size_t i = 0; i < m_swings.size(); ++i) {
     Swing& swing = m_swings[i];
     swing.kick.setZero();
     if (swing.neighbours == 0 || !(swing.stiffening.most() > unresolved)) continue;
-    const btSolverBody& of = bodies[int(i)];
-    const Vector3d behind = swing.omega / swing.neighbours -
-                            inDouble(of.m_angularVelocity + of.m_externalTorqueImpulse);
+    const Vector3d behind = swing.omega / swing.neighbours - m_bodies[i].w;
     const auto part = [](double mu) {
       return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
     };
@@ -945,8 +935,7 @@ void JointSystem::undoCorrections(const btConstraintArray& rows,
   }
 }
 
-void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
-                       const std::vector<char>& components, const std::vector<double>& speed) {
+void JointSystem::calm(const std::vector<char>& components, const std::vector<double>& speed) {
   std::vector<double>& fastest = m_fastest_of;
   fastest.assign(components.size(), 0);
   const auto component = [&](size_t c) { return size_t(m_topology->component[c]); };
@@ -964,7 +953,7 @@ void JointSystem::calm(const btAlignedObjectArray<btSolverBody>& bodies,
   }
   if (m_swings.empty()) return;
   for (Swing& swing : m_swings) swing.next_stiffening = Stiffening();
-  changeInertia(bodies);
+  changeInertia();
 }
 
 void JointSystem::weaken(const std::vector<double>& parts) {

@@ -66,8 +66,7 @@ class JointSystem {
   /// Adds the geometric stiffness of the impulses that the joints have now to the inertia of each body
   /// that needs it. Returns whether it has changed: then K is another one, and the joints are to be
   /// solved anew.
-  bool stiffen(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
-               Scalar dt);
+  bool stiffen(const btConstraintArray& rows, Scalar dt);
   /// Whether a body swings so fast that next to nothing of it is left in a step: how stiff it is then
   /// changes the impulses by much.
   bool hasUnresolved() const;
@@ -130,8 +129,7 @@ class JointSystem {
   void undoCorrections(const btConstraintArray& rows, const std::vector<char>& components);
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
-  void calm(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<char>& components,
-            const std::vector<double>& speed);
+  void calm(const std::vector<char>& components, const std::vector<double>& speed);
   /// Leaves this part of what impulses have done to each component.
   void weaken(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
@@ -207,7 +205,7 @@ class JointSystem {
   void apply(const BlockFactor& factor, const Change& change);
   template <class Change>
   void applyDamped(const Change& change);
-  void changeInertia(const btAlignedObjectArray<btSolverBody>& bodies);
+  void changeInertia();
   static void findPoint(JointBlock& block, const btConstraintArray& rows);
   void addLoads(double dt);
   /// Whether a body of this (omega h)^2 of its swing is stiffened.
@@ -215,7 +213,7 @@ class JointSystem {
   bool loadsChanged() const;
   void addLevers(const btConstraintArray& rows);
   void beginSwings();
-  void addNeighbours(const btAlignedObjectArray<btSolverBody>& bodies);
+  void addNeighbours();
   void touch(const btConstraintArray& rows, bool of_contacts);
   void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
