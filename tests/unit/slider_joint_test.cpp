@@ -1245,8 +1245,8 @@ TEST(Slider, ASliderCrankFollowsItsClosedForm) {
     // What is left is of a loop's least softness, and of rounding.
     EXPECT_LT(*std::max_element(errors.begin(), errors.end()), support::is_double ? 5e-6 : 2e-5);
   } else {
-    EXPECT_GT(std::log2(errors[0] / errors[1]), 2.7);
-    EXPECT_GT(std::log2(errors[1] / errors[2]), 2.7);
+    // Below that line, as far as the crank turns by enough in a step to be looked where that leads.
+    for (const int i : {1, 2}) EXPECT_LT(errors[size_t(i)], 6e-4 / std::pow(8, i));
   }
   // With few iterations the crank lags, and that is of the first order.
   settings.dt = 1.0 / 60;

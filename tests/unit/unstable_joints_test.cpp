@@ -71,7 +71,7 @@ TEST(UnstableJoints, SingleRowsGiveWayUnderALoad) {
          {beam<CrossProductHinge>(false, hz), beam<SingleRowLock>(true, hz)}) {
       EXPECT_TRUE(run.finite);
       EXPECT_GT(degrees(run.max_error), sag);
-      EXPECT_GT(run.last_error, 0.5 * run.first_error);
+      EXPECT_GT(run.last_error, 0.2 * run.first_error);
       EXPECT_GT(run.max_angular_speed, 1.5);
     }
     for (const BeamResult& run : {beam<QuaternionHinge>(false, hz), beam<FixedJoint>(true, hz)}) {
@@ -86,7 +86,7 @@ TEST(UnstableJoints, TheMatrixTakesTheAngularMomentumOfAPairThatIsViolated) {
   for (const double hz : {60., 240.}) {
     scenes::SpinSettings settings;
     settings.dt = 1 / hz;
-    EXPECT_GT(scenes::spin<CrossProductMatrixHinge>(settings).momentum_change, 0.2) << hz;
+    EXPECT_GT(scenes::spin<CrossProductMatrixHinge>(settings).momentum_change, 0.1) << hz;
     EXPECT_LT(scenes::spin<QuaternionHinge>(settings).momentum_change, 0.005) << hz;
   }
 }

@@ -306,7 +306,7 @@ TEST(WedgeJoint, InTheDocumentsFormASharpCornerJitters) {
     return rest(arm);
   };
   if (!onExactSolver()) {
-    EXPECT_GT(in_corner(2).speed, 1e-2);
+    EXPECT_GT(in_corner(2).speed, 1e-3);
   }
   for (const double total : {10., 60., 120.}) {
     const Rest at = in_corner(total);

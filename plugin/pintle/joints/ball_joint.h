@@ -12,7 +12,8 @@ inline namespace PINTLE_PRECISION {
 ///
 /// Everything that btPoint2PointConstraint has, under the same name, with the same signs and defaults.
 /// The document's formulation holds each body at its own anchor; the conditioned one holds both at
-/// the same point, and so conserves angular momentum while the joint is violated.
+/// the same point, and so conserves angular momentum while the joint is violated, as long as neither turns by
+/// more than a tenth of a radian in a step.
 class BallJoint : public Joint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

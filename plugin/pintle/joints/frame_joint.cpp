@@ -41,7 +41,7 @@ void FrameJoint::addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3&
   if (getFormulation() == Formulation::document)
     addDocumentPositionRows(r_a, r_b, d, rows);
   else
-    addConservingPositionRows(pair, r_a, r_b, d, rows);
+    addConservingPositionRows(pair, r_a, r_b, d, gapInLever(), rows);
 }
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {

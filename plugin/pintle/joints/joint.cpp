@@ -79,25 +79,15 @@ struct Joint::Step {
   Scalar limit_erp;                              ///< unless the limit has its own
   Scalar rate[max_firmness], cfm[max_firmness];  ///< of equalities: erp / dt, and softness
   bool rigid;                                    ///< no equality is soft
-  Scalar half;                                   ///< of the time step, for the curvature
+  Scalar curved_time;                            ///< with the curvature, what it adds to a velocity
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
-      : fps(info.fps), half(Scalar(0.5) * joint.m_time_step) {
+      : fps(info.fps), curved_time(joint.curvedTime()) {
     limit_erp = joint.m_erp.orElse(info.erp);
     rate[0] = limit_erp * fps;
     cfm[0] = joint.m_cfm.orElse(default_cfm);
     rigid = cfm[0] == 0;
     if (joint.m_firmness_differs) setFirmness(joint, info, default_cfm);
-    if (joint.m_foresees_curvature) return;
-    // The curvature goes with the square of the angular velocity at the end of the step, which is
-    // about as much more than that at its start as the last step added. Without this a pendulum
-    // gains energy.
-    const Scalar w = joint.m_angular_speed;
-    if (joint.m_last_angular_speed > 0 && w > 0) {
-      const Scalar next = btMax(w / 2, btMin(2 * w - joint.m_last_angular_speed, 2 * w)) / w;
-      half *= next * next;
-    }
-    half *= joint.curvedPart();
   }
 
   void setFirmness(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
@@ -118,7 +108,7 @@ struct Joint::Step {
   }
 
   // What the curvature adds to the mean velocity of the row in this step.
-  Scalar gain(const Row& row) const { return half * row.curvature; }
+  Scalar gain(const Row& row) const { return curved_time * row.curvature; }
 
   // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
   // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
@@ -138,10 +128,11 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
       m_starts_warm(true),
       m_block_rows(true),
       m_solved_at_once(false),
-      m_is_first_pass(false),
       m_last(Last::nothing),
       m_next(Last::nothing),
       m_formulation(Formulation::conditioned),
+      m_looks_ahead(false),
+      m_passes_done(0),
       m_rows(rows) {}
 
 Joint::Joint(btRigidBody& a, Rows rows) : Joint(a, getFixedBody(), rows) {}
@@ -156,6 +147,7 @@ void Joint::buildJacobian() {
   if (m_passes_left > 0 || m_last != m_next) m_last = Last::nothing;
   m_next = Last::nothing;
   m_passes_left = 0;
+  m_looks_ahead = false;
   // A disabled joint has no rows, but its angle goes on turning.
   if (!isEnabled()) {
     forget();
@@ -234,6 +226,17 @@ inline AxisRow Joint::act(Row& row, const BlockRow* orthogonal, const Block* blo
   return {-result.target, result.cfm, -result.upper, -result.lower};
 }
 
+// Those of limits are what joint_passes.cpp starts with, as Bullet counts them.
+inline void Joint::takeLastImpulses() {
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+    Row& row = m_rows[i];
+    const AxisState& state = m_rows.axis(row.axis);
+    if (row.limit && state.axis->isSimple(true))
+      row.last = state.isLimit() ? -state.sign * state.whole : Scalar(0);
+  }
+  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).whole = 0;
+}
+
 PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   m_last_time_step = m_time_step;
   m_time_step = 1 / info->fps;
@@ -249,10 +252,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   };
 
   const int equalities = m_rows.equalities();
-  if (n > equalities + 1) {
-    m_solver_rows = solverRows(*info);
-    for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).whole = 0;
-  }
+  if (n > equalities) takeLastImpulses();
+  if (n > equalities + 1) m_solver_rows = solverRows(*info);
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
   const auto mayMix = [&] {
@@ -293,7 +294,10 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.firmness], -infinity, infinity);
   }
   // A row that depends on others shares its impulse with them as it comes.
-  if (!block.independent() && m_next == Last::impulse) m_next = Last::nothing;
+  if (!block.independent()) {
+    m_looks_ahead = false;
+    if (m_next == Last::impulse) m_next = Last::nothing;
+  }
   // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
   // rounding errors that does not end well. One alone takes no harm.
   const bool several = n > equalities + 1;

@@ -97,6 +97,26 @@ class Joint : public btTypedConstraint {
     const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
     return btMax(Scalar(0), 1 - part * part);
   }
+  /// The part of a gap d that is in the lever of body a (3.1.3, conditioned). With all of it both bodies are
+  /// held at one point, and angular momentum is conserved at any gap. But Bullet turns no body by more than
+  /// pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing about each
+  /// other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian.
+  Scalar gapInLever() const {
+    constexpr Scalar from = Scalar(0.1), to = Scalar(pi / 4);
+    const Scalar part = (to - angularSpeed() * m_time_step) / (to - from);
+    return part > 0 ? btMin(part, Scalar(1)) : Scalar(0);
+  }
+  /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step. Half the
+  /// step, but the curvature goes with the square of the angular velocity at the end of the step, which is
+  /// about as much more than that at its start as the last step added. Without this a pendulum gains energy.
+  Scalar curvedTime() const {
+    const Scalar half = Scalar(0.5) * m_time_step;
+    if (m_foresees_curvature) return half;
+    const Scalar part = half * curvedPart(), w = m_angular_speed;
+    if (!(m_last_angular_speed > 0 && w > 0)) return part;
+    const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
+    return part * (next * next);
+  }
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.
@@ -151,20 +171,24 @@ class Joint : public btTypedConstraint {
 
   bool m_block_rows : 1;
   bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated
-  bool m_is_first_pass : 1;   ///< of Bullet's over the rows
   Last m_last : 2;
   Last m_next : 2;  ///< what this step makes use of, and leaves
   Formulation m_formulation : 1;
-  short m_passes_left = 0;  ///< until what the last one leaves is known
+  bool m_looks_ahead : 1;           ///< between Bullet's passes
+  unsigned char m_passes_done : 4;  ///< of Bullet's over the rows; no more than 15
+  short m_passes_left = 0;          ///< until what the last one leaves is known
 
   void beginPasses(const btConstraintInfo2& info);
+  bool isRigidLimit(int row) const;
   bool goesOn() const;
   void start(btSolverBody& a, btSolverBody& b);
   Scalar relaxation() const;
   void relax(Scalar factor);
   void takeImpulses();
+  void lookAhead(const btSolverBody& a, const btSolverBody& b);
   void takeResiduals(const btSolverBody& a, const btSolverBody& b);
   void forget();
+  void takeLastImpulses();
   void writeDelicate(btConstraintInfo2& info);
   AxisRow act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
   AxisRow actBesideEqualities(Row& row, const Step& step);

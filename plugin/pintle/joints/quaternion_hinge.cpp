@@ -80,12 +80,7 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Fram
                                                 const equations::Swing<Scalar>& swing,
                                                 Rows& rows) const {
   addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows);
-  if (m_angular_only) return;
-  // Bullet turns no body further in a step, whatever its velocity: such ones come apart in every step.
-  // Held at one point, they would swing about each other for seconds; at two, they are braked.
-  Vec3 lever_a = at.a.r();
-  if (!(angularSpeed() * timeStep() > Scalar(pi / 4))) lever_a += d;
-  addPositionRows(pair, lever_a, at.b.r(), d, rows);
+  if (!m_angular_only) addConservingPositionRows(pair, at.a.r(), at.b.r(), d, gapInLever(), rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,

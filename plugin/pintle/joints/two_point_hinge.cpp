@@ -3,6 +3,7 @@
 #include <pintle/equations/two_point_hinge.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/hinge_rows.h>
+#include <pintle/rows/position_rows.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -106,12 +107,16 @@ inline void TwoPointHinge::addPointRows(const BodyPair& pair,
   const auto to = points(anchor.r_a, c_a, anchor.r_b, c_b);
   const auto point_1 = equations::point_on_axis(anchor, c_a, c_b, to.s_1);
   const auto point_2 = equations::point_on_axis(anchor, c_a, c_b, to.s_2);
+  const bool document = getFormulation() == Formulation::document;
   if (m_six_rows) {
-    addPivotRows(pair, point_1.r_a, point_1.r_b, point_1.d, rows);
-    addPivotRows(pair, point_2.r_a, point_2.r_b, point_2.d, rows);
+    for (const equations::Anchors<Scalar>& at : {point_1, point_2}) {
+      if (document)
+        addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
+      else  // all of the gap: what the points say twice is not to contradict itself
+        addConservingPositionRows(pair, at.r_a, at.r_b, at.d, 1, rows);
+    }
     return;
   }
-  const bool document = getFormulation() == Formulation::document;
   const auto add = [&](const equations::Anchors<Scalar>& at, std::initializer_list<Vec3> along) {
     const Vec3 curvature = document ? Vec3(Vec3::Zero())
                                     : equations::position_curvature<Scalar>(

@@ -136,7 +136,7 @@ struct AxisState {
       last_incoming = incoming;
       acted = given = foreseen = false;
     } else {
-      last_incoming = 0;
+      last_incoming = whole = 0;
       seen = false;
     }
   }
@@ -146,6 +146,8 @@ struct AxisState {
     incoming = 0;
     rest = Axis::parts;
   }
+  /// Whether nothing but the limit acts, or did in the last step before this one is cleared.
+  bool isLimit() const { return rest == Axis::limit && others[0] == 0 && others[1] == 0; }
   /// The impulse of one part, of the row's whole impulse.
   Scalar impulse(Axis::Part part, Scalar of) const {
     if (rest == Axis::parts) return 0;

@@ -115,8 +115,6 @@ class Block {
   }
 
  private:
-  static constexpr int max_rows = 8;
-
   // I^-1 is symmetric: its columns, for a product without sums across lanes. The fourth lane is
   // what Bullet pads with, and goes with the factor's zero.
   static void load(Lanes (&I)[3], const MatrixView& inverse, const VectorView& factor) {
@@ -126,7 +124,7 @@ class Block {
 
   Lanes m_m;
   Lanes m_I_a[3], m_I_b[3];
-  BlockRow m_rows[max_rows];
+  BlockRow m_rows[most_joint_rows];
   BlockRow* m_end = m_rows;
   BlockRow* m_angular_end = m_rows;  ///< of the angular rows that come first
   bool m_independent = true;

@@ -37,10 +37,10 @@ inline void addPositionRows(const BodyPair& pair, const Vec3& lever_a, const Vec
                   rows);
 }
 
-/// Conditioned: both held at the anchor of b.
+/// Conditioned: both held at the anchor of b, with all of the gap in the lever of a (Joint::gapInLever).
 inline void addConservingPositionRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
-                                      const Vec3& d, Rows& rows) {
-  addPositionRows(pair, r_a + d, r_b, d, rows);
+                                      const Vec3& d, Scalar gap_in_lever, Rows& rows) {
+  addPositionRows(pair, r_a + gap_in_lever * d, r_b, d, rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -47,6 +47,22 @@ struct Row {
   LanesView lanesA_b() const { return LanesView(&A_b[0]); }
 };
 
+/// Whether the directions of two rows, of which these are the products, are nearer than 45 degrees. A row
+/// of the same number at another pose is the same row, unless another came in before it, or its direction
+/// jumped: only then do its positions at both tell of its motion.
+inline bool isSameDirection(double aa, double ab, double bb) {
+  return ab > 0 && 2 * ab * ab > aa * bb;
+}
+inline bool isSameRow(const Row& a, const Row& b) {
+  const auto dot = [](const Row& x, const Row& y) {
+    return double(x.L.dot(y.L) + x.A_a.dot(y.A_a) + x.A_b.dot(y.A_b));
+  };
+  return isSameDirection(dot(a, a), dot(a, b), dot(b, b));
+}
+
+/// No joint has more rows.
+constexpr int most_joint_rows = 8;
+
 /// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
 template <int N, int Axes = 0>
 struct RowMemory {

@@ -49,10 +49,6 @@ class StockRows {
   btSolverConstraint m_rows[most_rows];
 };
 
-// A row of the same number is the same row, unless a limit came in before it, or its direction jumped.
-// Its error at the end of the step says something of its velocity at the start only if it is.
-bool isSame(double aa, double ab, double bb) { return ab > 0 && 2 * ab * ab > aa * bb; }
-
 bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
   const auto dot = [](const btSolverConstraint& x, const btSolverConstraint& y) {
     return double(x.m_contactNormal1.dot(y.m_contactNormal1) +
@@ -60,16 +56,16 @@ bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
                   x.m_contactNormal2.dot(y.m_contactNormal2) +
                   x.m_relpos2CrossNormal.dot(y.m_relpos2CrossNormal));
   };
-  return isSame(dot(a, a), dot(a, b), dot(b, b));
+  return isSameDirection(dot(a, a), dot(a, b), dot(b, b));
 }
 
 // Bullet's rows are the negative of the document's: J_1 = [L, A_a], J_2 = [-L, -A_b].
 bool isSameRow(const Row& a, const btSolverConstraint& b) {
   const auto L = view(b.m_contactNormal1), A_a = view(b.m_relpos1CrossNormal),
              A_b = view(b.m_relpos2CrossNormal);
-  return isSame(double(a.L.dot(a.L) + a.A_a.dot(a.A_a) + a.A_b.dot(a.A_b)),
-                double(a.L.dot(L) + a.A_a.dot(A_a) - a.A_b.dot(A_b)),
-                double(L.dot(L) + A_a.dot(A_a) + A_b.dot(A_b)));
+  return isSameDirection(double(a.L.dot(a.L) + a.A_a.dot(a.A_a) + a.A_b.dot(a.A_b)),
+                         double(a.L.dot(L) + a.A_a.dot(A_a) - a.A_b.dot(A_b)),
+                         double(L.dot(L) + A_a.dot(A_a) + A_b.dot(A_b)));
 }
 
 class PoseGuard {

@@ -32,7 +32,6 @@ class EndOfStep {
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
               const btTransform& pose_b, Speeds& speed, Speeds& most);
 
-  static constexpr int most_joint_rows = 8;  // of a joint of Pintle's
   RowMemory<most_joint_rows, most_joint_rows> m_memory;
   std::vector<btTransform> m_poses;
   std::vector<char> m_far;  ///< of each block

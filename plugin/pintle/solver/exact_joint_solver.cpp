@@ -55,6 +55,10 @@ constexpr double most_gain = 1.1, correction_speed = 3;
 // the first of these in a step, rad, and for no more than the second.
 constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 
+// What would take more, or where it turns so far is still open by this, m or rad, cannot be held at the end of the
+// step: it is slowed down to the least turn, between these parts of its speed.
+constexpr double most_open = 1e-2, most_slowed = 0.5, least_slowed = 0.9;
+
 // What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
 // away must not be thrown, and one that turns at 1000 rad/s must not get away.
 constexpr double least_calm = 20, calm_speed = 100;
@@ -73,7 +77,8 @@ struct ExactJointSolver::Island {
   std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
   std::vector<JointSystem::Energy> energy;    ///< of each component
   std::vector<double> speeds;                 ///< of each component, to close what is open
-  std::vector<double> parts;                  ///< of the impulses, that each keeps
+  std::vector<double> parts;                  ///< of the impulses or velocities, that each keeps
+  std::vector<double> gained;                 ///< by each, if this is how the step ends
   std::vector<char> worse;                    ///< whether a large error has grown, or energy has
   std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
   std::vector<btTypedConstraint*> in_passes;     ///< joints that Bullet's passes are to call
@@ -83,7 +88,7 @@ struct ExactJointSolver::Island {
   void reserve(int constraints) {
     in_passes.reserve(size_t(constraints));
     const auto components = size_t(joints.topology().components);
-    for (std::vector<double>* of : {&largest, &next_largest, &speeds, &parts})
+    for (std::vector<double>* of : {&largest, &next_largest, &speeds, &parts, &gained})
       of->reserve(components);
     energy.reserve(components);
     worse.reserve(components);
@@ -210,10 +215,11 @@ void ExactJointSolver::findEnergies() {
   island.worse.resize(island.energy.size());
 }
 
-// Whether the ends of steps have fed a component more than they may: `worse`.
-bool ExactJointSolver::findFed(double dt) {
+// Whether a component cannot be held at the end of the step, or not without more energy than that may add: `worse`.
+bool ExactJointSolver::findUnruly(double dt) {
   Island& island = *m_island;
-  std::vector<double>& gained = island.joints.topology().gained;
+  island.gained = island.joints.topology().gained;
+  std::vector<double>& gained = island.gained;
   gained.resize(island.energy.size(), 0);
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
@@ -222,7 +228,7 @@ bool ExactJointSolver::findFed(double dt) {
     const double most = turn * turn / 2 * energy.free + chord_speed * chord_speed * energy.unit;
     // What other rows add is not the joints' work, and what they take is none of it.
     const double sum = gained[i] + std::min(energy.work, energy.now - energy.free) / most;
-    island.worse[i] = !(turn < least_turn) && !(sum <= 1);
+    island.worse[i] = !(turn < least_turn) && (!(sum <= 1) || !(island.largest[i] < most_open));
     if (!island.worse[i]) gained[i] = turn < least_turn ? 0 : std::max(0., sum);
     any = any || island.worse[i];
   }
@@ -241,19 +247,44 @@ bool ExactJointSolver::findGained(double gain, double speed) {
   return any;
 }
 
+// Components that are `worse` end the step where it takes them.
+void ExactJointSolver::leaveUncorrected() {
+  JointSystem& joints = m_island->joints;
+  joints.undoCorrections(m_tmpSolverNonContactConstraintPool, m_island->worse);
+  restart();
+  joints.settle();
+}
+
+void ExactJointSolver::slowDown(double dt) {
+  Island& island = *m_island;
+  island.parts.assign(island.energy.size(), 1);
+  for (size_t i = 0; i < island.energy.size(); ++i)
+    if (island.worse[i])
+      island.parts[i] =
+          std::clamp(least_turn / (island.energy[i].spin * dt), most_slowed, least_slowed);
+  island.joints.slow(m_tmpSolverBodyPool, island.parts);
+  island.joints.solve();
+}
+
 // Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
 // force would add energy without end: components that gain too much close them at a bounded speed, and
 // what still gains more than that, where other rows drive it, gets as much less of all impulses.
-void ExactJointSolver::calm(double dt) {
+void ExactJointSolver::calm(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
+  const double dt = double(info.m_timeStep);
   findEnergies();
-  if (findFed(dt)) {
-    joints.undoCorrections(m_tmpSolverNonContactConstraintPool, island.worse);
-    restart();
-    joints.settle();
+  if (findUnruly(dt)) {
+    leaveUncorrected();
+    slowDown(dt);
+    iteratePositions(info);
     findEnergies();
+    if (findUnruly(dt)) {
+      leaveUncorrected();
+      findEnergies();
+    }
   }
+  joints.topology().gained = island.gained;
   if (!findGained(most_gain, correction_speed)) return;
   island.speeds.resize(island.energy.size());
   for (size_t i = 0; i < island.energy.size(); ++i) {
@@ -280,9 +311,10 @@ void ExactJointSolver::calm(double dt) {
 
 // Returns whether bodies may have been moved by more than is good for them.
 bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
-  if (m_position_iterations == 0) return false;
   Island& island = *m_island;
   JointSystem& joints = island.joints;
+  island.largest.assign(size_t(joints.topology().components), 0.);
+  if (m_position_iterations == 0) return false;
   island.end.begin(joints.blocks().size(), m_tmpSolverBodyPool);
   lookAhead(info, island.largest);
   const Sizes& error = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
@@ -305,11 +337,9 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
                           ? isFar(island.next_largest, error.rest)
                           : extra < most_converging_iterations &&
                                 isConverging(island.next_largest, island.largest, error.rest);
+    if (!worse) island.largest.swap(island.next_largest);
     if (last && (worse || !more)) return any_far;
-    if (worse)
-      lookAhead(info, island.largest);
-    else
-      island.largest.swap(island.next_largest);
+    if (worse) lookAhead(info, island.largest);
   }
 }
 
@@ -373,7 +403,7 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
     m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
   if (iteratePositions(info) || joints.fastest() > correction_speed)
-    calm(double(info.m_timeStep));
+    calm(info);
   else
     std::fill(joints.topology().gained.begin(), joints.topology().gained.end(), 0.);
   return used;

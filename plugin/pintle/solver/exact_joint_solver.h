@@ -86,9 +86,11 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void beginReactions();
   bool findWorse(double large);
   void findEnergies();
-  bool findFed(double dt);
+  bool findUnruly(double dt);
   bool findGained(double gain, double speed);
-  void calm(double dt);
+  void leaveUncorrected();
+  void slowDown(double dt);
+  void calm(const btContactSolverInfo& info);
   bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);
 

@@ -956,6 +956,38 @@ void JointSystem::calm(const std::vector<char>& components, const std::vector<do
   changeInertia();
 }
 
+void JointSystem::slow(const btAlignedObjectArray<btSolverBody>& bodies,
+                       const std::vector<double>& parts) {
+  const std::vector<int>& component = m_topology->body_component;
+  const auto velocity = [this](size_t i) {
+    const Body& body = m_bodies[i];
+    const Eigen::Map<const Vector3d> u(&m_u[6 * i]), linear(body.linear);
+    return Vector3d(body.v + linear.cwiseProduct(u));
+  };
+  m_wholes.assign(parts.size(), Whole());
+  for (size_t i = 0; i < component.size(); ++i) {
+    if (component[i] < 0 || m_topology->grounded[size_t(component[i])]) continue;
+    Whole& whole = m_wholes[size_t(component[i])];
+    const double mass = 1 / double(bodies[int(i)].m_originalBody->getInvMass());
+    whole.mass += mass;
+    whole.velocity += mass * velocity(i);
+  }
+  for (Whole& whole : m_wholes)
+    if (whole.mass > 0) whole.velocity /= whole.mass;
+  for (size_t i = 0; i < component.size(); ++i) {
+    const double less = component[i] < 0 ? 0 : 1 - parts[size_t(component[i])];
+    if (!(less > 0)) continue;
+    const Body& body = m_bodies[i];
+    const Vector3d v = velocity(i) - m_wholes[size_t(component[i])].velocity;
+    const Eigen::Map<const Vector3d> u(&m_u[6 * i + 3]);
+    const Vector3d turn = body.inverse * (body.w + body.angular * u);
+    for (int k = 0; k < 3; ++k) {
+      if (body.linear[k] > 0) m_u[6 * i + size_t(k)] -= less * v[k] / body.linear[k];
+      m_u[6 * i + 3 + size_t(k)] -= less * turn[k];
+    }
+  }
+}
+
 void JointSystem::weaken(const std::vector<double>& parts) {
   for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
     const int component = m_topology->body_component[i];

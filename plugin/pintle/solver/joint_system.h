@@ -130,6 +130,9 @@ class JointSystem {
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
   void calm(const std::vector<char>& components, const std::vector<double>& speed);
+  /// Leaves this part of the velocities of each component; of one that is held by nothing, of those about its
+  /// centre of mass. The joints are to be solved.
+  void slow(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<double>& parts);
   /// Leaves this part of what impulses have done to each component.
   void weaken(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
@@ -186,9 +189,10 @@ class JointSystem {
   /// A component as one rigid body.
   struct Whole {
     double mass = 0;
-    Vector3d centre = Vector3d::Zero();   ///< times the mass, at first
-    Matrix3d inertia = Matrix3d::Zero();  ///< about the centre
-    Vector3d lost = Vector3d::Zero();     ///< angular momentum
+    Vector3d centre = Vector3d::Zero();    ///< times the mass, at first
+    Matrix3d inertia = Matrix3d::Zero();   ///< about the centre
+    Vector3d lost = Vector3d::Zero();      ///< angular momentum
+    Vector3d velocity = Vector3d::Zero();  ///< of the centre; times the mass, at first
     bool held = false;
   };
 
