@@ -45,7 +45,7 @@ constexpr Scalar feed_forward = Scalar(0.6);
 // these in a step, rad, it is found anew from where the velocities of now lead, each time that the number of
 // passes has doubled; by more than the second that need not converge. Nor for a joint that is further open
 // than it closes in a step at this speed, m/s or rad/s. (The document's form has no curvature.)
-constexpr Scalar least_turn = Scalar(0.05), most_turn = Scalar(0.3), open_speed = Scalar(0.3);
+constexpr Scalar least_look = Scalar(0.05), most_look = Scalar(0.3), open_speed = Scalar(0.3);
 
 // Looks come after one, two, four and eight passes: more are not counted.
 constexpr int most_passes_done = 15;
@@ -133,7 +133,7 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
                                                : Last::nothing;
   const Scalar turn = m_angular_speed * m_time_step;
   m_looks_ahead =
-      m_formulation == Formulation::conditioned && turn > least_turn && turn < most_turn;
+      m_formulation == Formulation::conditioned && turn > least_look && turn < most_look;
   m_passes_done = 0;
 }
 
@@ -212,7 +212,7 @@ inline void Joint::takeResiduals(const btSolverBody& a, const btSolverBody& b) {
 // elimination of rows/block.h as they did there.
 PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody& b) {
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
-  const Scalar most = most_turn / m_time_step;
+  const Scalar most = most_look / m_time_step;
   if (!(btMax(w_a.squaredNorm(), w_b.squaredNorm()) < most * most)) return;
   const btTransform end_a = atEnd(m_rbA, a, m_time_step), end_b = atEnd(m_rbB, b, m_time_step);
   RowMemory<most_joint_rows, most_joint_rows> memory;
