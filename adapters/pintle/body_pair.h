@@ -59,6 +59,8 @@ class BodyPair {
 
   const btRigidBody& a() const { return m_a; }
   const btRigidBody& b() const { return m_b; }
+  /// Whether the poses are those of the bodies, to which their velocities belong.
+  bool inPlace() const { return &m_pose_a == &m_a.getCenterOfMassTransform(); }
   const btTransform& pose_a() const { return m_pose_a; }
   const btTransform& pose_b() const { return m_pose_b; }
 

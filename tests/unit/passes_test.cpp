@@ -7,6 +7,8 @@
 #include <pintle/joints/quaternion_hinge.h>
 #include <scenes/chain.h>
 
+#include <array>
+
 #include "support.h"
 
 namespace passes_test {
@@ -123,13 +125,19 @@ TEST(Passes, AJointThatWasDisabledBeginsFromNothing) {
   EXPECT_LT(double(load.getLinearVelocity().length()), before + 0.05);
 }
 
-// Two boxes of 1 m fall about the world's x axis, and whirl. The largest gap after the first second, m.
+// Two boxes of 1 m, one behind the other.
+std::array<btRigidBody*, 2> addBoxes(scenes::World& world) {
+  const auto add = [&](double x) {
+    return &world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(x, 0, 0)));
+  };
+  return {add(0.5), add(1.5)};
+}
+
+// They fall about the world's x axis, and whirl. The largest gap after the first second, m.
 template <class Ball>
 double gapOfWhirl(int iterations) {
   scenes::World world(scenes::standard_gravity, iterations, make_bullets);
-  btRigidBody* bodies[2];
-  for (int i = 0; i < 2; ++i)
-    bodies[i] = &world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(0.5 + i, 0, 0)));
+  const auto bodies = addBoxes(world);
   const auto& first = world.add_joint<Ball>(*bodies[0], vec(-0.5, 0, 0));
   const auto& second =
       world.add_joint<Ball>(*bodies[0], *bodies[1], vec(0.5, 0, 0), vec(-0.5, 0, 0));
@@ -159,9 +167,7 @@ TEST(Passes, WhatWhirlsEndsTheStepTogether) {
 template <class Hinge>
 double beyondLimits() {
   scenes::World world(scenes::standard_gravity, 10, make_bullets);
-  btRigidBody* bodies[2];
-  for (int i = 0; i < 2; ++i)
-    bodies[i] = &world.add_box(1, vec(0.5, 0.1, 0.1), scenes::pose_at(vec(0.5 + i, 0, 0)));
+  const auto bodies = addBoxes(world);
   const btVector3 y = vec(0, 1, 0);
   Hinge* hinges[] = {
       &world.add_joint<Hinge>(*bodies[0], vec(-0.5, 0, 0), y),

@@ -24,6 +24,8 @@ constexpr Scalar least_twist = Scalar(0.005);
 constexpr Scalar near_target = Scalar(0.1);
 // Farther out of the cone (rad, across its smallest span) the way back is that to its nearest point.
 constexpr Scalar far_out = Scalar(0.05);
+// The least cosine between the normals of an edge that is no tip, where a step's forces lead and where it is nearest.
+constexpr Scalar same_edge = Scalar(0.95);
 
 bool isCone(const Axis& swing) { return swing.low <= -infinity; }
 
@@ -538,13 +540,19 @@ void ConeTwistJoint::addNearConeLimit(const At& at, Scalar gained, Rows& rows) c
   const Vec3 e_1 = at.b.c(), e_2 = at.b.b();
   const auto e = spans(m_softness);
   const bool document = m_circular && getFormulation() == Formulation::document;
+  // Where the bodies will be they have another velocity. The edge is the nearest one there, but in a tip.
+  const bool inPlace = at.pair.inPlace();
   const Scalar far = 1 + far_out / innerSpan();
   const bool ahead =
       !spring && !document &&
       equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < far * far;
-  const auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(s, at.x_b, e_1, e_2, e, w,
-                                                                      timeStep() / 2, gained)
-                         : coneRow(at, s);
+  auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(
+                         s, at.x_b, e_1, e_2, e, w, inPlace ? timeStep() / 2 : Scalar(0), gained)
+                   : coneRow(at, s);
+  if (ahead && !inPlace) {
+    const auto nearest = coneRow(at, s);
+    if (row.J_b.dot(nearest.J_b) > same_edge * nearest.J_b.norm() * row.J_b.norm()) row = nearest;
+  }
   const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, row.C))
     rows.addAngularAxis(swing_axis, row.J_b, row.C, m_swing, true, -1);

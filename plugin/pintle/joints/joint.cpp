@@ -213,6 +213,7 @@ inline AxisRow Joint::act(Row& row, const BlockRow* orthogonal, const Block* blo
   } else if (row.limit) {
     state.rest = Axis::limit;
     result = limitPart(axis, motion, state.incoming).row;
+    row.target = sign * (result.target - motion.gain);
   } else if (axis.drive != Axis::Drive::off) {
     state.rest = Axis::motor;
     result = motorPart(axis, motion).row;
@@ -252,8 +253,10 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   };
 
   const int equalities = m_rows.equalities();
-  if (n > equalities) takeLastImpulses();
-  if (n > equalities + 1) m_solver_rows = solverRows(*info);
+  if (n > equalities) {
+    takeLastImpulses();
+    m_solver_rows = solverRows(*info);
+  }
   // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
   // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
   const auto mayMix = [&] {

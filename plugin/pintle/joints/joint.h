@@ -16,6 +16,7 @@ class BodyPair;
 class Block;
 class EndOfStep;
 class ExactJointSolver;
+class JointSystem;
 struct BlockRow;
 
 /// Which form of its equations a joint solves.
@@ -165,6 +166,7 @@ class Joint : public btTypedConstraint {
  private:
   friend class EndOfStep;
   friend class ExactJointSolver;
+  friend class JointSystem;
   struct Step;
   /// What Row::last is of equalities.
   enum class Last : unsigned char { nothing, impulse, residual };
@@ -180,6 +182,8 @@ class Joint : public btTypedConstraint {
 
   void beginPasses(const btConstraintInfo2& info);
   bool isRigidLimit(int row) const;
+  Scalar lasting() const;
+  Scalar warmLimit(int row, Scalar part) const;
   bool goesOn() const;
   void start(btSolverBody& a, btSolverBody& b);
   Scalar relaxation() const;

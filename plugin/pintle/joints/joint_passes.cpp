@@ -2,8 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
-
-#include <LinearMath/btTransformUtil.h>
+#include <pintle/solver_body.h>
 
 #include <limits>
 
@@ -69,34 +68,16 @@ void stopIfSlow(btSolverBody& body) {
 // its joints faster than this, rad: Bullet turns no body by more than pi/4.
 constexpr Scalar fastest_turn = 1000;
 void boundTurn(btSolverBody& body, Scalar dt) {
-  const btVector3 w =
-      body.m_angularVelocity + body.m_externalTorqueImpulse + body.m_deltaAngularVelocity;
+  const btVector3 w = angularVelocity(body);
   const Scalar turn2 = w.length2() * dt * dt;
   if (turn2 > fastest_turn * fastest_turn && !body.internalGetInvMass().isZero())
     body.m_deltaAngularVelocity -= (1 - fastest_turn / btSqrt(turn2)) * w;
 }
 
-// The velocity of a body as the solver has it.
-Vec3 linear(const btSolverBody& body) {
-  return view(body.m_linearVelocity) + view(body.m_externalForceImpulse) +
-         view(body.m_deltaLinearVelocity);
-}
-Vec3 angular(const btSolverBody& body) {
-  return view(body.m_angularVelocity) + view(body.m_externalTorqueImpulse) +
-         view(body.m_deltaAngularVelocity);
-}
+Vec3 linear(const btSolverBody& body) { return view(linearVelocity(body)); }
+Vec3 angular(const btSolverBody& body) { return view(angularVelocity(body)); }
 
 bool isPowerOfTwo(int n) { return (n & (n - 1)) == 0; }
-
-// Where the body ends the step with the velocity of now.
-btTransform atEnd(const btRigidBody& body, const btSolverBody& now, Scalar dt) {
-  btTransform end;
-  btTransformUtil::integrateTransform(
-      body.getCenterOfMassTransform(),
-      now.m_linearVelocity + now.m_externalForceImpulse + now.m_deltaLinearVelocity,
-      now.m_angularVelocity + now.m_externalTorqueImpulse + now.m_deltaAngularVelocity, dt, end);
-  return end;
-}
 
 // J M^-1 J^T of two rows of a joint, both of the same sign.
 Scalar product(const Row& row, const btSolverConstraint& other, const btSolverBody& a,
@@ -156,19 +137,31 @@ inline bool Joint::isRigidLimit(int row) const {
          m_solver_rows[row].m_cfm == 0;
 }
 
+// A load takes so much less in a shorter step; in a longer one what made up for an error of velocity takes no more.
+inline Scalar Joint::lasting() const {
+  return curvedPart() * btMin(Scalar(1), m_time_step / m_last_time_step);
+}
+
+// The impulse from which a row with bounds may go on: this part of the last step's.
+Scalar Joint::warmLimit(int row, Scalar part) const {
+  if (row < m_rows.equalities() || m_solver_rows == nullptr || breakable() || !isRigidLimit(row))
+    return 0;
+  const btSolverConstraint& of = m_solver_rows[row];
+  const Scalar impulse = part * lasting() * m_rows[row].last;
+  return btMax(of.m_lowerLimit, btMin(impulse, of.m_upperLimit));
+}
+
 // The rows go on from what they had in the last step.
 inline void Joint::start(btSolverBody& a, btSolverBody& b) {
-  // A load takes so much less in a shorter step; in a longer one what made up for an error of velocity takes no more.
-  const Scalar part = curvedPart() * btMin(Scalar(1), m_time_step / m_last_time_step);
+  const Scalar part = warm_start * lasting();
   for (int i = 0; i < m_rows.size(); ++i) {
     btSolverConstraint& row = m_solver_rows[i];
     // No K: Bullet passes over the row.
     if (!(row.m_jacDiagABInv > 0)) continue;
     if (i < m_rows.equalities()) {
-      setImpulse(row, a, b, warm_start * part * m_rows[i].last);
-    } else if (isRigidLimit(i) && m_rows[i].last != 0) {
-      const Scalar impulse = warm_limit * part * m_rows[i].last;
-      setImpulse(row, a, b, btMax(row.m_lowerLimit, btMin(impulse, row.m_upperLimit)));
+      setImpulse(row, a, b, part * m_rows[i].last);
+    } else if (m_rows[i].last != 0 && isRigidLimit(i)) {
+      setImpulse(row, a, b, warmLimit(i, warm_limit));
     }
   }
 }
@@ -214,7 +207,9 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
   const Scalar most = most_look / m_time_step;
   if (!(btMax(w_a.squaredNorm(), w_b.squaredNorm()) < most * most)) return;
-  const btTransform end_a = atEnd(m_rbA, a, m_time_step), end_b = atEnd(m_rbB, b, m_time_step);
+  btTransform end_a, end_b;
+  endOfStep(m_rbA.getCenterOfMassTransform(), a, m_time_step, end_a);
+  endOfStep(m_rbB.getCenterOfMassTransform(), b, m_time_step, end_b);
   RowMemory<most_joint_rows, most_joint_rows> memory;
   Rows end(memory);
   addRows(BodyPair(m_rbA, end_a, m_rbB, end_b), end);

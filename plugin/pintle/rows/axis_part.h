@@ -58,9 +58,11 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
   const auto away = [&](Scalar speed) {
     return locked ? speed : btMin(speed, (axis.high - axis.low) * m.fps / 2);
   };
+  const Scalar rebound = axis.bias * axis.relaxation;
   if (gap > 0 && !locked) {
-    if (m.incoming > 0 && gap * m.fps < Scalar(0.1) * m.incoming)  // reached in the last step
-      return rigidPart(side * away(axis.bias * axis.relaxation * m.incoming), 0, lower, upper);
+    const bool reached = gap * m.fps < Scalar(0.1) * m.incoming;  // in the last step
+    if (reached && rebound * m.incoming > 0)
+      return rigidPart(side * away(rebound * m.incoming), 0, lower, upper);
     // Not there yet: the step may close the gap, and no more. Bullet's softness means nothing here.
     incoming = btMax(Scalar(0), -inward);
     return rigidPart(side * -gap * m.fps, 0, lower, upper);
@@ -68,8 +70,7 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
   // As in Bullet: a rebound if the joint comes in, of the speed with which it did.
   Scalar speed = btMin(-m.fps * m.limit_erp * axis.bias * gap, m.max_speed);
   const Scalar came = btMax(m.incoming, -inward);
-  if (axis.relaxation > 0 && came > 0)
-    speed = btMax(speed, away(axis.bias * axis.relaxation * came));
+  if (rebound * came > 0) speed = btMax(speed, away(rebound * came));
   return rigidPart(side * speed, m.limit_cfm, lower, upper);
 }
 

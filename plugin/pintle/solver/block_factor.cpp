@@ -135,6 +135,16 @@ void BlockFactor::substitute(int c, double* x) const {
   });
 }
 
+double BlockFactor::product(double* x, const std::vector<int>& columns) const {
+  double sum = 0;
+  for (const int c : columns) {
+    eliminate(c, x);
+    const BlockColumn y = column(x, c);
+    sum += y.cwiseProduct(y).dot(column(m_inverse.data(), c));
+  }
+  return sum;
+}
+
 void BlockFactor::solve(double* x) const {
   const int columns = m_elimination->columns();
   for (int c = 0; c < columns; ++c) eliminate(c, x);

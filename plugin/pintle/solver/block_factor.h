@@ -42,6 +42,8 @@ class BlockFactor {
   /// and closed: with a column are all rows of its blocks (Elimination::close).
   void solve(double* x) const;
   void solve(double* x, const std::vector<int>& columns) const;
+  /// x^T K^-1 x, with all of x in these columns; of x nothing is left.
+  double product(double* x, const std::vector<int>& columns) const;
 
   size_t bytes() const {
     return sizeof(double) * (m_blocks.capacity() + m_inverse.capacity() + m_scratch.capacity());

@@ -2,8 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
-
-#include <LinearMath/btTransformUtil.h>
+#include <pintle/solver_body.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,10 @@ namespace {
 // than this, m/s or rad/s: it is of the size of what a step of motion makes. A joint that starts
 // further off is brought together as ERP and its largest speed of correction say.
 constexpr double free_correction = 1;
+
+// A limit that sends its coordinate further inside than this, m or rad, makes it rebound: by a velocity, wherever
+// that leads.
+constexpr Scalar least_rebound = Scalar(1e-6);
 
 constexpr int most_rows = 16;  // of a stock joint
 
@@ -112,11 +115,41 @@ void EndOfStep::predict(const btAlignedObjectArray<btSolverBody>& bodies,
                                           pushed);
       start = &pushed;
     }
-    btTransformUtil::integrateTransform(
-        *start, body.m_linearVelocity + body.m_externalForceImpulse + body.m_deltaLinearVelocity,
-        body.m_angularVelocity + body.m_externalTorqueImpulse + body.m_deltaAngularVelocity, m_dt,
-        m_poses[size_t(i)]);
+    endOfStep(*start, body, m_dt, m_poses[size_t(i)]);
   }
+}
+
+// J v of bodies that their owner moves: they are where they will be at the end of the step.
+Scalar EndOfStep::ownersVelocity(const Joint& joint, const Row& row) {
+  const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
+  Scalar sum = 0;
+  if (a.isStaticOrKinematicObject())
+    sum -= row.L.dot(view(a.getLinearVelocity())) + row.A_a.dot(view(a.getAngularVelocity()));
+  if (b.isStaticOrKinematicObject())
+    sum += row.L.dot(view(b.getLinearVelocity())) + row.A_b.dot(view(b.getAngularVelocity()));
+  return sum;
+}
+
+bool EndOfStep::isOfAxis(const JointBlock& block, int r) {
+  return block.ours != nullptr && block.index[r] >= block.ours->m_rows.equalities();
+}
+
+// A limit that `end` has no row of is one that the step leaves. The document's form foresees nothing, and who
+// turns this far would have to go far past the limit to be sent back to it.
+Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
+  const Row& start = joint.m_rows[row];
+  const AxisState& state = joint.m_rows.axis(start.axis);
+  if (!start.limit || !state.axis->isSimple(true) || !(joint.curvedPart() > 0) ||
+      joint.getFormulation() == Formulation::document)
+    return 0;
+  const Scalar sign = state.sign;
+  const Scalar velocity = sign * start.target + joint.curvedTime() * start.curvature;
+  const Scalar goal = start.position + m_dt * velocity;
+  if (state.axis->distance(goal) > least_rebound) return 0;
+  for (int i = end.equalities(); i < end.size(); ++i)
+    if (end[i].axis == start.axis && isSameRow(start, end[i]))
+      return sign * (end[i].position - goal) / m_dt + ownersVelocity(joint, start);
+  return 0;
 }
 
 void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
@@ -134,11 +167,14 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     Rows now(m_memory);
     block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
     for (int r = 0; r < block.rows; ++r) {
-      if (block.index[r] >= now.equalities()) continue;
-      const Row& row = now[block.index[r]];
-      if (!isSameRow(row, rows[block.row[r]])) continue;
-      speed[r] = double(fps) * double(row.position);
-      most[r] = double(row.max_speed);
+      const btSolverConstraint& row = rows[block.row[r]];
+      if (isOfAxis(block, r)) {
+        if (!(row.m_cfm > 0)) speed[r] = double(missing(*block.ours, block.index[r], now));
+      } else if (block.index[r] < now.equalities() && block.holds[r] &&
+                 isSameRow(now[block.index[r]], row)) {
+        speed[r] = double(fps) * double(now[block.index[r]].position);
+        most[r] = double(now[block.index[r]].max_speed);
+      }
     }
     return;
   }
@@ -148,7 +184,7 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   without.ask(*block.joint, fps, 0);
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
-    if (i >= most_rows || !isSameRow(with[i], rows[block.row[r]])) continue;
+    if (i >= most_rows || !block.holds[r] || !isSameRow(with[i], rows[block.row[r]])) continue;
     speed[r] = double(with[i].m_rhs) - double(without[i].m_rhs);
   }
 }
@@ -177,8 +213,9 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   Speeds end, most;
   speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
   for (int r = 0; r < block.rows; ++r) {
-    error[r] = block.holds[r] ? end[r] : 0;
-    far = far || !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2));
+    error[r] = end[r];
+    far = far ||
+          (!isOfAxis(block, r) && !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2)));
   }
   if (!far) return;
   Speeds start;
@@ -187,7 +224,7 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   // beside it. The speeds that they have are right.
   bool turns_back = false;
   for (int r = 0; r < block.rows; ++r) {
-    if (!block.holds[r]) continue;
+    if (isOfAxis(block, r)) continue;
     const double whole = std::abs(start[r]);
     if (double(m_erp) * whole > most[r]) {
       turns_back = true;

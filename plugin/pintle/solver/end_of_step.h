@@ -15,7 +15,8 @@ class EndOfStep {
   void predict(const btAlignedObjectArray<btSolverBody>& bodies, const btContactSolverInfo& info);
 
   /// Of each row of each block, the change of its velocity (m/s, rad/s) that makes it hold at the end
-  /// of the step, as far as a step is to go; 0 for rows that are soft or no matter of position.
+  /// of the step, as far as a step is to go, and a limit end where its row sends it; 0 for rows that are
+  /// soft or no matter of position.
   /// The largest one of each component of the topology, times the step, is `largest`, m or rad: but for what
   /// positions so far from the origin are rounded by.
   void errors(const JointSystem& joints, const btConstraintArray& rows, std::vector<double>& error,
@@ -28,9 +29,15 @@ class EndOfStep {
     return solver_body < 0 ? body.getCenterOfMassTransform() : m_poses[size_t(solver_body)];
   }
   using Speeds = double[block_rows];
-  /// Those of the whole error, with the bodies at the given poses.
+  /// Those of the whole error, with the bodies at the given poses; of a limit, of what is missing on the way
+  /// to where its row sends it.
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
               const btTransform& pose_b, Speeds& speed, Speeds& most);
+  /// Whether it is a row of a free coordinate of a joint of Pintle's.
+  static bool isOfAxis(const JointBlock& block, int r);
+  static Scalar ownersVelocity(const Joint& joint, const Row& row);
+  /// Of the velocity of a rigid limit's row in the mean over a step that ends with the rows `end`.
+  Scalar missing(const Joint& joint, int row, const Rows& end) const;
 
   RowMemory<most_joint_rows, most_joint_rows> m_memory;
   std::vector<btTransform> m_poses;

@@ -388,7 +388,8 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   for (bool last = iterations == 0; !last;) {
     m_leastSquaresResidual = pass(used++);
     last = used == iterations || m_leastSquaresResidual <= info.m_leastSquaresResidualThreshold;
-    if (last || used == iterations_of_load) joints.endReactions(m_tmpSolverBodyPool);
+    if (last || used == iterations_of_load)
+      joints.endReactions(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool);
     if (used == iterations_of_load) {
       if (stiffen(info)) joints.settle();
       joints.write(m_tmpSolverBodyPool);

@@ -68,34 +68,24 @@ bool isHindered(const btSolverBody& body) {
          !(body.m_angularFactor == one && body.m_linearFactor == one);
 }
 
-// What the bodies' factors, of which 1 / m_jacDiagABInv knows nothing, leave of J M^-1 J^T.
-Scalar hinderedK(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
-  const auto term = [&](int id, const btVector3& L, const btVector3& A) {
-    const btSolverBody& body = bodies[id];
-    if (body.internalGetInvMass().isZero()) return Scalar(0);
-    const btVector3 turned = A * body.m_angularFactor;
-    return L.dot(L * body.internalGetInvMass() * body.m_linearFactor) +
-           turned.dot(body.m_originalBody->getInvInertiaTensorWorld() * turned);
-  };
-  return term(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) +
-         term(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
-}
-
 // Whether J M^-1 J^T of a row is next to nothing of what the bodies could have, as across a needle: a limit
-// there that is held exactly turns the needle about itself without bound.
-bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies,
-            bool hindered) {
-  if (hindered && !(hinderedK(row, bodies) * row.m_jacDiagABInv > thin_by_factors)) return true;
-  const auto terms = [&](int id, const btVector3& L, const btVector3& A) {
+// there that is held exactly turns the needle about itself without bound. Or whether the bodies' factors, of which
+// Bullet's K knows nothing, leave next to nothing of it. (m_jacDiagABInv is that of bodies that bear loads.)
+bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+  Scalar K = 0, left = 0, all = 0;
+  const auto add = [&](int id, const btVector3& L, const btVector3& A) {
     const btSolverBody& body = bodies[id];
-    if (body.internalGetInvMass().isZero()) return Scalar(0);
+    if (body.internalGetInvMass().isZero()) return;
+    const Scalar inverse_mass = body.m_originalBody->getInvMass();
     const btMatrix3x3& I = body.m_originalBody->getInvInertiaTensorWorld();
-    return L.length2() * body.internalGetInvMass()[body.internalGetInvMass().maxAxis()] +
-           A.length2() * (I[0][0] + I[1][1] + I[2][2]);
+    const btVector3 pushed = L * body.m_linearFactor, turned = A * body.m_angularFactor;
+    K += inverse_mass * L.length2() + A.dot(I * A);
+    left += inverse_mass * pushed.length2() + turned.dot(I * turned);
+    all += inverse_mass * L.length2() + A.length2() * (I[0][0] + I[1][1] + I[2][2]);
   };
-  const Scalar all = terms(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) +
-                     terms(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
-  return !(1 > thin * all * row.m_jacDiagABInv);
+  add(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal);
+  add(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
+  return !(K > thin * all) || !(left > thin_by_factors * K);
 }
 
 // Rows at a bound that this is to be missed by, m or rad, are not to be left there.
@@ -198,10 +188,14 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     const auto fits = [&] {
       return !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
              (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
-             row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies, hindered);
+             row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies);
     };
     if (!bilateral && !fits()) {
       m_all = false;
+      const Joint* const ours = as_joint(joint);
+      if (ours != nullptr && row.m_appliedImpulse == 0)
+        row.m_appliedImpulse = ours->warmLimit(index, 1);
+      m_loaded = m_loaded || row.m_appliedImpulse != 0;
       continue;
     }
     if (!known || full) {
@@ -638,7 +632,7 @@ void JointSystem::touch(const btConstraintArray& rows, bool of_contacts) {
 
 void JointSystem::beginReactions(const btAlignedObjectArray<btSolverBody>& bodies,
                                  std::initializer_list<const btConstraintArray*> contacts,
-                                 const btConstraintArray& rows) {
+                                 btConstraintArray& rows) {
   m_is_touched.assign(size_t(bodies.size()), false);
   m_touched.clear();
   touch(rows, false);
@@ -656,6 +650,83 @@ void JointSystem::beginReactions(const btAlignedObjectArray<btSolverBody>& bodie
   for (const int body : m_touched)
     m_unreacted.insert(m_unreacted.end(), &m_u[6 * size_t(body)], &m_u[6 * size_t(body)] + 6);
   m_change.assign(m_u.size(), 0.);
+  hasten(bodies, rows);
+}
+
+// J M^-1 J^T of a row that is left when all joints react: those of its bodies, and what these lead to.
+double JointSystem::reactingK(const btSolverConstraint& row) {
+  double whole = 0;
+  const auto each = [&](const auto& f) {
+    f(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal);
+    f(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
+  };
+  const auto eachJoint = [&](int body, const auto& f) {
+    for (int i = m_first_of[size_t(body)]; i >= 0; i = m_next_of[size_t(i)]) f(i / 2, i % 2);
+  };
+  const Elimination& elimination = m_topology->elimination;
+  m_path.clear();
+  each([&](int body, const btVector3&, const btVector3&) {
+    eachJoint(body, [&](int c, int) {
+      while (!m_is_on_path[size_t(c)]) {
+        m_is_on_path[size_t(c)] = true;
+        m_path.push_back(c);
+        column(m_x.data(), c).setZero();
+        if (elimination.first(c) < elimination.first(c + 1))
+          c = elimination.row(elimination.first(c));
+      }
+    });
+  });
+  std::sort(m_path.begin(), m_path.end());
+  each([&](int id, const btVector3& linear, const btVector3& angular) {
+    const Body& body = m_bodies[size_t(id)];
+    if (!body.moves) return;
+    const Vector3d L = inDouble(linear), w = body.angular.transpose() * inDouble(angular);
+    double j[6];
+    for (int k = 0; k < 3; ++k) {
+      j[k] = L[k] * body.linear[k];
+      j[3 + k] = w[k];
+    }
+    for (const double x : j) whole += x * x;
+    eachJoint(id, [&](int c, int side) {
+      for (int k = 0; k < 6; ++k)
+        column(m_x.data(), c) += j[k] * column(m_blocks[size_t(c)].J[side][k]);
+    });
+  });
+  const double taken = m_factor.product(m_x.data(), m_path);
+  for (const int c : m_path) m_is_on_path[size_t(c)] = false;
+  return whole - taken;
+}
+
+// What joints let a row move by is less than Bullet's K says: it would come to its target by small parts. All
+// of a pass's rows are iterated before the joints react to any of them. That converges as long as no row
+// goes further than twice as far as by Bullet's K.
+void JointSystem::hasten(const btAlignedObjectArray<btSolverBody>& bodies,
+                         btConstraintArray& rows) {
+  m_hastened.clear();
+  if (m_all || m_hindered) return;
+  m_first_of.assign(m_bodies.size(), -1);
+  m_next_of.resize(2 * m_blocks.size());
+  m_is_on_path.assign(m_blocks.size(), false);
+  for (const int c : m_first_reacting) {
+    for (int side = 0; side < 2; ++side) {
+      const int body = m_blocks[size_t(c)].body[side];
+      if (body < 0) continue;
+      m_next_of[size_t(2 * c + side)] = m_first_of[size_t(body)];
+      m_first_of[size_t(body)] = 2 * c + side;
+    }
+  }
+  for (int i = 0; i < rows.size(); ++i) {
+    btSolverConstraint& row = rows[i];
+    if (row.m_overrideNumSolverIterations == 0 || !(row.m_jacDiagABInv > 0)) continue;
+    if (isThin(row, bodies)) continue;
+    const double K = wholeK(row), softness = double(row.m_cfm) * K;
+    const Scalar factor = Scalar((K + softness) / (std::max(reactingK(row), K / 2) + softness));
+    if (!(factor > 1)) continue;
+    m_hastened.push_back({i, row.m_jacDiagABInv, row.m_rhs, row.m_cfm});
+    row.m_jacDiagABInv *= factor;
+    row.m_rhs *= factor;
+    row.m_cfm *= factor;
+  }
 }
 
 void JointSystem::readTouched(const btAlignedObjectArray<btSolverBody>& bodies) {
@@ -699,7 +770,13 @@ void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
   for (const int body : m_touched) writeBody(body, bodies[body]);
 }
 
-void JointSystem::endReactions(const btAlignedObjectArray<btSolverBody>& bodies) {
+void JointSystem::endReactions(const btAlignedObjectArray<btSolverBody>& bodies,
+                               btConstraintArray& rows) {
+  for (const Hastened& as : m_hastened) {
+    rows[as.row].m_jacDiagABInv = as.inverse_K;
+    rows[as.row].m_rhs = as.rhs;
+    rows[as.row].m_cfm = as.cfm;
+  }
   readTouched(bodies);
   const double* unreacted = m_unreacted.data();
   for (const int body : m_touched)
@@ -1087,8 +1164,11 @@ size_t JointSystem::bytes() const {
          (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
           m_unreacted.capacity() + m_change.capacity()) *
              sizeof(double) +
-         m_is_touched.capacity() + m_reacts.capacity() +
-         (m_touched.capacity() + m_reacting.capacity() + m_first_reacting.capacity()) * sizeof(int);
+         m_is_touched.capacity() + m_reacts.capacity() + m_is_on_path.capacity() +
+         m_hastened.capacity() * sizeof(Hastened) +
+         (m_touched.capacity() + m_reacting.capacity() + m_first_reacting.capacity() +
+          m_first_of.capacity() + m_next_of.capacity() + m_path.capacity()) *
+             sizeof(int);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -91,15 +91,15 @@ class JointSystem {
   void solve();
 
   /// Between these two, Bullet's iteration changes the velocities of some bodies only: those of the
-  /// rows it is told of.
+  /// rows it is told of. Of those that are joints' it makes larger steps.
   void beginReactions(const btAlignedObjectArray<btSolverBody>& bodies,
                       std::initializer_list<const btConstraintArray*> contacts,
-                      const btConstraintArray& rows);
+                      btConstraintArray& rows);
   /// Reads the velocities of these bodies, and writes them as the joints make them: as solve() would,
   /// but that only the joints which these velocities depend on are solved.
   void react(btAlignedObjectArray<btSolverBody>& bodies);
   /// Solves all joints for what they have reacted to, and for what has come since.
-  void endReactions(const btAlignedObjectArray<btSolverBody>& bodies);
+  void endReactions(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
 
   /// Bodies that are stiffer than they are take less angular momentum from their joints than these have to
   /// give. What nothing else holds gets it back, turning as a whole.
@@ -186,6 +186,12 @@ class JointSystem {
     Vector3d kick = Vector3d::Zero();  ///< towards them, of u
   };
 
+  /// A row of Bullet's as it was.
+  struct Hastened {
+    int row;
+    Scalar inverse_K, rhs, cfm;
+  };
+
   /// A component as one rigid body.
   struct Whole {
     double mass = 0;
@@ -219,6 +225,8 @@ class JointSystem {
   void beginSwings();
   void addNeighbours();
   void touch(const btConstraintArray& rows, bool of_contacts);
+  double reactingK(const btSolverConstraint& row);
+  void hasten(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
   void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
@@ -246,8 +254,13 @@ class JointSystem {
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
   std::vector<int> m_touched, m_reacting;    ///< the same as lists
   std::vector<int> m_first_reacting;         ///< those that hold a touched body
-  std::vector<double> m_unreacted;           ///< 6 a touched body: u without the joints' reactions
-  std::vector<double> m_change;              ///< 6 a body: of u, by Bullet's last iteration
+  std::vector<int> m_first_of,
+      m_next_of;                     ///< of each body, 2 * block + side of its reacting joints
+  std::vector<char> m_is_on_path;    ///< of each block
+  std::vector<int> m_path;           ///< the same as a list: what a row's reaction takes
+  std::vector<Hastened> m_hastened;  ///< between beginReactions and endReactions
+  std::vector<double> m_unreacted;   ///< 6 a touched body: u without the joints' reactions
+  std::vector<double> m_change;      ///< 6 a body: of u, by Bullet's last iteration
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
   std::vector<double> m_fastest_of;  ///< of each component
