@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/prefetch.h>
 #include <pintle/solver_body.h>
 
 #include <algorithm>
@@ -20,6 +21,11 @@ constexpr double free_correction = 1;
 // A limit that sends its coordinate further inside than this, m or rad, makes it rebound: by a velocity, wherever
 // that leads.
 constexpr Scalar least_rebound = Scalar(1e-6);
+
+// Joints and bodies lie elsewhere each. Of thousands none is in the cache any more: so many blocks before it is their
+// turn joints are asked for, which tell where their bodies are, and these.
+constexpr size_t joints_ahead = 12, bodies_ahead = 6;
+constexpr size_t bytes_of_joint = 384;  // of most: rows and all
 
 constexpr int most_rows = 16;  // of a stock joint
 
@@ -195,6 +201,12 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
   error.assign(block_rows * blocks.size(), 0.);
   largest.assign(size_t(joints.topology().components), 0.);
   for (size_t c = 0; c < blocks.size(); ++c) {
+    if (c + joints_ahead < blocks.size()) prefetch(blocks[c + joints_ahead].joint, bytes_of_joint);
+    if (c + bodies_ahead < blocks.size()) {
+      const btTypedConstraint& joint = *blocks[c + bodies_ahead].joint;
+      prefetch(&joint.getRigidBodyA().getLinearVelocity());
+      prefetch(&joint.getRigidBodyB().getLinearVelocity());
+    }
     double* of = &error[block_rows * c];
     errors(blocks[c], rows, of, m_far[c]);
     double& most = largest[size_t(joints.topology().component[c])];
