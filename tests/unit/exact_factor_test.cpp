@@ -104,9 +104,11 @@ TEST(BlockFactor, SolvesForSomeColumnsAsForAll) {
     problem.elimination.close(marked, columns);
     Eigen::VectorXd all = Eigen::VectorXd::Zero(problem.b.size());
     all.segment<n>(n * asked) = problem.b.segment<n>(n * asked);
-    Eigen::VectorXd some = all;
+    const Eigen::VectorXd x = all;
+    Eigen::VectorXd some = all, left = all;
     problem.factor.solve(all.data());
     problem.factor.solve(some.data(), columns);
+    EXPECT_NEAR(problem.factor.product(left.data(), columns), x.dot(all), 1e-15) << asked;
     for (const int c : columns)
       EXPECT_LT((all.segment<n>(n * c) - some.segment<n>(n * c)).norm(), 1e-15) << asked;
   }

@@ -26,6 +26,20 @@ constexpr double below[block_rows][block_rows] = {{0, 1, 1, 1, 1, 1}, {0, 0, 1, 
                                                   {0, 0, 0, 1, 1, 1}, {0, 0, 0, 0, 1, 1},
                                                   {0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0}};
 
+// to -= A B^T, of so many rows of A and columns of both, and `width` rows of B: of two rows at a time that vectors
+// hold no more than there are.
+template <int height, int columns>
+inline void subtractProduct(double* to, const double* A, const double* B, int width) {
+  using Part = Eigen::Matrix<double, height, 1>;
+  for (int q = 0; q < width; ++q) {
+    Eigen::Map<Part> column(to + q * block_rows);
+    Part sum = column;
+    for (int p = 0; p < columns; ++p)
+      sum -= B[p * block_rows + q] * Eigen::Map<const Part>(A + p * block_rows);
+    column = sum;
+  }
+}
+
 }  // namespace
 
 void BlockFactor::resize(const Elimination& elimination, const std::vector<int>& rows) {
@@ -90,13 +104,11 @@ void BlockFactor::factorise(double tolerance) {
         const double* LD = &m_scratch[size_t(i - begin) * size];
         const int width = m_rows[size_t(e.row(i))];
         for (int j = i; j < end; ++j) {
-          const double* A = block(j);
           double* to = block(*target++);
-          for (int q = 0; q < width; ++q) {
-            BlockColumn sum = column(to, q);
-            for (int p = 0; p < N; ++p) sum -= LD[p * block_rows + q] * column(A, p);
-            column(to, q) = sum;
-          }
+          if (m_rows[size_t(e.row(j))] <= 4)
+            subtractProduct<4, N>(to, block(j), LD, width);
+          else
+            subtractProduct<block_rows, N>(to, block(j), LD, width);
         }
       }
     });

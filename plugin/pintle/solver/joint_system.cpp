@@ -264,6 +264,9 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_kept_u.reserve(m_u.size());
   m_fastest_of.reserve(size_t(m_topology->components));
   m_kept_rows.reserve(2 * m_x.size());
+  m_next_of.reserve(2 * n);
+  m_path.reserve(n);
+  m_hastened.reserve(size_t(rows.size()));
   return true;
 }
 

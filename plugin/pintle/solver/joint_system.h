@@ -254,8 +254,8 @@ class JointSystem {
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
   std::vector<int> m_touched, m_reacting;    ///< the same as lists
   std::vector<int> m_first_reacting;         ///< those that hold a touched body
-  std::vector<int> m_first_of,
-      m_next_of;                     ///< of each body, 2 * block + side of its reacting joints
+  std::vector<int> m_first_of;       ///< of each body, 2 * block + side of a reacting joint of it
+  std::vector<int> m_next_of;        ///< of each such number, the next of the same body
   std::vector<char> m_is_on_path;    ///< of each block
   std::vector<int> m_path;           ///< the same as a list: what a row's reaction takes
   std::vector<Hastened> m_hastened;  ///< between beginReactions and endReactions
