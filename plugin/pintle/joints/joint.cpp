@@ -253,7 +253,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   };
 
   const int equalities = m_rows.equalities();
-  if (n > equalities) {
+  // Plain rows begin from nothing, unless it is the exact solver that iterates them; and Bullet tells of the last.
+  if (n > equalities + 1 || (n > equalities && (m_block_rows || m_solved_at_once))) {
     takeLastImpulses();
     m_solver_rows = solverRows(*info);
   }

@@ -167,6 +167,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   const auto moving = [this](int body) { return m_bodies[size_t(body)].moves ? body : -1; };
   const btTypedConstraint* last = nullptr;
   AsJoint as_joint;
+  size_t with_bounds = 0;
   int index = 0;
   for (int i = 0; i < rows.size(); ++i, ++index) {
     btSolverConstraint& row = rows[i];
@@ -178,6 +179,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       continue;
     }
     const bool bilateral = isBilateral(row);
+    if (!bilateral) ++with_bounds;
     const bool hindered = m_bodies[size_t(row.m_solverBodyIdA)].hindered ||
                           m_bodies[size_t(row.m_solverBodyIdB)].hindered;
     m_hindered = m_hindered || hindered;
@@ -266,7 +268,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_kept_rows.reserve(2 * m_x.size());
   m_next_of.reserve(2 * n);
   m_path.reserve(n);
-  m_hastened.reserve(size_t(rows.size()));
+  m_hastened.reserve(with_bounds);
   return true;
 }
 
