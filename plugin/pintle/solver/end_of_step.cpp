@@ -136,8 +136,8 @@ Scalar EndOfStep::ownersVelocity(const Joint& joint, const Row& row) {
   return sum;
 }
 
-bool EndOfStep::isOfAxis(const JointBlock& block, int r) {
-  return block.ours != nullptr && block.index[r] >= block.ours->m_rows.equalities();
+int EndOfStep::equalities(const JointBlock& block) {
+  return block.ours != nullptr ? block.ours->m_rows.equalities() : most_rows;
 }
 
 // A limit that `end` has no row of is one that the step leaves. The document's form foresees nothing, and who
@@ -172,9 +172,10 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     if (block.ours->impulseSetting().damping != 1) return;
     Rows now(m_memory);
     block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
+    const int first_axis = equalities(block);
     for (int r = 0; r < block.rows; ++r) {
       const btSolverConstraint& row = rows[block.row[r]];
-      if (isOfAxis(block, r)) {
+      if (block.index[r] >= first_axis) {
         if (!(row.m_cfm > 0)) speed[r] = double(missing(*block.ours, block.index[r], now));
       } else if (block.index[r] < now.equalities() && block.holds[r] &&
                  isSameRow(now[block.index[r]], row)) {
@@ -222,12 +223,13 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
 void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error,
                        char& far) {
   const btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
+  const int first_axis = equalities(block);
   Speeds end, most;
   speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
   for (int r = 0; r < block.rows; ++r) {
     error[r] = end[r];
-    far = far ||
-          (!isOfAxis(block, r) && !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2)));
+    far = far || (block.index[r] < first_axis &&
+                  !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2)));
   }
   if (!far) return;
   Speeds start;
@@ -236,7 +238,7 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   // beside it. The speeds that they have are right.
   bool turns_back = false;
   for (int r = 0; r < block.rows; ++r) {
-    if (isOfAxis(block, r)) continue;
+    if (block.index[r] >= first_axis) continue;
     const double whole = std::abs(start[r]);
     if (double(m_erp) * whole > most[r]) {
       turns_back = true;

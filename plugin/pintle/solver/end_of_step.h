@@ -33,8 +33,8 @@ class EndOfStep {
   /// to where its row sends it.
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
               const btTransform& pose_b, Speeds& speed, Speeds& most);
-  /// Whether it is a row of a free coordinate of a joint of Pintle's.
-  static bool isOfAxis(const JointBlock& block, int r);
+  /// How many of the joint's rows come before those of free coordinates, which only Pintle's tell of.
+  static int equalities(const JointBlock& block);
   static Scalar ownersVelocity(const Joint& joint, const Row& row);
   /// Of the velocity of a rigid limit's row in the mean over a step that ends with the rows `end`.
   Scalar missing(const Joint& joint, int row, const Rows& end) const;
