@@ -135,7 +135,7 @@ TEST(ExactScenes, ShaftsTurnAsTheyShould) {
 }
 
 // Few iterations are enough: none is needed. What is beyond a limit comes back as its ERP says.
-TEST(ExactScenes, LimitsHoldAsWithBullet) {
+TEST(ExactScenes, LimitsHoldBetterThanWithBullet) {
   scenes::ShoulderSettings arm;
   arm.iterations = 4;
   const auto bullets_arm = scenes::shoulder<pintle::ConeTwistJoint>(arm);

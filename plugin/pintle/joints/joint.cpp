@@ -232,8 +232,7 @@ inline void Joint::takeLastImpulses() {
   for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
     Row& row = m_rows[i];
     const AxisState& state = m_rows.axis(row.axis);
-    if (row.limit && state.axis->isSimple(true))
-      row.last = state.isLimit() ? -state.sign * state.whole : Scalar(0);
+    if (isLimitAlone(row)) row.last = state.isLimit() ? -state.sign * state.whole : Scalar(0);
   }
   for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).whole = 0;
 }

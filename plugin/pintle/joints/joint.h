@@ -181,6 +181,10 @@ class Joint : public btTypedConstraint {
   short m_passes_left = 0;          ///< until what the last one leaves is known
 
   void beginPasses(const btConstraintInfo2& info);
+  /// Whether the limit may act along the row's axis in this step, and nothing else does.
+  bool isLimitAlone(const Row& row) const {
+    return row.limit && m_rows.axis(row.axis).axis->isSimple(true);
+  }
   bool isRigidLimit(int row) const;
   Scalar lasting() const;
   Scalar warmLimit(int row, Scalar part) const;

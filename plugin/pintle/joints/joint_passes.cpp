@@ -131,10 +131,8 @@ inline bool Joint::goesOn() const {
   return false;
 }
 
-// A limit alone acts along the row's axis, and is not soft.
 inline bool Joint::isRigidLimit(int row) const {
-  return m_rows[row].limit && m_rows.axis(m_rows[row].axis).axis->isSimple(true) &&
-         m_solver_rows[row].m_cfm == 0;
+  return isLimitAlone(m_rows[row]) && m_solver_rows[row].m_cfm == 0;
 }
 
 // A load takes so much less in a shorter step; in a longer one what made up for an error of velocity takes no more.

@@ -91,6 +91,15 @@ void Elimination::close(std::vector<char>& marked, std::vector<int>& list) const
   }
 }
 
+// The first row below a column's diagonal holds all of its others.
+void Elimination::climb(int column, std::vector<char>& marked, std::vector<int>& list) const {
+  while (!marked[size_t(column)]) {
+    marked[size_t(column)] = true;
+    list.push_back(column);
+    if (first(column) < first(column + 1)) column = row(first(column));
+  }
+}
+
 size_t Elimination::bytes() const {
   return sizeof(int) * (m_node.capacity() + m_column.capacity() + m_first.capacity() +
                         m_row.capacity() + m_target.capacity()) +

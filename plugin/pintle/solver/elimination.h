@@ -33,6 +33,9 @@ class Elimination {
   int block(int row, int column) const;
   /// Marks with each marked column the rows of its blocks, and lists what is marked, in order.
   void close(std::vector<char>& marked, std::vector<int>& columns) const;
+  /// Marks a column and all that it is eliminated into, one after the other, and appends to the list what was not
+  /// marked before.
+  void climb(int column, std::vector<char>& marked, std::vector<int>& columns) const;
   /// What the elimination of a column changes: for each pair of its blocks, the first one's row not
   /// after the second's, the block in their rows. In the order of first, then second.
   const int* targets(int column) const { return &m_target[m_first_target[size_t(column)]]; }

@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/joints/joint_passes.h>
 #include <pintle/prefetch.h>
 #include <pintle/solver_body.h>
 
@@ -128,12 +129,11 @@ void EndOfStep::predict(const btAlignedObjectArray<btSolverBody>& bodies,
 // J v of bodies that their owner moves: they are where they will be at the end of the step.
 Scalar EndOfStep::ownersVelocity(const Joint& joint, const Row& row) {
   const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
-  Scalar sum = 0;
-  if (a.isStaticOrKinematicObject())
-    sum -= row.L.dot(view(a.getLinearVelocity())) + row.A_a.dot(view(a.getAngularVelocity()));
-  if (b.isStaticOrKinematicObject())
-    sum += row.L.dot(view(b.getLinearVelocity())) + row.A_b.dot(view(b.getAngularVelocity()));
-  return sum;
+  const auto owners = [](const btRigidBody& body, const btVector3& v) -> Vec3 {
+    return body.isStaticOrKinematicObject() ? Vec3(view(v)) : Vec3::Zero();
+  };
+  return velocity(row, owners(b, b.getLinearVelocity()) - owners(a, a.getLinearVelocity()),
+                  owners(a, a.getAngularVelocity()), owners(b, b.getAngularVelocity()));
 }
 
 int EndOfStep::equalities(const JointBlock& block) {
@@ -145,7 +145,7 @@ int EndOfStep::equalities(const JointBlock& block) {
 Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
   const Row& start = joint.m_rows[row];
   const AxisState& state = joint.m_rows.axis(start.axis);
-  if (!start.limit || !state.axis->isSimple(true) || !(joint.curvedPart() > 0) ||
+  if (!joint.isLimitAlone(start) || !(joint.curvedPart() > 0) ||
       joint.getFormulation() == Formulation::document)
     return 0;
   const Scalar sign = state.sign;
@@ -174,13 +174,13 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
     const int first_axis = equalities(block);
     for (int r = 0; r < block.rows; ++r) {
+      const int i = block.index[r];
       const btSolverConstraint& row = rows[block.row[r]];
-      if (block.index[r] >= first_axis) {
-        if (!(row.m_cfm > 0)) speed[r] = double(missing(*block.ours, block.index[r], now));
-      } else if (block.index[r] < now.equalities() && block.holds[r] &&
-                 isSameRow(now[block.index[r]], row)) {
-        speed[r] = double(fps) * double(now[block.index[r]].position);
-        most[r] = double(now[block.index[r]].max_speed);
+      if (i >= first_axis) {
+        if (!(row.m_cfm > 0)) speed[r] = double(missing(*block.ours, i, now));
+      } else if (i < now.equalities() && block.holds[r] && isSameRow(now[i], row)) {
+        speed[r] = double(fps) * double(now[i].position);
+        most[r] = double(now[i].max_speed);
       }
     }
     return;

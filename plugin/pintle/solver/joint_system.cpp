@@ -3,6 +3,7 @@
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
 #include <pintle/rows/block.h>
+#include <pintle/solver_body.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -292,17 +293,25 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
   body.inverse << r0, 0, 0, i1, r1, 0, -(l2 * r0 + m2 * i1) * r2, -m2 * r1 * r2, r2;
 }
 
+// J S, of one body.
+inline void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vector3d& A,
+                                  double (&j)[6]) {
+  const Vector3d w = body.angular.transpose() * A;
+  for (int k = 0; k < 3; ++k) {
+    j[k] = L[k] * body.linear[k];
+    j[3 + k] = w[k];
+  }
+}
+
 // J S, and how fast the row moves before any impulse.
 void JointSystem::setRow(JointBlock& block, const btSolverConstraint& row, int r) const {
   const auto side = [&](int s, int id, const btVector3& linear, const btVector3& angular) {
     const Body& body = m_bodies[size_t(id)];
     const Vector3d L = inDouble(linear), A = inDouble(angular);
     if (block.body[s] >= 0) {
-      const Vector3d w = body.angular.transpose() * A;
-      for (int k = 0; k < 3; ++k) {
-        block.J[s][k][r] = L[k] * body.linear[k];
-        block.J[s][3 + k][r] = w[k];
-      }
+      double j[6];
+      scaleRow(body, L, A, j);
+      for (int k = 0; k < 6; ++k) block.J[s][k][r] = j[k];
     }
     return L.dot(body.v) + A.dot(body.w);
   };
@@ -668,29 +677,17 @@ double JointSystem::reactingK(const btSolverConstraint& row) {
   const auto eachJoint = [&](int body, const auto& f) {
     for (int i = m_first_of[size_t(body)]; i >= 0; i = m_next_of[size_t(i)]) f(i / 2, i % 2);
   };
-  const Elimination& elimination = m_topology->elimination;
   m_path.clear();
   each([&](int body, const btVector3&, const btVector3&) {
-    eachJoint(body, [&](int c, int) {
-      while (!m_is_on_path[size_t(c)]) {
-        m_is_on_path[size_t(c)] = true;
-        m_path.push_back(c);
-        column(m_x.data(), c).setZero();
-        if (elimination.first(c) < elimination.first(c + 1))
-          c = elimination.row(elimination.first(c));
-      }
-    });
+    eachJoint(body, [&](int c, int) { m_topology->elimination.climb(c, m_is_on_path, m_path); });
   });
   std::sort(m_path.begin(), m_path.end());
+  for (const int c : m_path) column(m_x.data(), c).setZero();
   each([&](int id, const btVector3& linear, const btVector3& angular) {
     const Body& body = m_bodies[size_t(id)];
     if (!body.moves) return;
-    const Vector3d L = inDouble(linear), w = body.angular.transpose() * inDouble(angular);
     double j[6];
-    for (int k = 0; k < 3; ++k) {
-      j[k] = L[k] * body.linear[k];
-      j[3 + k] = w[k];
-    }
+    scaleRow(body, inDouble(linear), inDouble(angular), j);
     for (const double x : j) whole += x * x;
     eachJoint(id, [&](int c, int side) {
       for (int k = 0; k < 6; ++k)
@@ -990,7 +987,7 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
     sum.free += energy(v, w);
     sum.spin = std::max(sum.spin, double(w.length()));
-    sum.now += energy(v + of.m_deltaLinearVelocity, w + of.m_deltaAngularVelocity);
+    sum.now += energy(linearVelocity(of), angularVelocity(of));
     sum.added += energy(of.m_deltaLinearVelocity, of.m_deltaAngularVelocity);
     sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
   }

@@ -203,6 +203,7 @@ class JointSystem {
   };
 
   void scale(Body& body, const btSolverBody& of) const;
+  static void scaleRow(const Body& body, const Vector3d& L, const Vector3d& A, double (&j)[6]);
   bool dependsOnItself();
   void addLeastSoftness();
   bool loops() const { return m_loops; }
