@@ -142,6 +142,25 @@ TEST(ExactJointSolver, JointsBreakAtTheirThreshold) {
   }
 }
 
+// What a motor would need to reach its speed at once is not a load: it has no more than its largest impulse, and what bears
+// it is not to break by more.
+TEST(ExactJointSolver, JointsBreakByLoadsWithinTheBoundsOfOthers) {
+  const double most = 0.05, speed = 1000;  // N m s, rad/s
+  for (const double part : {0.9, 1.1}) {
+    World world(0, 10, exact);
+    btRigidBody& frame = world.add_box(0, vec(0.1, 0.1, 0.1), at(0, 0, 0));
+    btRigidBody& bearing = world.add_box(1, vec(0.1, 0.1, 0.1), at(0, 0, 0));
+    btRigidBody& wheel = world.add_box(1, vec(0.1, 0.1, 0.1), at(0, 0, 0));
+    auto& holds = world.add_joint<FixedJoint>(frame, bearing, at(0, 0, 0), at(0, 0, 0));
+    holds.setBreakingImpulseThreshold(scalar(part * most));
+    auto& hinge = world.add_joint<QuaternionHinge>(bearing, wheel, at(0, 0, 0), at(0, 0, 0));
+    hinge.enableAngularMotor(true, scalar(speed), scalar(most));
+    for (int i = 0; i < 10; ++i) world.step(1. / 60);
+    EXPECT_EQ(holds.isEnabled(), part > 1) << part;
+    EXPECT_GT(speed / double(wheel.getInvInertiaDiagLocal().z()), 10 * most) << "or it asks nothing";
+  }
+}
+
 TEST(ExactJointSolver, IslandsFallAsleep) {
   Hanging hanging(exact);
   hanging.world.add_joint<BallJoint>(*hanging.top, *hanging.upper, vec(0, 0, -0.5), vec(0, 0, 0.5));

@@ -111,14 +111,13 @@ size_t ExactJointSolver::getMemory() const { return m_island->joints.bytes(); }
 
 void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
                                      const btContactSolverInfo& infoGlobal) {
-  // Rows that are orthogonal within a joint serve a solver that takes one by one: joints that may
-  // break, whose rows are iterated, keep them.
+  // Rows that are orthogonal within a joint serve a solver that takes one by one.
   std::vector<std::pair<Joint*, bool>>& at_once = m_island->at_once;
   at_once.clear();
   AsJoint as_joint;
   for (int i = 0; i < numConstraints; ++i) {
     Joint* joint = as_joint(constraints[i]);
-    if (joint != nullptr && joint->getBreakingImpulseThreshold() >= infinity) {
+    if (joint != nullptr) {
       at_once.emplace_back(joint, joint->getBlockRows());
       joint->setBlockRows(false);
       joint->m_solved_at_once = true;

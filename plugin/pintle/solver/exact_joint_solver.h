@@ -18,12 +18,12 @@ inline namespace PINTLE_PRECISION {
 ///
 /// All joint rows without bounds, of Pintle's joints and of Bullet's, are solved at once by a sparse
 /// factorisation of K = J M^-1 J^T + gamma / dt (document, 2.12), in double, in time and memory that
-/// are linear in the joints of a tree; softness (CFM) of any size is exact. Motors and friction are solved with
-/// them as long as they are within their bounds, and so are limits where nothing touches; which are is found
-/// anew in each step. What is at a bound, joints that may break, and contacts with limits among them are
-/// iterated as Bullet does it, for the world's number of iterations, and the joints are solved within
-/// each iteration: they hold whatever the contacts do. An island without joints is solved by Bullet's own
-/// code, to the same bits.
+/// are linear in the joints of a tree; softness (CFM) of any size is exact. Motors, friction and joints
+/// that may break are solved with them as long as they are within their bounds, and so are limits where nothing
+/// touches; which are is found anew in each step. What is at a bound, and contacts with limits among them, are
+/// iterated as Bullet does it, for the world's number of iterations, and the joints are solved within each
+/// iteration: they hold whatever the contacts do. An island without joints is solved by Bullet's own code, to
+/// the same bits.
 ///
 /// Velocities are those with which the joints hold at the END of the step (setPositionIterations).
 /// Joints that start further apart than a step of 1 m/s or 1 rad/s closes come together as their ERP

@@ -63,6 +63,17 @@ bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
 
+// Holds both ways, if need be until the joint breaks: Bullet breaks it when a row's impulse is at this bound.
+bool isEquality(const btSolverConstraint& row, const btTypedConstraint& joint) {
+  const Scalar threshold = joint.getBreakingImpulseThreshold();
+  return isBilateral(row) ||
+         (threshold > 0 && row.m_lowerLimit == -threshold && row.m_upperLimit == threshold);
+}
+// Has broken in this step.
+bool isPinned(const btSolverConstraint& row) {
+  return row.m_lowerLimit == row.m_upperLimit && row.m_lowerLimit != 0;
+}
+
 bool isHindered(const btSolverBody& body) {
   const btVector3 one(1, 1, 1);
   return !body.internalGetInvMass().isZero() &&
@@ -187,10 +198,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
     const bool full = known && (m_gathered.back().rows == Topology::joint_rows ||
                                 (bilateral && m_gathered.back().bilateral == block_rows));
-    // Bullet breaks a joint by the impulses of its rows, which it is to see itself.
     const auto fits = [&] {
-      return !full && joint->getBreakingImpulseThreshold() >= btScalar(SIMD_INFINITY) &&
-             (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
+      if (full) return false;
+      if (isPinned(row) || isEquality(row, *joint)) return true;
+      return (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
              row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies);
     };
     if (!bilateral && !fits()) {
@@ -252,10 +263,12 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       const double K = wholeK(row);
       block.deficit[r] = double(row.m_rhs) * K;
       setRow(block, row, r);
-      if (bounded) block.rest[r] = block.deficit[r];
+      const bool equality = isEquality(row, *from.joint);
+      if (!equality) block.rest[r] = block.deficit[r];
       block.softness[r] = double(row.m_cfm) * K;
-      block.damping[r] = bounded ? 0 : damped_correction * K;
-      block.holds[r] = !bounded && !(row.m_cfm > 0);
+      block.damping[r] = equality ? damped_correction * K : 0;
+      block.equality[r] = equality;
+      block.holds[r] = equality && !(row.m_cfm > 0);
       m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
     m_rows[c] = block.rows;
@@ -374,7 +387,7 @@ void JointSystem::addLeastSoftness() {
 
 void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   for (int i = 0; i < block.rows; ++i) {
-    if (block.bound[i] >= 0) continue;
+    if (!block.equality[i]) continue;
     if (rows[block.row[i]].m_contactNormal1.isZero()) {
       ++block.angular_rows;
     } else {
@@ -996,7 +1009,7 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     const JointBlock& block = m_blocks[c];
     const BlockColumn change = velocity(block);
     for (int r = 0; r < block.rows; ++r)
-      if (block.bound[r] < 0)
+      if (block.equality[r])
         each[size_t(m_topology->component[c])].work +=
             block.impulse[r] * (change[r] / 2 - block.rest[r]);
   }
@@ -1083,22 +1096,32 @@ bool JointSystem::finite() const {
   return sum - sum == 0;
 }
 
-bool JointSystem::giveBack(const btConstraintArray& rows, bool all) {
+bool JointSystem::giveBack(btConstraintArray& rows, bool all) {
   if (!m_bounded) return false;
-  bool any = false;
   const auto each = [&](const auto& f) {
-    for (size_t c = 0; c < m_blocks.size(); ++c)
-      for (int r = 0; r < m_blocks[c].rows; ++r)
-        if (m_blocks[c].bound[r] >= 0)
-          f(rows[m_blocks[c].row[r]], Scalar(m_blocks[c].impulse[r]),
-            m_topology->at_bound[Topology::joint_rows * c + size_t(m_blocks[c].bound[r])]);
+    for (size_t c = 0; c < m_blocks.size(); ++c) {
+      const JointBlock& block = m_blocks[c];
+      for (int r = 0; r < block.rows; ++r)
+        if (block.bound[r] >= 0)
+          f(rows[block.row[r]], block.equality[r], Scalar(block.impulse[r]),
+            m_topology->at_bound[Topology::joint_rows * c + size_t(block.bound[r])]);
+    }
   };
-  each([&](const btSolverConstraint& row, Scalar impulse, Scalar& at_bound) {
-    at_bound = atBound(row, impulse);
+  bool any = false;
+  each([&](const btSolverConstraint& row, bool equality, Scalar impulse, Scalar& at_bound) {
+    at_bound = equality ? Topology::inside : atBound(row, impulse);
     any = any || at_bound != Topology::inside;
   });
+  // What others have beyond their bounds would break joints for nothing.
+  if (!any)
+    each([&](btSolverConstraint& row, bool equality, Scalar impulse, Scalar& at_bound) {
+      if (equality) at_bound = atBound(row, impulse);
+      if (at_bound == Topology::inside) return;
+      any = true;
+      row.m_lowerLimit = row.m_upperLimit = at_bound;
+    });
   if (any && all)
-    each([](const btSolverConstraint&, Scalar impulse, Scalar& at_bound) {
+    each([](const btSolverConstraint&, bool, Scalar impulse, Scalar& at_bound) {
       if (at_bound == Topology::inside) at_bound = impulse;
     });
   return any;
@@ -1123,6 +1146,7 @@ bool JointSystem::takeBack(const btAlignedObjectArray<btSolverBody>& bodies,
       Scalar& at_bound = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
       if (from.bound[i] < 0 || at_bound == Topology::inside) continue;
       const btSolverConstraint& row = rows[from.row[i]];
+      if (isPinned(row)) continue;
       const Scalar impulse = row.m_appliedImpulse;
       at_bound = isDrawnOff(row) ? Topology::inside : atBound(row, impulse);
       if (at_bound != Topology::inside) continue;

@@ -44,9 +44,10 @@ struct JointBlock {
   double softness[block_rows];    ///< Sigma
   double damping[block_rows];     ///< of what rows of a loop may be unable to do together
   double impulse[block_rows];     ///< lambda
+  bool equality[block_rows];      ///< acts both ways, without bounds but that at which the joint breaks
   bool holds[block_rows];         ///< is rigid, and to hold in position
   int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
-  int angular_rows, linear_rows;  ///< of those without bounds
+  int angular_rows, linear_rows;  ///< of equalities
   int point[3];                   ///< three rows that hold a point in all directions; -1: none do
   double swing[2];  ///< how easily each body swings under a load of it: lever / inertia, 1 / (kg m)
 };
@@ -121,7 +122,7 @@ class JointSystem {
     double now = 0;
     double added = 0;  ///< what the changes by impulses have alone
     double unit = 0;   ///< at 1 m/s and 1 rad/s
-    double work = 0;   ///< of the impulses of rows without bounds
+    double work = 0;   ///< of the impulses of equalities
     double spin = 0;   ///< of the body that turns fastest, rad/s, before any impulse
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
@@ -145,8 +146,8 @@ class JointSystem {
   /// Whether rows begin with an impulse, that of a bound.
   bool loaded() const { return m_loaded; }
   /// Gives those rows back to Bullet's iteration that are beyond their bounds now; with `all`, the others that
-  /// have any, too. Returns whether there were such: gather anew.
-  bool giveBack(const btConstraintArray& rows, bool all);
+  /// have any, too. What breaks a joint keeps the impulse of its bound. Returns whether there were such: gather anew.
+  bool giveBack(btConstraintArray& rows, bool all);
   /// Rows that Bullet has iterated and that are within their bounds, or that what the system has done since
   /// then would draw off them, are the system's when it gathers next. Returns whether there were such.
   bool takeBack(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
