@@ -53,7 +53,8 @@ TEST(ExactScenes, ChainsOfBulletsHingesHold) {
 template <class Hinge>
 void expectToHoldUntilItBreaks() {
   const double ratio = 100, dt = 1. / 60;
-  const double swinging = 10 * ratio * scenes::standard_gravity * dt;  // N s: more than they have to bear
+  const double swinging =
+      10 * ratio * scenes::standard_gravity * dt;  // N s: more than they have to bear
   const auto run = [&](double threshold) {
     return scenes::chain<Hinge>(chain(10, ratio, dt), [&](Hinge& hinge) {
       hinge.setBreakingImpulseThreshold(btScalar(threshold));

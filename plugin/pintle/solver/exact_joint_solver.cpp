@@ -457,6 +457,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     return 0;
   }
   joints.writeImpulses(rows);
+  joints.rememberIterated(rows);
   joints.takeBack(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   joints.report(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   ++m_analyticsData.m_numSolverCalls;

@@ -100,6 +100,10 @@ bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBo
   return !(K > thin * all) || !(left > thin_by_factors * K);
 }
 
+// Of the last step's impulse. Bullet's limits have no row in a step that begins within them: one that is held by all
+// of its impulse closes, and lets go in the next step.
+constexpr Scalar stock_warm_start = Scalar(0.995);
+
 // Rows at a bound that this is to be missed by, m or rad, are not to be left there.
 constexpr double missed = 5e-5;
 
@@ -161,6 +165,7 @@ Joint* AsJoint::operator()(btTypedConstraint* constraint) {
 bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
                          bool limits, int iterations) {
   m_gathered.clear();
+  m_unfit.clear();
   m_joints.clear();
   m_all = true;
   m_loops = m_loaded = m_bounded = m_hindered = false;
@@ -206,10 +211,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     };
     if (!bilateral && !fits()) {
       m_all = false;
-      const Joint* const ours = as_joint(joint);
-      if (ours != nullptr && row.m_appliedImpulse == 0)
-        row.m_appliedImpulse = ours->warmLimit(index, 1);
-      m_loaded = m_loaded || row.m_appliedImpulse != 0;
+      m_unfit.push_back({i, index});
       continue;
     }
     if (!known || full) {
@@ -226,6 +228,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   if (m_joints.empty()) return false;
 
   m_topology = &m_topologies.get(m_joints, m_gathered.front().joint);
+  for (const Unfit& unfit : m_unfit) {
+    warmStart(rows[unfit.row], unfit.index, as_joint);
+    m_loaded = m_loaded || rows[unfit.row].m_appliedImpulse != 0;
+  }
   const Elimination& elimination = m_topology->elimination;
   const size_t n = m_joints.size();
   m_swings.clear();
@@ -283,7 +289,43 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_next_of.reserve(2 * n);
   m_path.reserve(n);
   m_hastened.reserve(with_bounds);
+  m_unfit.reserve(with_bounds);
+  m_topology->iterated.reserve(with_bounds);
   return true;
+}
+
+// Joints of Pintle's know what their limits had. What one of Bullet's has in that place now may be another limit.
+void JointSystem::warmStart(btSolverConstraint& row, int index, AsJoint& as_joint) const {
+  if (row.m_appliedImpulse != 0) return;
+  auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
+  if (const Joint* ours = as_joint(joint)) {
+    row.m_appliedImpulse = ours->warmLimit(index, 1);
+    return;
+  }
+  const std::vector<Topology::Iterated>& all = m_topology->iterated;
+  const Topology::Iterated sought{joint, index, 0, {}, {}};
+  const auto known = std::lower_bound(all.begin(), all.end(), sought);
+  if (known == all.end() || sought < *known) return;
+  const auto dot = [](const btVector3& l, const btVector3& a, const btVector3& m,
+                      const btVector3& b) { return double(l.dot(m) + a.dot(b)); };
+  const btVector3 &L = row.m_contactNormal1, &A = row.m_relpos1CrossNormal;
+  if (isSameDirection(dot(L, A, L, A), dot(L, A, known->linear, known->angular),
+                      dot(known->linear, known->angular, known->linear, known->angular)))
+    row.m_appliedImpulse = btMax(row.m_lowerLimit, btMin(known->impulse, row.m_upperLimit));
+}
+
+void JointSystem::rememberIterated(const btConstraintArray& rows) {
+  std::vector<Topology::Iterated>& known = m_topology->iterated;
+  known.clear();
+  AsJoint as_joint;
+  for (const Unfit& unfit : m_unfit) {
+    const btSolverConstraint& row = rows[unfit.row];
+    auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
+    if (row.m_appliedImpulse != 0 && as_joint(joint) == nullptr)
+      known.push_back({joint, unfit.index, stock_warm_start * row.m_appliedImpulse,
+                       row.m_contactNormal1, row.m_relpos1CrossNormal});
+  }
+  std::sort(known.begin(), known.end());
 }
 
 // Of A = S S^T the Cholesky factor. An axis about which the body cannot turn has no column.
@@ -1172,6 +1214,7 @@ void JointSystem::report(btAlignedObjectArray<btSolverBody>& bodies, const btCon
 
 void JointSystem::release(btConstraintArray& rows, int iterations) {
   m_topology->impulses.clear();
+  m_topology->iterated.clear();
   std::fill(m_topology->at_bound.begin(), m_topology->at_bound.end(), Topology::inside);
   for (const JointBlock& block : m_blocks) {
     for (int r = 0; r < block.rows; ++r) {
@@ -1184,9 +1227,9 @@ void JointSystem::release(btConstraintArray& rows, int iterations) {
 size_t JointSystem::bytes() const {
   return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
-         m_joints.capacity() * sizeof(Topology::Joint) + m_rows.capacity() * sizeof(int) +
-         m_bodies.capacity() * sizeof(Body) + m_swings.capacity() * sizeof(Swing) +
-         m_wholes.capacity() * sizeof(Whole) +
+         m_unfit.capacity() * sizeof(Unfit) + m_joints.capacity() * sizeof(Topology::Joint) +
+         m_rows.capacity() * sizeof(int) + m_bodies.capacity() * sizeof(Body) +
+         m_swings.capacity() * sizeof(Swing) + m_wholes.capacity() * sizeof(Whole) +
          (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
           m_unreacted.capacity() + m_change.capacity()) *
              sizeof(double) +

@@ -44,7 +44,7 @@ struct JointBlock {
   double softness[block_rows];    ///< Sigma
   double damping[block_rows];     ///< of what rows of a loop may be unable to do together
   double impulse[block_rows];     ///< lambda
-  bool equality[block_rows];      ///< acts both ways, without bounds but that at which the joint breaks
+  bool equality[block_rows];      ///< acts both ways, with no bounds but those of breaking
   bool holds[block_rows];         ///< is rigid, and to hold in position
   int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
   int angular_rows, linear_rows;  ///< of equalities
@@ -107,6 +107,8 @@ class JointSystem {
   void restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodies);
   /// Impulses are those with which the next step begins to tell how stiff the bodies are.
   void remember(const btConstraintArray& rows);
+  /// Rows that have been iterated begin with these impulses in the next step.
+  void rememberIterated(const btConstraintArray& rows);
   /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
   /// loop cannot do together is left undone.
   void correct(const std::vector<double>& change);
@@ -229,6 +231,7 @@ class JointSystem {
   void touch(const btConstraintArray& rows, bool of_contacts);
   double reactingK(const btSolverConstraint& row);
   void hasten(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
+  void warmStart(btSolverConstraint& row, int index, AsJoint& as_joint) const;
   void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
@@ -244,6 +247,10 @@ class JointSystem {
     int row[Topology::joint_rows], index[Topology::joint_rows], bound[Topology::joint_rows];
   };
   std::vector<Gathered> m_gathered;  ///< as they come
+  struct Unfit {
+    int row, index;
+  };
+  std::vector<Unfit> m_unfit;        ///< rows with bounds that are none of the system's
   std::vector<JointBlock> m_blocks;  ///< in the order of elimination
   std::vector<Topology::Joint> m_joints;
   std::vector<int> m_rows;  ///< of each block

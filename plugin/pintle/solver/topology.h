@@ -3,7 +3,12 @@
 
 #include <pintle/solver/block_factor.h>
 
+#include <LinearMath/btVector3.h>
+
+#include <functional>
 #include <memory>
+
+class btTypedConstraint;
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -38,6 +43,17 @@ struct Topology {
   static constexpr Scalar inside = infinity;
   /// Of a joint, no more than block_rows of which have a place in its block: those at a bound need none.
   static constexpr int joint_rows = 8;
+  /// A row of a joint of Bullet's own that was iterated in the last step.
+  struct Iterated {
+    const btTypedConstraint* joint;
+    int index;                  ///< among the rows of the joint
+    Scalar impulse;             ///< with which it is to begin
+    btVector3 linear, angular;  ///< of the row, for body a
+    friend bool operator<(const Iterated& a, const Iterated& b) {
+      return a.joint != b.joint ? std::less<>()(a.joint, b.joint) : a.index < b.index;
+    }
+  };
+  std::vector<Iterated> iterated;  ///< sorted
   /// Of each component: how much of what the ends of steps may add to its energy they have.
   std::vector<double> gained;
   unsigned long long last_use = 0;
