@@ -156,9 +156,7 @@ void ExactJointSolver::resetVelocities() {
 // Whether bodies became stiffer or softer, and the joints were solved anew.
 bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
   JointSystem& joints = m_island->joints;
-  if (m_island->stiffenings == most_stiffenings ||
-      !joints.stiffen(m_tmpSolverNonContactConstraintPool, info.m_timeStep))
-    return false;
+  if (m_island->stiffenings == most_stiffenings || !joints.stiffen(info.m_timeStep)) return false;
   ++m_island->stiffenings;
   restart();
   return true;
@@ -397,7 +395,7 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
       joints.react(m_tmpSolverBodyPool);
     }
   }
-  joints.remember(m_tmpSolverNonContactConstraintPool);
+  joints.remember();
   joints.restoreMomentum(m_tmpSolverBodyPool);
   if (iterations > 0 || joints.bounded())
     m_complementarity_residual = std::sqrt(m_leastSquaresResidual);

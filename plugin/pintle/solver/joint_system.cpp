@@ -279,7 +279,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     }
     m_rows[c] = block.rows;
     findPoint(block, rows);
-    recall(block, rows, c);
+    recall(block, c);
   }
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
@@ -441,17 +441,31 @@ void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
     block.point[0] = -1;
     return;
   }
-  for (int side = 0; side < 2; ++side) {
-    // The squares of r x L of three directions sum up to 2 r^2.
-    double twice = 0, swing = 0;
-    for (const int i : block.point) {
-      const btSolverConstraint& row = rows[block.row[i]];
-      twice +=
-          inDouble(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal).squaredNorm();
-      for (int k = 3; k < 6; ++k) swing += block.J[side][k][i] * block.J[side][k][i];
-    }
-    block.swing[side] = twice > 0 ? swing / std::sqrt(twice / 2) : 0;
+  // The sum of L x (r x L) of three directions is 2 r.
+  Vector3d twice[2] = {Vector3d::Zero(), Vector3d::Zero()};
+  double swing[2] = {0, 0};
+  for (int k = 0; k < 3; ++k) {
+    const int i = block.point[k];
+    const btSolverConstraint& row = rows[block.row[i]];
+    const Vector3d L[2] = {inDouble(row.m_contactNormal1), inDouble(row.m_contactNormal2)};
+    Eigen::Map<Vector3d>(block.direction[k]) = L[0];
+    twice[0] += L[0].cross(inDouble(row.m_relpos1CrossNormal));
+    twice[1] += L[1].cross(inDouble(row.m_relpos2CrossNormal));
+    for (int side = 0; side < 2; ++side)
+      for (int j = 3; j < 6; ++j) swing[side] += block.J[side][j][i] * block.J[side][j][i];
   }
+  for (int side = 0; side < 2; ++side) {
+    const Vector3d r = twice[side] / 2;
+    Eigen::Map<Vector3d>(block.lever[side]) = r;
+    const double length = r.norm();
+    block.swing[side] = length > 0 ? swing[side] / length : 0;
+  }
+}
+
+Vector3d JointBlock::pointImpulse() const {
+  Vector3d p = Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) p += impulse[point[k]] * Eigen::Map<const Vector3d>(direction[k]);
+  return p;
 }
 
 void JointSystem::addLoads(double dt) {
@@ -485,22 +499,17 @@ bool JointSystem::loadsChanged() const {
   return false;
 }
 
-void JointSystem::addLevers(const btConstraintArray& rows) {
+void JointSystem::addLevers() {
   for (Swing& swing : m_swings) swing.stiffness.setZero();
   for (const JointBlock& block : m_blocks) {
+    if (block.point[0] < 0) continue;
+    const Vector3d p = block.pointImpulse();
     for (int side = 0; side < 2; ++side) {
-      if (block.body[side] < 0 || block.point[0] < 0) continue;
+      if (block.body[side] < 0) continue;
       const auto body = size_t(block.body[side]);
       if (!isStiff(m_bodies[body].load, body)) continue;
-      // The sum of L x (r x L) of three directions is 2 r.
-      Vector3d p = Vector3d::Zero(), r = Vector3d::Zero();
-      for (const int i : block.point) {
-        const btSolverConstraint& row = rows[block.row[i]];
-        const btVector3& L = side == 0 ? row.m_contactNormal1 : row.m_contactNormal2;
-        p += block.impulse[i] * inDouble(L);
-        r += inDouble(L.cross(side == 0 ? row.m_relpos1CrossNormal : row.m_relpos2CrossNormal)) / 2;
-      }
-      m_swings[body].stiffness += leverStiffness(p, r);
+      const Eigen::Map<const Vector3d> r(block.lever[side]);
+      m_swings[body].stiffness += leverStiffness(side == 0 ? p : -p, r);
     }
   }
 }
@@ -547,11 +556,11 @@ void JointSystem::beginSwings() {
   }
 }
 
-bool JointSystem::stiffen(const btConstraintArray& rows, Scalar dt) {
+bool JointSystem::stiffen(Scalar dt) {
   addLoads(double(dt));
   if (!loadsChanged()) return false;
   beginSwings();
-  addLevers(rows);
+  addLevers();
   bool changed = false;
   for (size_t i = 0; i < m_bodies.size(); ++i) {
     Body& body = m_bodies[i];
@@ -884,22 +893,18 @@ void JointSystem::restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodi
 }
 
 // In the world: rows may have turned by the next step.
-void JointSystem::remember(const btConstraintArray& rows) {
+void JointSystem::remember() {
   m_topology->impulses.resize(3 * m_blocks.size());
-  for (size_t c = 0; c < m_blocks.size(); ++c) {
-    Vector3d p = Vector3d::Zero();
-    if (m_blocks[c].point[0] >= 0)
-      for (const int i : m_blocks[c].point)
-        p += m_blocks[c].impulse[i] * inDouble(rows[m_blocks[c].row[i]].m_contactNormal1);
-    Eigen::Map<Vector3d>(&m_topology->impulses[3 * c]) = p;
-  }
+  for (size_t c = 0; c < m_blocks.size(); ++c)
+    Eigen::Map<Vector3d>(&m_topology->impulses[3 * c]) =
+        m_blocks[c].point[0] < 0 ? Vector3d(Vector3d::Zero()) : m_blocks[c].pointImpulse();
 }
 
-void JointSystem::recall(JointBlock& block, const btConstraintArray& rows, size_t c) const {
+void JointSystem::recall(JointBlock& block, size_t c) const {
   if (m_topology->impulses.empty() || block.point[0] < 0) return;
   const Eigen::Map<const Vector3d> p(&m_topology->impulses[3 * c]);
-  for (const int i : block.point)
-    block.impulse[i] = p.dot(inDouble(rows[block.row[i]].m_contactNormal1));
+  for (int k = 0; k < 3; ++k)
+    block.impulse[block.point[k]] = p.dot(Eigen::Map<const Vector3d>(block.direction[k]));
 }
 
 void JointSystem::writeImpulses(btConstraintArray& rows) const {

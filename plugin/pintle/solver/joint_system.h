@@ -49,7 +49,11 @@ struct JointBlock {
   int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
   int angular_rows, linear_rows;  ///< of equalities
   int point[3];                   ///< three rows that hold a point in all directions; -1: none do
+  double direction[3][3];         ///< of these, for body a
+  double lever[2][3];             ///< from each body to the point, m
   double swing[2];  ///< how easily each body swings under a load of it: lever / inertia, 1 / (kg m)
+  /// The impulse of the point on body a, N s.
+  Vector3d pointImpulse() const;
 };
 
 class JointSystem {
@@ -67,7 +71,7 @@ class JointSystem {
   /// Adds the geometric stiffness of the impulses that the joints have now to the inertia of each body
   /// that needs it. Returns whether it has changed: then K is another one, and the joints are to be
   /// solved anew.
-  bool stiffen(const btConstraintArray& rows, Scalar dt);
+  bool stiffen(Scalar dt);
   /// Whether a body swings so fast that next to nothing of it is left in a step: how stiff it is then
   /// changes the impulses by much.
   bool hasUnresolved() const;
@@ -106,7 +110,7 @@ class JointSystem {
   /// give. What nothing else holds gets it back, turning as a whole.
   void restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodies);
   /// Impulses are those with which the next step begins to tell how stiff the bodies are.
-  void remember(const btConstraintArray& rows);
+  void remember();
   /// Rows that have been iterated begin with these impulses in the next step.
   void rememberIterated(const btConstraintArray& rows);
   /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
@@ -225,14 +229,14 @@ class JointSystem {
   /// Whether a body of this (omega h)^2 of its swing is stiffened.
   bool isStiff(double swing, size_t body) const;
   bool loadsChanged() const;
-  void addLevers(const btConstraintArray& rows);
+  void addLevers();
   void beginSwings();
   void addNeighbours();
   void touch(const btConstraintArray& rows, bool of_contacts);
   double reactingK(const btSolverConstraint& row);
   void hasten(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
   void warmStart(btSolverConstraint& row, int index, AsJoint& as_joint) const;
-  void recall(JointBlock& block, const btConstraintArray& rows, size_t c) const;
+  void recall(JointBlock& block, size_t c) const;
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
   void writeBody(int body, btSolverBody& to) const;
