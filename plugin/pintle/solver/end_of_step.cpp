@@ -69,15 +69,6 @@ bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
   return isSameDirection(dot(a, a), dot(a, b), dot(b, b));
 }
 
-// Bullet's rows are the negative of the document's: J_1 = [L, A_a], J_2 = [-L, -A_b].
-bool isSameRow(const Row& a, const btSolverConstraint& b) {
-  const auto L = view(b.m_contactNormal1), A_a = view(b.m_relpos1CrossNormal),
-             A_b = view(b.m_relpos2CrossNormal);
-  return isSameDirection(double(a.L.dot(a.L) + a.A_a.dot(a.A_a) + a.A_b.dot(a.A_b)),
-                         double(a.L.dot(L) + a.A_a.dot(A_a) - a.A_b.dot(A_b)),
-                         double(L.dot(L) + A_a.dot(A_a) + A_b.dot(A_b)));
-}
-
 class PoseGuard {
  public:
   PoseGuard(btRigidBody& body, const btTransform& pose)
@@ -175,10 +166,10 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     const int first_axis = equalities(block);
     for (int r = 0; r < block.rows; ++r) {
       const int i = block.index[r];
-      const btSolverConstraint& row = rows[block.row[r]];
       if (i >= first_axis) {
-        if (!(row.m_cfm > 0)) speed[r] = double(missing(*block.ours, i, now));
-      } else if (i < now.equalities() && block.holds[r] && isSameRow(now[i], row)) {
+        if (!(rows[block.row[r]].m_cfm > 0)) speed[r] = double(missing(*block.ours, i, now));
+      } else if (i < now.equalities() && block.holds[r] &&
+                 isSameRow(now[i], block.ours->m_rows[i])) {
         speed[r] = double(fps) * double(now[i].position);
         most[r] = double(now[i].max_speed);
       }

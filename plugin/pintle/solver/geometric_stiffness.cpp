@@ -15,9 +15,10 @@ constexpr double negligible = 1e-6;
 void rotate(Matrix3d& A, Matrix3d& V, int p, int q, double least) {
   const double off = A(p, q);
   if (!(std::abs(off) > least)) return;
-  const double half = (A(q, q) - A(p, p)) / (2 * off);
-  const double t = (half < 0 ? -1 : 1) / (std::abs(half) + std::sqrt(1 + half * half));
-  const double c = 1 / std::sqrt(1 + t * t), s = t * c;
+  const double d = A(q, q) - A(p, p), root = std::sqrt(d * d + 4 * off * off);
+  if (!(root < HUGE_VAL)) return;
+  const double t = (d < 0 ? -2 : 2) * off / (std::abs(d) + root);
+  const double c = std::sqrt((std::abs(d) + root) / (2 * root)), s = t * c;
   const int k = 3 - p - q;
   A(p, p) -= t * off;
   A(q, q) += t * off;

@@ -122,6 +122,8 @@ constexpr double stiff = 1, stiff_if_free = 2.5, unresolved = 4;
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
 
+using BlockView = Eigen::Map<Eigen::Matrix<double, block_rows, block_rows>>;
+
 // J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on. Angular rows, and such
 // along the world's axes, have next to no linear part.
 template <int first>
@@ -381,14 +383,14 @@ void JointSystem::factorise() {
   for (int c = 0; c < columns; ++c) {
     const JointBlock& block = m_blocks[size_t(c)];
     double* K = m_factor.block(c);
-    std::fill_n(K, block_rows * block_rows, 0.);
+    BlockView(K).setZero();
     for (int side = 0; side < 2; ++side)
       if (block.body[side] >= 0) addSquare(K, block.J[side], block.rows);
     for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.softness[r];
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
       const JointBlock& other = m_blocks[size_t(elimination.row(i))];
       double* to = m_factor.block(i);
-      std::fill_n(to, block_rows * block_rows, 0.);
+      BlockView(to).setZero();
       for (int s = 0; s < 2; ++s) {
         for (int t = 0; t < 2; ++t) {
           if (block.body[s] >= 0 && block.body[s] == other.body[t])
