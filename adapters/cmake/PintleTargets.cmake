@@ -45,9 +45,10 @@ function(pintle_add_library precision wanted)
   target_compile_options(${target} PRIVATE
     "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
     "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>"
-    # gcc packs vectors of three, and loops over five rows, for less than it costs.
-    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-vectorize>")
-  # The exact solver's rows it packs well, for a tenth of a step. A precompiled header would bring its own options.
+    # gcc packs loops over five rows for less than it costs, and vectors of three floats.
+    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-vectorize>"
+    "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<STREQUAL:${precision},single>>:-fno-tree-slp-vectorize>")
+  # The exact solver is in double: a tenth of its step. A precompiled header would bring its own options.
   file(GLOB solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp")
   set_source_files_properties(${solver} PROPERTIES SKIP_PRECOMPILE_HEADERS ON
     COMPILE_OPTIONS "$<$<CXX_COMPILER_ID:GNU>:-ftree-slp-vectorize>")
