@@ -52,7 +52,6 @@ struct Problem {
     auto edges = chain(joints - 1, true);
     edges.emplace_back(3, joints - 1);
     elimination.analyse(joints, edges);
-    std::vector<int> rows;
     for (int c = 0; c < joints; ++c) rows.push_back(1 + c % pintle::block_rows);
     factor.resize(elimination, rows);
     std::mt19937 generator(5);
@@ -77,11 +76,13 @@ struct Problem {
       for (int r = 0; r < rows[size_t(c)]; ++r) b[n * c + r] = number(generator);
   }
   void set(double* block, int row, int column) {
-    Eigen::Map<Eigen::MatrixXd>(block, n, n) = K.block(n * row, n * column, n, n);
+    const int h = pintle::column_height(rows[size_t(row)]), w = rows[size_t(column)];
+    Eigen::Map<Eigen::MatrixXd>(block, h, w) = K.block(n * row, n * column, h, w);
   }
 
   static constexpr int n = pintle::block_rows;
   Elimination elimination;
+  std::vector<int> rows;
   BlockFactor factor;
   Eigen::MatrixXd K;
   Eigen::VectorXd b;

@@ -26,17 +26,16 @@ constexpr double below[block_rows][block_rows] = {{0, 1, 1, 1, 1, 1}, {0, 0, 1, 
                                                   {0, 0, 0, 1, 1, 1}, {0, 0, 0, 0, 1, 1},
                                                   {0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0}};
 
-// to -= A B^T, of so many rows of A and columns of both, and `width` rows of B: of two rows at a time that vectors
-// hold no more than there are.
+// to -= A B^T, of so many rows of A and columns of both, and `width` rows of B, whose columns are of `height_of_B`.
 template <int height, int columns>
-inline void subtractProduct(double* to, const double* A, const double* B, int width) {
-  using Part = Eigen::Matrix<double, height, 1>;
+inline void subtractProduct(double* to, const double* A, const double* B, int width,
+                            int height_of_B) {
+  const Eigen::Matrix<double, height, columns> a =
+      Eigen::Map<const Eigen::Matrix<double, height, columns>>(A);
   for (int q = 0; q < width; ++q) {
-    Eigen::Map<Part> column(to + q * block_rows);
-    Part sum = column;
-    for (int p = 0; p < columns; ++p)
-      sum -= B[p * block_rows + q] * Eigen::Map<const Part>(A + p * block_rows);
-    column = sum;
+    Column<height> sum = column<height>(to, q);
+    for (int p = 0; p < columns; ++p) sum -= B[p * height_of_B + q] * a.col(p);
+    column<height>(to, q) = sum;
   }
 }
 
@@ -45,12 +44,24 @@ inline void subtractProduct(double* to, const double* A, const double* B, int wi
 void BlockFactor::resize(const Elimination& elimination, const std::vector<int>& rows) {
   m_elimination = &elimination;
   m_rows = rows;
-  int most = 0;
-  for (int c = 0; c < elimination.columns(); ++c)
-    most = std::max(most, elimination.first(c + 1) - elimination.first(c));
-  m_blocks.resize(size_t(elimination.blocks()) * size);
-  m_inverse.resize(size_t(elimination.columns()) * block_rows);
-  m_scratch.resize(size_t(most) * size);
+  const int columns = elimination.columns();
+  m_start.resize(size_t(elimination.blocks()) + 1);
+  size_t end = 0, most = 0;
+  const auto add = [&](int block, int row, int column) {
+    m_start[size_t(block)] = end;
+    end += size_t(rows[size_t(column)] * column_height(rows[size_t(row)]));
+  };
+  for (int c = 0; c < columns; ++c) add(c, c, c);
+  for (int c = 0; c < columns; ++c) {
+    const size_t begin = end;
+    for (int i = elimination.first(c); i < elimination.first(c + 1); ++i)
+      add(i, elimination.row(i), c);
+    most = std::max(most, end - begin);
+  }
+  m_start.back() = end;
+  m_blocks.resize(end);
+  m_inverse.resize(size_t(columns) * block_rows);
+  m_scratch.resize(most);
 }
 
 // Unit lower triangular, its diagonal and what is above it zero.
@@ -58,18 +69,19 @@ void BlockFactor::factoriseDiagonal(int c, double tolerance) {
   double* A = block(c);
   double* inverse = &m_inverse[size_t(c) * block_rows];
   withConstant(m_rows[size_t(c)], [&](auto n) {
-    const BlockColumn diagonal = column(inverse);
+    constexpr int height = column_height(n);
+    const Column<height> diagonal = column<height>(inverse);
     for (int p = 0; p < n; ++p) {
-      const double pivot = A[p * block_rows + p];
+      const double pivot = A[p * height + p];
       if (pivot > tolerance * diagonal[p]) {
         inverse[p] = 1 / pivot;
       } else {
         inverse[p] = 0;
         ++m_dependent;
       }
-      const BlockColumn L = inverse[p] * column(A, p);
-      for (int q = p + 1; q < n; ++q) column(A, q) -= A[p * block_rows + q] * L;
-      column(A, p) = L.cwiseProduct(column(below[p]));
+      const Column<height> L = inverse[p] * column<height>(A, p);
+      for (int q = p + 1; q < n; ++q) column<height>(A, q) -= A[p * height + q] * L;
+      column<height>(A, p) = L.cwiseProduct(column<height>(below[p]));
     }
   });
 }
@@ -79,36 +91,40 @@ void BlockFactor::factorise(double tolerance) {
   const int columns = e.columns();
   m_dependent = 0;
   // The diagonal of K, before anything is taken from it.
-  for (int c = 0; c < columns; ++c)
-    for (int p = 0; p < m_rows[size_t(c)]; ++p)
-      m_inverse[size_t(c) * block_rows + size_t(p)] = block(c)[p * block_rows + p];
+  for (int c = 0; c < columns; ++c) {
+    const int rows = m_rows[size_t(c)];
+    for (int p = 0; p < rows; ++p)
+      m_inverse[size_t(c * block_rows + p)] = block(c)[p * (column_height(rows) + 1)];
+  }
 
   for (int c = 0; c < columns; ++c) {
     factoriseDiagonal(c, tolerance);
     const double* L = block(c);
     const double* inverse = &m_inverse[size_t(c) * block_rows];
-    const int n = m_rows[size_t(c)], begin = e.first(c), end = e.first(c + 1);
+    const int begin = e.first(c), end = e.first(c + 1);
     const int* target = e.targets(c);
-    withConstant(n, [&](auto N) {
+    withConstant(m_rows[size_t(c)], [&](auto n) {
+      // L D, each block as far from the first as of K
+      const auto scratch = [&](int i) { return m_scratch.data() + (block(i) - block(begin)); };
       for (int i = begin; i < end; ++i) {
-        double* A = block(i);
-        double* LD = &m_scratch[size_t(i - begin) * size];
-        for (int p = 0; p < N; ++p) {
-          BlockColumn sum = column(A, p);
-          for (int q = 0; q < p; ++q) sum -= L[q * block_rows + p] * column(LD, q);
-          column(LD, p) = sum;
-          column(A, p) = inverse[p] * sum;
-        }
+        withHeight(m_rows[size_t(e.row(i))], [&](auto height) {
+          double* A = block(i);
+          double* LD = scratch(i);
+          for (int p = 0; p < n; ++p) {
+            Column<height> sum = column<height>(A, p);
+            for (int q = 0; q < p; ++q) sum -= L[q * column_height(n) + p] * column<height>(LD, q);
+            column<height>(LD, p) = sum;
+            column<height>(A, p) = inverse[p] * sum;
+          }
+        });
       }
       for (int i = begin; i < end; ++i) {
-        const double* LD = &m_scratch[size_t(i - begin) * size];
         const int width = m_rows[size_t(e.row(i))];
         for (int j = i; j < end; ++j) {
           double* to = block(*target++);
-          if (m_rows[size_t(e.row(j))] <= 4)
-            subtractProduct<4, N>(to, block(j), LD, width);
-          else
-            subtractProduct<block_rows, N>(to, block(j), LD, width);
+          withHeight(m_rows[size_t(e.row(j))], [&](auto height) {
+            subtractProduct<height, n>(to, block(j), scratch(i), width, column_height(width));
+          });
         }
       }
     });
@@ -118,15 +134,19 @@ void BlockFactor::factorise(double tolerance) {
 void BlockFactor::eliminate(int c, double* x) const {
   const Elimination& e = *m_elimination;
   withConstant(m_rows[size_t(c)], [&](auto n) {
-    BlockColumn y = column(x, c);
-    const double* L = &m_blocks[size_t(c) * size];
-    for (int p = 0; p + 1 < n; ++p) y -= y[p] * column(L, p);
-    column(x, c) = y;
+    constexpr int height = column_height(n);
+    double* at = x + c * block_rows;
+    Column<height> y = column<height>(at);
+    const double* L = block(c);
+    for (int p = 0; p + 1 < n; ++p) y -= y[p] * column<height>(L, p);
+    column<height>(at) = y;
     for (int i = e.first(c); i < e.first(c + 1); ++i) {
-      const double* A = &m_blocks[size_t(i) * size];
-      BlockColumn sum = column(x, e.row(i));
-      for (int p = 0; p < n; ++p) sum -= y[p] * column(A, p);
-      column(x, e.row(i)) = sum;
+      withHeight(m_rows[size_t(e.row(i))], [&](auto rows) {
+        double* to = x + e.row(i) * block_rows;
+        Column<rows> sum = column<rows>(to);
+        for (int p = 0; p < n; ++p) sum -= y[p] * column<rows>(block(i), p);
+        column<rows>(to) = sum;
+      });
     }
   });
 }
@@ -134,16 +154,20 @@ void BlockFactor::eliminate(int c, double* x) const {
 void BlockFactor::substitute(int c, double* x) const {
   const Elimination& e = *m_elimination;
   withConstant(m_rows[size_t(c)], [&](auto n) {
-    BlockColumn y = column(x, c).cwiseProduct(column(m_inverse.data(), c));
+    constexpr int height = column_height(n);
+    double* at = x + c * block_rows;
+    Column<height> y =
+        column<height>(at).cwiseProduct(column<height>(&m_inverse[size_t(c * block_rows)]));
     for (int i = e.first(c); i < e.first(c + 1); ++i) {
-      const double* A = &m_blocks[size_t(i) * size];
-      const BlockColumn z = column(x, e.row(i));
-      for (int p = 0; p < n; ++p) y[p] -= column(A, p).dot(z);
+      withHeight(m_rows[size_t(e.row(i))], [&](auto rows) {
+        const Column<rows> z = column<rows>(x + e.row(i) * block_rows);
+        for (int p = 0; p < n; ++p) y[p] -= column<rows>(block(i), p).dot(z);
+      });
     }
-    const double* L = &m_blocks[size_t(c) * size];
+    const double* L = block(c);
     for (int p = n - 2; p >= 0; --p)
-      for (int q = p + 1; q < n; ++q) y[p] -= L[p * block_rows + q] * y[q];
-    column(x, c) = y;
+      for (int q = p + 1; q < n; ++q) y[p] -= L[p * height + q] * y[q];
+    column<height>(at) = y;
   });
 }
 

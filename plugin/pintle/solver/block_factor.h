@@ -4,29 +4,44 @@
 
 #include <pintle/solver/elimination.h>
 
+#include <algorithm>
+#include <type_traits>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// A block has up to this many rows and columns; what it has fewer is zero.
+/// A block has up to this many rows and columns.
 constexpr int block_rows = 6;
-using BlockColumn = Eigen::Matrix<double, block_rows, 1>;
-using BlockColumnView = Eigen::Map<BlockColumn, Eigen::Unaligned>;
-using ConstBlockColumnView = Eigen::Map<const BlockColumn, Eigen::Unaligned>;
-inline BlockColumnView column(double* block, int i = 0) {
-  return BlockColumnView(block + i * block_rows);
+/// A column of so many rows takes the place of this many numbers: what is beyond the rows is zero.
+constexpr int column_height(int rows) { return rows <= 4 ? 4 : block_rows; }
+template <int height>
+using Column = Eigen::Matrix<double, height, 1>;
+/// The i-th column from here on.
+template <int height = block_rows>
+Eigen::Map<Column<height>> column(double* block, int i = 0) {
+  return Eigen::Map<Column<height>>(block + i * height);
 }
-inline ConstBlockColumnView column(const double* block, int i = 0) {
-  return ConstBlockColumnView(block + i * block_rows);
+template <int height = block_rows>
+Eigen::Map<const Column<height>> column(const double* block, int i = 0) {
+  return Eigen::Map<const Column<height>>(block + i * height);
 }
+/// Calls f with the height of columns of so many rows as a constant.
+template <class Function>
+auto withHeight(int rows, const Function& f) {
+  return column_height(rows) == 4 ? f(std::integral_constant<int, 4>())
+                                  : f(std::integral_constant<int, block_rows>());
+}
+using BlockColumn = Column<block_rows>;
 
 class BlockFactor {
  public:
   /// `rows` of each column's block, in the order of elimination. Allocates if it has not been as large.
   void resize(const Elimination& elimination, const std::vector<int>& rows);
 
-  /// To be filled with K: column-major, block_rows numbers a column. Of diagonal blocks the lower
-  /// triangle is used.
-  double* block(int i) { return &m_blocks[size_t(i) * size]; }
+  /// To be filled with K, in columns of the rows' height. Of diagonal blocks the lower triangle is used.
+  double* block(int i) { return m_blocks.data() + m_start[size_t(i)]; }
+  const double* block(int i) const { return m_blocks.data() + m_start[size_t(i)]; }
+  void clear(int i) { std::fill(block(i), block(i + 1), 0.); }
 
   /// K becomes its factor. A pivot of less than `tolerance` of its diagonal element is what rounding
   /// left of a row that says what others say already: it gets no impulse.
@@ -46,16 +61,16 @@ class BlockFactor {
   double product(double* x, const std::vector<int>& columns) const;
 
   size_t bytes() const {
-    return sizeof(double) * (m_blocks.capacity() + m_inverse.capacity() + m_scratch.capacity());
+    return sizeof(double) * (m_blocks.capacity() + m_inverse.capacity() + m_scratch.capacity()) +
+           sizeof(size_t) * m_start.capacity() + sizeof(int) * m_rows.capacity();
   }
 
  private:
-  static constexpr size_t size = block_rows * block_rows;
-
   void factoriseDiagonal(int column, double tolerance);
 
   const Elimination* m_elimination = nullptr;
   std::vector<int> m_rows;
+  std::vector<size_t> m_start;    ///< of each block
   std::vector<double> m_blocks;   ///< K, then L
   std::vector<double> m_inverse;  ///< of D
   std::vector<double> m_scratch;  ///< L D of one column

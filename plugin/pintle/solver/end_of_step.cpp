@@ -205,7 +205,7 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
     for (int r = 0; r < blocks[c].rows; ++r) {
       double size = double(m_dt) * std::abs(of[r]);
       if (size <= most) continue;
-      if (!rows[blocks[c].row[r]].m_contactNormal1.isZero()) size -= m_rounding;
+      if (blocks[c].linear[r]) size -= m_rounding;
       if (!(size <= most)) most = size;  // also NaN
     }
   }
@@ -240,7 +240,7 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   }
   if (!turns_back) return;
   for (int r = 0; r < block.rows; ++r)
-    if (most[r] < double(infinity) || rows[block.row[r]].m_contactNormal1.isZero()) error[r] = 0;
+    if (most[r] < double(infinity) || !block.linear[r]) error[r] = 0;
 }
 
 }  // namespace PINTLE_PRECISION

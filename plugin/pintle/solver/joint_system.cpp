@@ -122,15 +122,13 @@ constexpr double stiff = 1, stiff_if_free = 2.5, unresolved = 4;
 // A change of 1 + mu by this factor is worth another solution.
 constexpr double same_stiffness = 1.5;
 
-using BlockView = Eigen::Map<Eigen::Matrix<double, block_rows, block_rows>>;
-
 // J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on. Angular rows, and such
 // along the world's axes, have next to no linear part.
-template <int first>
-void addSquare(double* to, const double (&J)[6][block_rows]) {
-  using Part = Eigen::Matrix<double, block_rows - first, 1>;
-  for (int q = first; q < first + 2; ++q) {
-    Eigen::Map<Part> column(to + q * block_rows + first);
+template <int height, int first>
+void addSquare(double* to, const double (&J)[6][block_rows], int end) {
+  using Part = Column<height - first>;
+  for (int q = first; q < end; ++q) {
+    Eigen::Map<Part> column(to + q * height + first);
     Part sum = column;
     for (int k = 0; k < 6; ++k)
       if (k >= 3 || J[k][q] != 0) sum += J[k][q] * Eigen::Map<const Part>(J[k] + first);
@@ -138,20 +136,24 @@ void addSquare(double* to, const double (&J)[6][block_rows]) {
   }
 }
 void addSquare(double* to, const double (&J)[6][block_rows], int rows) {
-  addSquare<0>(to, J);
-  if (rows > 2) addSquare<2>(to, J);
-  if (rows > 4) addSquare<4>(to, J);
+  withHeight(rows, [&](auto height) {
+    addSquare<height, 0>(to, J, std::min(rows, 2));
+    addSquare<height, 2>(to, J, std::min(rows, 4));
+    if constexpr (height > 4) addSquare<height, 4>(to, J, rows);
+  });
 }
 
-// A J^T of two joints' rows for a body, to their block of K.
+// A J^T of two joints' rows for a body, of so many rows of A and of J, to their block of K.
 void addProduct(double* to, const double (&A)[6][block_rows], const double (&J)[6][block_rows],
-                int rows) {
-  for (int q = 0; q < rows; ++q) {
-    BlockColumn sum = column(to, q);
-    for (int k = 0; k < 6; ++k)
-      if (k >= 3 || J[k][q] != 0) sum += J[k][q] * column(A[k]);
-    column(to, q) = sum;
-  }
+                int rows, int columns) {
+  withHeight(rows, [&](auto height) {
+    for (int q = 0; q < columns; ++q) {
+      Column<height> sum = column<height>(to, q);
+      for (int k = 0; k < 6; ++k)
+        if (k >= 3 || J[k][q] != 0) sum += J[k][q] * column<height>(A[k]);
+      column<height>(to, q) = sum;
+    }
+  });
 }
 
 }  // namespace
@@ -277,6 +279,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       block.damping[r] = equality ? damped_correction * K : 0;
       block.equality[r] = equality;
       block.holds[r] = equality && !(row.m_cfm > 0);
+      block.linear[r] = !row.m_contactNormal1.isZero();
       m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
     m_rows[c] = block.rows;
@@ -383,18 +386,19 @@ void JointSystem::factorise() {
   for (int c = 0; c < columns; ++c) {
     const JointBlock& block = m_blocks[size_t(c)];
     double* K = m_factor.block(c);
-    BlockView(K).setZero();
+    m_factor.clear(c);
     for (int side = 0; side < 2; ++side)
       if (block.body[side] >= 0) addSquare(K, block.J[side], block.rows);
-    for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.softness[r];
+    for (int r = 0; r < block.rows; ++r)
+      K[r * (column_height(block.rows) + 1)] += block.softness[r];
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i) {
       const JointBlock& other = m_blocks[size_t(elimination.row(i))];
       double* to = m_factor.block(i);
-      BlockView(to).setZero();
+      m_factor.clear(i);
       for (int s = 0; s < 2; ++s) {
         for (int t = 0; t < 2; ++t) {
           if (block.body[s] >= 0 && block.body[s] == other.body[t])
-            addProduct(to, other.J[t], block.J[s], block.rows);
+            addProduct(to, other.J[t], block.J[s], other.rows, block.rows);
         }
       }
     }
@@ -408,7 +412,8 @@ void JointSystem::factorise() {
     for (int c = 0; c < columns; ++c) {
       const JointBlock& block = m_blocks[size_t(c)];
       double* K = m_damped.block(c);
-      for (int r = 0; r < block.rows; ++r) K[r * (block_rows + 1)] += block.damping[r];
+      for (int r = 0; r < block.rows; ++r)
+        K[r * (column_height(block.rows) + 1)] += block.damping[r];
     }
     m_damped_is_factor = false;
   }
@@ -421,9 +426,10 @@ void JointSystem::addLeastSoftness() {
     JointBlock& block = m_blocks[c];
     double* K = m_factor.block(int(c));
     for (int r = 0; r < block.rows; ++r) {
-      const double whole = std::max(K[r * (block_rows + 1)], block.damping[r] / damped_correction);
-      const double least = least_impulses * whole;
-      K[r * (block_rows + 1)] += least;
+      double& diagonal = K[r * (column_height(block.rows) + 1)];
+      const double least =
+          least_impulses * std::max(diagonal, block.damping[r] / damped_correction);
+      diagonal += least;
       block.softness[r] += least;
     }
   }
@@ -432,7 +438,7 @@ void JointSystem::addLeastSoftness() {
 void JointSystem::findPoint(JointBlock& block, const btConstraintArray& rows) {
   for (int i = 0; i < block.rows; ++i) {
     if (!block.equality[i]) continue;
-    if (rows[block.row[i]].m_contactNormal1.isZero()) {
+    if (!block.linear[i]) {
       ++block.angular_rows;
     } else {
       if (block.linear_rows < 3) block.point[block.linear_rows] = i;
@@ -534,17 +540,21 @@ void JointSystem::addNeighbours() {
 // Whether a joint that holds all of an orientation, or two points, or says that it does, says some of it twice.
 bool JointSystem::dependsOnItself() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
-    const int rows = m_blocks[c].rows;
-    if (m_blocks[c].angular_rows < 3 && m_blocks[c].linear_rows <= 3) continue;
+    const JointBlock& block = m_blocks[c];
+    if (block.angular_rows < 3 && block.linear_rows <= 3) continue;
     double K[block_rows * block_rows];
-    std::copy_n(m_factor.block(int(c)), block_rows * block_rows, K);
-    for (int p = 0; p < rows; ++p) {
-      const double pivot = K[p * (block_rows + 1)];
-      const double whole = m_factor.block(int(c))[p * (block_rows + 1)];
-      if (!(pivot > nearly_dependent * whole)) return true;
-      for (int q = p + 1; q < rows; ++q)
-        column(K, q) -= K[p * block_rows + q] / pivot * column(K, p);
-    }
+    std::copy(m_factor.block(int(c)), m_factor.block(int(c) + 1), K);
+    const bool depends = withHeight(block.rows, [&](auto height) {
+      for (int p = 0; p < block.rows; ++p) {
+        const double pivot = K[p * (height + 1)];
+        const double whole = m_factor.block(int(c))[p * (height + 1)];
+        if (!(pivot > nearly_dependent * whole)) return true;
+        for (int q = p + 1; q < block.rows; ++q)
+          column<height>(K, q) -= K[p * height + q] / pivot * column<height>(K, p);
+      }
+      return false;
+    });
+    if (depends) return true;
   }
   return false;
 }

@@ -46,6 +46,7 @@ struct JointBlock {
   double impulse[block_rows];     ///< lambda
   bool equality[block_rows];      ///< acts both ways, with no bounds but those of breaking
   bool holds[block_rows];         ///< is rigid, and to hold in position
+  bool linear[block_rows];        ///< moves bodies, not only turns them
   int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
   int angular_rows, linear_rows;  ///< of equalities
   int point[3];                   ///< three rows that hold a point in all directions; -1: none do
