@@ -69,6 +69,10 @@ bool isEquality(const btSolverConstraint& row, const btTypedConstraint& joint) {
   return isBilateral(row) ||
          (threshold > 0 && row.m_lowerLimit == -threshold && row.m_upperLimit == threshold);
 }
+// Acts one way only, and is to move that way at this speed.
+bool isPushing(const btSolverConstraint& row, double speed) {
+  return (row.m_lowerLimit >= 0 && speed > 0) || (row.m_upperLimit <= 0 && speed < 0);
+}
 // Has broken in this step.
 bool isPinned(const btSolverConstraint& row) {
   return row.m_lowerLimit == row.m_upperLimit && row.m_lowerLimit != 0;
@@ -274,9 +278,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       block.deficit[r] = double(row.m_rhs) * K;
       setRow(block, row, r);
       const bool equality = isEquality(row, *from.joint);
-      if (!equality) block.rest[r] = block.deficit[r];
+      const bool corrected = equality || isPushing(row, block.deficit[r] - block.rest[r]);
+      if (!corrected) block.rest[r] = block.deficit[r];
       block.softness[r] = double(row.m_cfm) * K;
-      block.damping[r] = equality ? damped_correction * K : 0;
+      block.damping[r] = corrected ? damped_correction * K : 0;
       block.equality[r] = equality;
       block.holds[r] = equality && !(row.m_cfm > 0);
       block.linear[r] = !row.m_contactNormal1.isZero();
