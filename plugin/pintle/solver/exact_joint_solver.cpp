@@ -174,6 +174,27 @@ void ExactJointSolver::restart() {
   joints.begin(m_tmpSolverBodyPool);
 }
 
+// What rows begin with bore a load in the last step. Where joints have made of it more than there was to hold,
+// as where limits or contacts ask for what no motion of the joints can do, the next step is not to go on from there.
+void ExactJointSolver::forgetUnruly() {
+  findEnergies();
+  if (!findGained(most_gain, correction_speed)) return;
+  const std::vector<int>& component = m_island->joints.topology().body_component;
+  const auto isUnruly = [&](int body) {
+    const auto i = size_t(body);
+    return i < component.size() && component[i] >= 0 && m_island->worse[size_t(component[i])];
+  };
+  for (btConstraintArray* rows :
+       {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
+        &m_tmpSolverContactFrictionConstraintPool,
+        &m_tmpSolverContactRollingFrictionConstraintPool})
+    for (int i = 0; i < rows->size(); ++i) {
+      btSolverConstraint& row = (*rows)[i];
+      if (isUnruly(row.m_solverBodyIdA) || isUnruly(row.m_solverBodyIdB)) row.m_appliedImpulse = 0;
+    }
+  restart();
+}
+
 // Bullet calls each joint in each pass: those of Pintle's only where rows of theirs are iterated.
 void ExactJointSolver::findInPasses(btTypedConstraint** constraints, int numConstraints) {
   const btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
@@ -372,6 +393,7 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   }
   while (!(foreseen && iterations > 0) && stiffen(info) && joints.hasUnresolved()) {
   }
+  if (iterations > 0) forgetUnruly();
   joints.settle();
 
   // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far

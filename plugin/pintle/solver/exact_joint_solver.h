@@ -82,6 +82,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   int solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass);
   void resetVelocities();
   void restart();
+  void forgetUnruly();
   void findInPasses(btTypedConstraint** constraints, int numConstraints);
   void beginReactions();
   bool findWorse(double large);

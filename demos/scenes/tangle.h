@@ -1,0 +1,140 @@
+// Boxes joined at random: a tree, joints that close it to loops and others that hold it to the world, half of them
+// with limits, a third with motors, over the ground or falling. Nobody would build it; all that joints, limits and
+// contacts can ask of each other that cannot be had is in one of them. Each number is another one.
+//
+// Measured, over all steps:
+//   speed   the largest of any body, m/s
+//   spin    the largest of any body, rad/s
+
+#pragma once
+
+#include <random>
+
+#include "crowd.h"
+
+namespace scenes {
+
+struct TangleResult {
+  double speed = 0, spin = 0;
+  bool finite = true;
+};
+
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : m_engine(seed) {}
+  // The engine is the same everywhere, the standard's distributions are not.
+  double between(double a, double b) { return a + (b - a) * double(m_engine()) / 4294967296.0; }
+  bool falls(double probability) { return between(0, 1) < probability; }
+  Eigen::Vector3d direction() {
+    Eigen::Vector3d d;
+    do {
+      for (double& x : d) x = between(-1, 1);
+    } while (d.norm() > 1 || d.norm() < 0.1);
+    return d.normalized();
+  }
+  btTransform frame(const Eigen::Vector3d& origin) {
+    const Eigen::Vector3d x = direction();
+    return frame_along(origin, x, x.cross(direction()).normalized());
+  }
+
+ private:
+  std::mt19937 m_engine;
+};
+
+template <class Hinge, class ConeTwist, class Slider, class Fixed>
+void join_at_random(Crowd& crowd, Dice& dice, btRigidBody& a, btRigidBody& b,
+                    const Eigen::Vector3d& at) {
+  const btTransform frame = dice.frame(at);
+  const bool has_limits = dice.falls(0.5), has_motor = dice.falls(0.3);
+  const auto number = [&](double from, double to) { return btScalar(dice.between(from, to)); };
+  switch (int(dice.between(0, 4))) {
+    case 0: {
+      auto& hinge = crowd.join<Hinge>(a, b, frame);
+      if (has_limits) hinge.setLimit(number(-1, 0), number(0, 1));
+      if (has_motor) hinge.enableAngularMotor(true, number(-5, 5), number(0, 3));
+      break;
+    }
+    case 1: {
+      auto& cone = crowd.join<ConeTwist>(a, b, frame);
+      if (has_limits) cone.setLimit(number(0.05, 1), number(0.05, 1), number(0.05, 1));
+      break;
+    }
+    case 2: {
+      const btTransform in_a = a.getCenterOfMassTransform().inverse() * frame;
+      const btTransform in_b = b.getCenterOfMassTransform().inverse() * frame;
+      auto& slider = crowd.world().add_joint<Slider>(a, b, in_a, in_b, true);
+      slider.setLowerLinLimit(has_limits ? number(-0.3, 0) : btScalar(0));
+      slider.setUpperLinLimit(has_limits ? number(0, 0.3) : btScalar(0));
+      slider.setLowerAngLimit(has_limits ? number(-1, 0) : btScalar(0));
+      slider.setUpperAngLimit(has_limits ? number(0, 1) : btScalar(0));
+      if (!has_motor) break;
+      slider.setPoweredLinMotor(true);
+      slider.setTargetLinMotorVelocity(number(-2, 2));
+      slider.setMaxLinMotorForce(number(0, 1000));
+      break;
+    }
+    default: crowd.join<Fixed>(a, b, frame);
+  }
+}
+
+template <class Hinge, class ConeTwist, class Slider, class Fixed>
+TangleResult tangle(const CrowdSettings& settings, unsigned seed) {
+  Dice dice(seed);
+  Crowd crowd(settings);
+  const auto join = [&](btRigidBody& a, btRigidBody& b, const Eigen::Vector3d& at) {
+    join_at_random<Hinge, ConeTwist, Slider, Fixed>(crowd, dice, a, b, at);
+  };
+  const bool has_ground = dice.falls(0.6);
+  if (has_ground) crowd.ground(-3);
+  const double decades = dice.falls(0.5) ? 0.5 : 2;  // of masses
+  const int count = int(dice.between(3, 25));
+  std::vector<btRigidBody*> bodies;
+  for (int i = 0; i < count; ++i) {
+    btRigidBody* parent = i > 0 ? bodies[size_t(dice.between(0, i))] : nullptr;
+    if (i > 0 && dice.falls(0.5)) parent = bodies.back();
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();
+    double most_room = -1;
+    for (int trial = 0; parent != nullptr && trial < 8; ++trial) {
+      const Eigen::Vector3d p = position(*parent) + 0.8 * dice.direction();
+      double room = HUGE_VAL;
+      for (const btRigidBody* other : bodies) room = std::min(room, (position(*other) - p).norm());
+      if (room > most_room) at = p;
+      most_room = std::max(most_room, room);
+    }
+    const double mass = std::pow(10, dice.between(-decades / 2, decades / 2));
+    const btVector3 half(btScalar(dice.between(0.1, 0.3)), btScalar(dice.between(0.1, 0.3)),
+                         btScalar(dice.between(0.1, 0.3)));
+    const btTransform pose = dice.frame(at);
+    bodies.push_back(has_ground ? &crowd.box(mass, half, pose, dice.between(0, 1))
+                                : &crowd.world().add_box(mass, half, pose));
+    bodies.back()->setLinearVelocity(
+        to_bullet(Eigen::Vector3d(dice.between(0, 3) * dice.direction())));
+    bodies.back()->setAngularVelocity(
+        to_bullet(Eigen::Vector3d(dice.between(0, 3) * dice.direction())));
+    if (parent != nullptr) join(*parent, *bodies.back(), (position(*parent) + at) / 2);
+  }
+  const int loops = int(dice.between(0, 4)), anchors = int(dice.between(0, 3));
+  for (int i = 0; i < loops; ++i) {
+    btRigidBody &a = *bodies[size_t(dice.between(0, count))],
+                &b = *bodies[size_t(dice.between(0, count))];
+    if (&a != &b) join(a, b, (position(a) + position(b)) / 2);
+  }
+  for (int i = 0; i < anchors; ++i) {
+    btRigidBody& body = *bodies[size_t(dice.between(0, count))];
+    const Eigen::Vector3d at = position(body) + 0.4 * dice.direction();
+    join(crowd.world().add_box(0, btVector3(1, 1, 1), pose_at(to_bullet(at))), body, at);
+  }
+  TangleResult result;
+  crowd.run(settings, [&] {
+    for (const btRigidBody* body : bodies) {
+      const double speed = double(body->getLinearVelocity().length()),
+                   spin = double(body->getAngularVelocity().length());
+      result.finite = result.finite && std::isfinite(speed) && std::isfinite(spin);
+      result.speed = std::max(result.speed, speed);
+      result.spin = std::max(result.spin, spin);
+    }
+  });
+  return result;
+}
+
+}  // namespace scenes
