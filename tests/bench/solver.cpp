@@ -1,22 +1,28 @@
 // The exact solver beside Bullet's, with its default settings: what joints lack, what energy does, and
 // what a step takes. Times are those of whole steps, in runs that took turns, the shortest of them; read
-// their ratios. Usage: solver [chains|scaling|grid|crowd]...
+// their ratios. Usage: solver [chains|scaling|grid|crowd|tangles]...
 //   solver steps chain|tree JOINTS stock|exact STEPS   runs one of scaling's, for an instruction counter (linear.sh)
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
+#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 
 #include <scenes/chain.h>
 #include <scenes/crowd.h>
+#include <scenes/tangle.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -303,6 +309,39 @@ void crowd() {
   }
 }
 
+// Largest speed (m/s) or spin (5 rad/s) of each tangle over what is no matter there: stock's, or 20.
+void tangles() {
+  constexpr unsigned count = 1000;
+  scenes::CrowdSettings stock, ours;
+  ours.make_solver = exact;
+  const auto ofStock = [](const scenes::CrowdSettings& settings, unsigned seed) {
+    return scenes::tangle<btHingeConstraint, btConeTwistConstraint, btSliderConstraint,
+                          btFixedConstraint>(settings, seed);
+  };
+  const auto ofPintle = [](const scenes::CrowdSettings& settings, unsigned seed) {
+    return scenes::tangle<pintle::QuaternionHinge, pintle::ConeTwistJoint, pintle::SliderJoint,
+                          pintle::FixedJoint>(settings, seed);
+  };
+  const char* names[] = {"pintle, 10", "exact, stock j.", "exact"};
+  std::vector<double> wildness[3];
+  for (unsigned seed = 0; seed < count; ++seed) {
+    const auto speed = [](const scenes::TangleResult& result) {
+      return result.finite ? std::max(result.speed, result.spin / 5) : HUGE_VAL;
+    };
+    const double usual = std::max(speed(ofStock(stock, seed)), 20.);
+    wildness[0].push_back(speed(ofPintle(stock, seed)) / usual);
+    wildness[1].push_back(speed(ofStock(ours, seed)) / usual);
+    wildness[2].push_back(speed(ofPintle(ours, seed)) / usual);
+  }
+  std::printf("\n%-16s %8s  %8s  %8s  (of %u tangles, fastest body over stock's)\n", "", "median",
+              "99 %", "largest", count);
+  for (size_t i = 0; i < 3; ++i) {
+    std::sort(wildness[i].begin(), wildness[i].end());
+    std::printf("%-16s %8.2f  %8.2f  %8.2f\n", names[i], wildness[i][count / 2],
+                wildness[i][count * 99 / 100], wildness[i].back());
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -314,7 +353,11 @@ int main(int argc, char** argv) {
   const struct {
     const char* name;
     void (*run)();
-  } parts[] = {{"chains", chains}, {"scaling", scaling}, {"grid", grid}, {"crowd", crowd}};
+  } parts[] = {{"chains", chains},
+               {"scaling", scaling},
+               {"grid", grid},
+               {"crowd", crowd},
+               {"tangles", tangles}};
   std::printf("%s precision\n", sizeof(btScalar) == sizeof(double) ? "double" : "single");
   for (const auto& part : parts) {
     bool wanted = argc == 1;
