@@ -113,8 +113,8 @@ TEST(ExactLimits, HoldWithoutIterations) {
   }
 }
 
-/// What a whipping chain of light links gains in energy is of Bullet's steps: with joints that leave nothing at
-/// all, the same steps gain more of it.
+/// What a whipping chain of light links gains in energy is of Bullet's steps, with joints that leave nothing at
+/// all: the exact solver makes up for it.
 TEST(Steps, GainTheChainMoreEnergyThanTheExactSolver) {
   const Scene scene = scenes::chain_scene(10, 1);
   const measures::Outcome exact = measures::run(
@@ -122,7 +122,7 @@ TEST(Steps, GainTheChainMoreEnergyThanTheExactSolver) {
                           steps =
                               measures::run(scene, *reference::make_bullet_steps(scene), 1. / 60);
   EXPECT_LT(steps[measures::Error::gap], 1e-9);
-  EXPECT_LT(exact[measures::Error::energy], steps[measures::Error::energy]);
+  EXPECT_LT(exact[measures::Error::energy], steps[measures::Error::energy] / 2);
 }
 
 /// Joints that hold leave the errors of Bullet's steps, and no more: in the redundant loop of the

@@ -59,6 +59,10 @@ constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 // step: it is slowed down to the least turn, between these parts of its speed.
 constexpr double most_open = 1e-2, most_slowed = 0.5, least_slowed = 0.9;
 
+// Where bodies turn by more than this in a step, rad, but by no more than Bullet turns them, and for so long after, s, what the chords of a step give to a component
+// or take from it is made up for, by this part of its velocities at the most; less than this part of its energy waits.
+constexpr double balanced_turn = 0.1, balanced_time = 10, most_made_up = 0.2, worth_it = 1e-4;
+
 // What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
 // away must not be thrown, and one that turns at 1000 rad/s must not get away.
 constexpr double least_calm = 20, calm_speed = 100;
@@ -93,6 +97,7 @@ struct ExactJointSolver::Island {
     energy.reserve(components);
     worse.reserve(components);
     joints.topology().gained.reserve(components);
+    joints.topology().balances.reserve(components);
   }
 };
 
@@ -284,6 +289,56 @@ void ExactJointSolver::slowDown(double dt) {
   island.joints.solve();
 }
 
+// Rigid joints neither give energy nor take it. A step that ends on the joints goes along chords: it gives while a body
+// comes to turn faster, and takes while it turns slower, and not the same. What was given is taken back, and what is taken,
+// as far as that was given.
+void ExactJointSolver::balance(const btContactSolverInfo& info) {
+  Island& island = *m_island;
+  JointSystem& joints = island.joints;
+  std::vector<Topology::Balance>& balances = joints.topology().balances;
+  balances.resize(size_t(joints.topology().components));
+  const double dt = double(info.m_timeStep);
+  double& left = joints.topology().balanced_time;
+  const double turn = joints.spin() * dt;
+  left = turn > balanced_turn ? balanced_time : left - dt;
+  if (hasBounds() || m_position_iterations == 0 || !(left > 0) || !(turn < most_turn)) {
+    left = 0;
+    std::fill(balances.begin(), balances.end(), Topology::Balance());
+    return;
+  }
+  findEnergies();
+  island.parts.assign(balances.size(), 1);
+  bool any = false;
+  for (size_t i = 0; i < balances.size(); ++i) {
+    const JointSystem::Energy& energy = island.energy[i];
+    Topology::Balance& balance = balances[i];
+    const bool holds = island.largest[i] < alone.large && energy.is_rigid;
+    if (!holds || !joints.topology().grounded[i]) {
+      balance = Topology::Balance();
+      continue;
+    }
+    balance.given += energy.given;
+    const double excess = std::max(balance.given, -balance.taken);
+    if (!(std::abs(excess) > worth_it * energy.now)) continue;
+    island.parts[i] = std::clamp(std::sqrt(std::max(0., 1 - excess / energy.now)), 1 - most_made_up,
+                                 1 + most_made_up);
+    balance.given -= energy.given;
+    balance.taken += energy.given;
+    any = true;
+  }
+  if (!any) return;
+  joints.slow(m_tmpSolverBodyPool, island.parts);
+  joints.solve();
+  iteratePositions(info);
+  findEnergies();
+  for (size_t i = 0; i < balances.size(); ++i) {
+    if (island.parts[i] == 1) continue;
+    Topology::Balance& balance = balances[i];
+    balance.given += island.energy[i].given;
+    balance.taken = std::max(0., balance.taken - island.energy[i].given);
+  }
+}
+
 // Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
 // force would add energy without end: components that gain too much close them at a bounded speed, and
 // what still gains more than that, where other rows drive it, gets as much less of all impulses.
@@ -422,7 +477,9 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   if (iterations > 0 || joints.bounded())
     m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
-  if (iteratePositions(info) || joints.fastest() > correction_speed)
+  const bool any_far = iteratePositions(info);
+  balance(info);
+  if (any_far || joints.fastest() > correction_speed)
     calm(info);
   else
     std::fill(joints.topology().gained.begin(), joints.topology().gained.end(), 0.);

@@ -30,7 +30,8 @@ inline namespace PINTLE_PRECISION {
 /// says. Bodies that swing under the load of their joints faster than a step resolves are given the
 /// geometric stiffness of that load, and lose what of their swing could not be followed. What would
 /// gain energy by being closed at once, as what turns by radians a step, is closed at up to 100 m/s and
-/// rad/s, and gets no more energy by impulses than that takes.
+/// rad/s, and gets no more energy by impulses than that takes. Rigid joints to what stands still give
+/// a component no energy, and take none, where nothing touches it and it turns by 0.1 to 0.8 rad a step.
 ///
 /// Joints of closed loops, and joints that say the same, share their load by impulses of least size.
 /// Bodies that hold NaN have no joints for the step, and if numbers overflow nothing acts in it. A step
@@ -91,6 +92,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   bool findGained(double gain, double speed);
   void leaveUncorrected();
   void slowDown(double dt);
+  void balance(const btContactSolverInfo& info);
   void calm(const btContactSolverInfo& info);
   bool iteratePositions(const btContactSolverInfo& info);
   void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);

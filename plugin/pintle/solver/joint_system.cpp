@@ -177,7 +177,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_joints.clear();
   m_all = true;
   m_loops = m_loaded = m_bounded = m_hindered = false;
-  m_fastest = 0;
+  m_fastest = m_spin2 = 0;
   if (rows.size() == 0) return false;
   m_bodies.resize(size_t(bodies.size()));
   for (int i = 0; i < bodies.size(); ++i) {
@@ -187,7 +187,9 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     body.hindered = isHindered(bodies[i]);
     body.v = inDouble(bodies[i].m_linearVelocity + bodies[i].m_externalForceImpulse);
     body.w = inDouble(bodies[i].m_angularVelocity + bodies[i].m_externalTorqueImpulse);
-    if (body.moves) scale(body, bodies[i]);
+    if (!body.moves) continue;
+    scale(body, bodies[i]);
+    m_spin2 = std::max(m_spin2, body.w.squaredNorm());
   }
   const auto moving = [this](int body) { return m_bodies[size_t(body)].moves ? body : -1; };
   const btTypedConstraint* last = nullptr;
@@ -378,7 +380,9 @@ void JointSystem::setRow(JointBlock& block, const btSolverConstraint& row, int r
       scaleRow(body, L, A, j);
       for (int k = 0; k < 6; ++k) block.J[s][k][r] = j[k];
     }
-    return L.dot(body.v) + A.dot(body.w);
+    const double velocity = L.dot(body.v) + A.dot(body.w);
+    if (block.body[s] < 0 && velocity != 0) block.is_carried = true;
+    return velocity;
   };
   block.rest[r] = -side(0, row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) -
                   side(1, row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
@@ -1062,20 +1066,28 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     };
     const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse;
     const btVector3 w = of.m_angularVelocity + of.m_externalTorqueImpulse;
+    const btVector3 v_end = linearVelocity(of), w_end = angularVelocity(of);
+    const btVector3 &dv = of.m_deltaLinearVelocity, &dw = of.m_deltaAngularVelocity;
+    const double added = energy(dv, dw);
     sum.free += energy(v, w);
     sum.spin = std::max(sum.spin, double(w.length()));
-    sum.now += energy(linearVelocity(of), angularVelocity(of));
-    sum.added += energy(of.m_deltaLinearVelocity, of.m_deltaAngularVelocity);
+    sum.now += energy(v_end, w_end);
+    sum.added += added;
+    // That of an impulse d at a velocity v: d M v = E(v + d) - E(v) - E(d)
+    const btVector3 twice_v = of.m_linearVelocity + v_end, twice_w = of.m_angularVelocity + w_end;
+    sum.given += (energy(twice_v + dv, twice_w + dw) - energy(twice_v, twice_w) - added) / 2;
     sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
   }
   // An impulse works by the mean of the velocities before and after, of which moving frames are a part.
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const JointBlock& block = m_blocks[c];
     const BlockColumn change = velocity(block);
-    for (int r = 0; r < block.rows; ++r)
-      if (block.equality[r])
-        each[size_t(m_topology->component[c])].work +=
-            block.impulse[r] * (change[r] / 2 - block.rest[r]);
+    Energy& sum = each[size_t(m_topology->component[c])];
+    for (int r = 0; r < block.rows; ++r) {
+      if (block.equality[r]) sum.work += block.impulse[r] * (change[r] / 2 - block.rest[r]);
+      sum.is_rigid = sum.is_rigid && block.holds[r];
+    }
+    sum.is_rigid = sum.is_rigid && !block.is_carried;
   }
 }
 
@@ -1132,7 +1144,7 @@ void JointSystem::slow(const btAlignedObjectArray<btSolverBody>& bodies,
     if (whole.mass > 0) whole.velocity /= whole.mass;
   for (size_t i = 0; i < component.size(); ++i) {
     const double less = component[i] < 0 ? 0 : 1 - parts[size_t(component[i])];
-    if (!(less > 0)) continue;
+    if (less == 0) continue;
     const Body& body = m_bodies[i];
     const Vector3d v = velocity(i) - m_wholes[size_t(component[i])].velocity;
     const Eigen::Map<const Vector3d> u(&m_u[6 * i + 3]);

@@ -10,6 +10,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
+#include <cmath>
 #include <initializer_list>
 #include <typeinfo>
 #include <vector>
@@ -48,6 +49,7 @@ struct JointBlock {
   bool holds[block_rows];         ///< is rigid, and to hold in position
   bool linear[block_rows];        ///< moves bodies, not only turns them
   int bound[block_rows];          ///< by which a row with bounds is known again; -1: it has none
+  bool is_carried;                ///< by a body that its owner moves
   int angular_rows, linear_rows;  ///< of equalities
   int point[3];                   ///< three rows that hold a point in all directions; -1: none do
   double direction[3][3];         ///< of these, for body a
@@ -130,7 +132,11 @@ class JointSystem {
     double added = 0;  ///< what the changes by impulses have alone
     double unit = 0;   ///< at 1 m/s and 1 rad/s
     double work = 0;   ///< of the impulses of equalities
-    double spin = 0;   ///< of the body that turns fastest, rad/s, before any impulse
+    double given =
+        0;  ///< by these, with the velocities from the start of the step to its end, of which its forces are a part
+    bool is_rigid =
+        true;  ///< whether all rows are those of rigid joints, which give none, and on frames that stand
+    double spin = 0;  ///< of the body that turns fastest, rad/s, before any impulse
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
   /// The rows of the marked components are to be solved with the targets that they came with.
@@ -138,7 +144,7 @@ class JointSystem {
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
   void calm(const std::vector<char>& components, const std::vector<double>& speed);
-  /// Leaves this part of the velocities of each component; of one that is held by nothing, of those about its
+  /// Leaves this part of the velocities of each component, which may be more than all; of one that is held by nothing, of those about its
   /// centre of mass. The joints are to be solved.
   void slow(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<double>& parts);
   /// Leaves this part of what impulses have done to each component.
@@ -148,6 +154,8 @@ class JointSystem {
 
   /// False if a velocity holds NaN or infinity.
   bool finite() const;
+  /// The largest angular velocity before any impulse, rad/s.
+  double spin() const { return std::sqrt(m_spin2); }
   /// Whether there are any rows with bounds in the system.
   bool bounded() const { return m_bounded; }
   /// Whether rows begin with an impulse, that of a bound.
@@ -278,7 +286,7 @@ class JointSystem {
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
   std::vector<double> m_fastest_of;  ///< of each component
-  double m_fastest = 0;
+  double m_fastest = 0, m_spin2 = 0;
   bool m_loops = false;     ///< whether rows may depend on each other
   bool m_hindered = false;  ///< whether bodies have factors, as in two dimensions
   bool m_all = true, m_loaded = false, m_bounded = false, m_damped_is_factor = false;
