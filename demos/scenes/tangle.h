@@ -21,9 +21,9 @@ struct TangleResult {
 
 class Dice {
  public:
-  explicit Dice(unsigned seed) : m_engine(seed) {}
+  explicit Dice(unsigned seed) : engine_(seed) {}
   // The engine is the same everywhere, the standard's distributions are not.
-  double between(double a, double b) { return a + (b - a) * double(m_engine()) / 4294967296.0; }
+  double between(double a, double b) { return a + (b - a) * double(engine_()) / 4294967296.0; }
   bool falls(double probability) { return between(0, 1) < probability; }
   Eigen::Vector3d direction() {
     Eigen::Vector3d d;
@@ -38,7 +38,7 @@ class Dice {
   }
 
  private:
-  std::mt19937 m_engine;
+  std::mt19937 engine_;
 };
 
 template <class Hinge, class ConeTwist, class Slider, class Fixed>
@@ -62,6 +62,7 @@ void join_at_random(Crowd& crowd, Dice& dice, btRigidBody& a, btRigidBody& b,
     case 2: {
       const btTransform in_a = a.getCenterOfMassTransform().inverse() * frame;
       const btTransform in_b = b.getCenterOfMassTransform().inverse() * frame;
+      // Its anchors slide apart: they are no gap of the crowd's.
       auto& slider = crowd.world().add_joint<Slider>(a, b, in_a, in_b, true);
       slider.setLowerLinLimit(has_limits ? number(-0.3, 0) : btScalar(0));
       slider.setUpperLinLimit(has_limits ? number(0, 0.3) : btScalar(0));

@@ -85,7 +85,8 @@ TEST(DistanceJoint, APendulumOnARodHasThePeriodOfTheClosedForm) {
   EXPECT_LT(swings.stretch, 6e-6);
   // Symplectic Euler's energy swings to and fro by v g dt at most, here 0.05 of the whole.
   EXPECT_LT(swings.energy_error, 0.06);
-  // A spin of 30 rad/s is none of the rod's business, but for that the exact solver makes up for the steps of what turns fast.
+  // A spin of 30 rad/s is none of the rod's business, but that the exact solver makes up for the steps of what turns
+  // fast.
   const Swing spinning = swing(Formulation::conditioned, dt, 30);
   if (onExactSolver())
     EXPECT_LT(std::abs(spinning.period_error), std::abs(swings.period_error));

@@ -73,8 +73,8 @@ TEST(ExactScenes, JointsThatMayBreakHoldUntilTheyDo) {
   expectToHoldUntilItBreaks<btHingeConstraint>();
 }
 
-// The tip whips round by 0.65 rad in a step of 1/60 s, of which Bullet goes the chord: that gives the chain 3.7 % of its
-// energy, unless it is made up for.
+// The tip whips round by 0.65 rad in a step of 1/60 s, of which Bullet goes the chord: that gives the chain 3.7 % of
+// its energy, unless it is made up for. Half the step, a third of the error.
 TEST(ExactScenes, WhatWhipsKeepsItsEnergy) {
   const double at_60 =
       scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 60)).in_step_energy_error;
@@ -84,7 +84,7 @@ TEST(ExactScenes, WhatWhipsKeepsItsEnergy) {
       scenes::chain<btHingeConstraint>(chain(10, 1, 1. / 60, false)).in_step_energy_error;
   EXPECT_LE(at_60, 0.01);
   EXPECT_LT(at_60, stock / 30);
-  EXPECT_LT(at_120, at_60 / 2);
+  EXPECT_LT(at_120, at_60 / 3);
 }
 
 // A double pendulum falls from level and whirls, at up to 0.27 rad a step, for half an hour. What ends of steps

@@ -59,8 +59,9 @@ constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 // step: it is slowed down to the least turn, between these parts of its speed.
 constexpr double most_open = 1e-2, most_slowed = 0.5, least_slowed = 0.9;
 
-// Where bodies turn by more than this in a step, rad, but by no more than Bullet turns them, and for so long after, s, what the chords of a step give to a component
-// or take from it is made up for, by this part of its velocities at the most; less than this part of its energy waits.
+// Where bodies turn by more than this in a step, rad, but by no more than Bullet turns them, and for so long after, s,
+// what the chords of a step give to a component or take from it is made up for, by this part of its velocities at the
+// most; less than this part of its energy waits.
 constexpr double balanced_turn = 0.1, balanced_time = 10, most_made_up = 0.2, worth_it = 1e-4;
 
 // What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
@@ -151,6 +152,12 @@ bool ExactJointSolver::hasBounds() const {
   return !m_island->joints.all() || m_tmpSolverContactConstraintPool.size() > 0;
 }
 
+std::array<btConstraintArray*, 4> ExactJointSolver::allRows() {
+  return {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
+          &m_tmpSolverContactFrictionConstraintPool,
+          &m_tmpSolverContactRollingFrictionConstraintPool};
+}
+
 void ExactJointSolver::resetVelocities() {
   for (int i = 0; i < m_tmpSolverBodyPool.size(); ++i) {
     m_tmpSolverBodyPool[i].internalGetDeltaLinearVelocity().setZero();
@@ -171,11 +178,8 @@ bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
 void ExactJointSolver::restart() {
   JointSystem& joints = m_island->joints;
   resetVelocities();
-  joints.stiffenRows(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool, false);
-  for (btConstraintArray* rows :
-       {&m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
-        &m_tmpSolverContactRollingFrictionConstraintPool})
-    joints.stiffenRows(m_tmpSolverBodyPool, *rows, true);
+  for (btConstraintArray* rows : allRows())
+    joints.stiffenRows(m_tmpSolverBodyPool, *rows, rows != &m_tmpSolverNonContactConstraintPool);
   joints.begin(m_tmpSolverBodyPool);
 }
 
@@ -189,10 +193,7 @@ void ExactJointSolver::forgetUnruly() {
     const auto i = size_t(body);
     return i < component.size() && component[i] >= 0 && m_island->worse[size_t(component[i])];
   };
-  for (btConstraintArray* rows :
-       {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
-        &m_tmpSolverContactFrictionConstraintPool,
-        &m_tmpSolverContactRollingFrictionConstraintPool})
+  for (btConstraintArray* rows : allRows())
     for (int i = 0; i < rows->size(); ++i) {
       btSolverConstraint& row = (*rows)[i];
       if (isUnruly(row.m_solverBodyIdA) || isUnruly(row.m_solverBodyIdB)) row.m_appliedImpulse = 0;
@@ -289,16 +290,16 @@ void ExactJointSolver::slowDown(double dt) {
   island.joints.solve();
 }
 
-// Rigid joints neither give energy nor take it. A step that ends on the joints goes along chords: it gives while a body
-// comes to turn faster, and takes while it turns slower, and not the same. What was given is taken back, and what is taken,
-// as far as that was given.
+// Rigid joints neither give energy nor take it. A step that ends on the joints goes along chords: it gives while a
+// body comes to turn faster, and takes while it turns slower, and not the same. What was given is taken back; what is
+// taken is given back, as far as it was taken here.
 void ExactJointSolver::balance(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
   std::vector<Topology::Balance>& balances = joints.topology().balances;
   balances.resize(size_t(joints.topology().components));
   const double dt = double(info.m_timeStep);
-  double& left = joints.topology().balanced_time;
+  double& left = joints.topology().balance_left;
   const double turn = joints.spin() * dt;
   left = turn > balanced_turn ? balanced_time : left - dt;
   if (hasBounds() || m_position_iterations == 0 || !(left > 0) || !(turn < most_turn)) {
@@ -527,9 +528,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     // Numbers that have overflowed are in rows and contacts as well: nothing acts in this step.
     joints.release(rows, infoGlobal.m_numIterations);
     resetVelocities();
-    for (btConstraintArray* pool :
-         {&rows, &m_tmpSolverContactConstraintPool, &m_tmpSolverContactFrictionConstraintPool,
-          &m_tmpSolverContactRollingFrictionConstraintPool})
+    for (btConstraintArray* pool : allRows())
       for (int i = 0; i < pool->size(); ++i) (*pool)[i].m_appliedImpulse = 0;
     return 0;
   }

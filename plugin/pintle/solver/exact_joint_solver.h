@@ -5,6 +5,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -81,6 +82,8 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   bool stiffen(const btContactSolverInfo& info);
   template <class Pass>
   int solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass);
+  /// Of joints, and of contacts.
+  std::array<btConstraintArray*, 4> allRows();
   void resetVelocities();
   void restart();
   void forgetUnruly();

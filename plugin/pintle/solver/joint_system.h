@@ -132,11 +132,9 @@ class JointSystem {
     double added = 0;  ///< what the changes by impulses have alone
     double unit = 0;   ///< at 1 m/s and 1 rad/s
     double work = 0;   ///< of the impulses of equalities
-    double given =
-        0;  ///< by these, with the velocities from the start of the step to its end, of which its forces are a part
-    bool is_rigid =
-        true;  ///< whether all rows are those of rigid joints, which give none, and on frames that stand
-    double spin = 0;  ///< of the body that turns fastest, rad/s, before any impulse
+    double given = 0;  ///< of all impulses, from the velocities before the step's forces on
+    bool is_rigid = true;  ///< all rows are those of rigid joints, to frames that stand
+    double spin = 0;       ///< of the body that turns fastest, rad/s, before any impulse
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
   /// The rows of the marked components are to be solved with the targets that they came with.
@@ -144,8 +142,8 @@ class JointSystem {
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
   void calm(const std::vector<char>& components, const std::vector<double>& speed);
-  /// Leaves this part of the velocities of each component, which may be more than all; of one that is held by nothing, of those about its
-  /// centre of mass. The joints are to be solved.
+  /// Leaves this part of the velocities of each component, which may be more than all; of one that is held by
+  /// nothing, of those about its centre of mass. The joints are to be solved.
   void slow(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<double>& parts);
   /// Leaves this part of what impulses have done to each component.
   void weaken(const std::vector<double>& parts);

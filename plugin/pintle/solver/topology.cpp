@@ -104,7 +104,7 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
   (*place)->impulses.clear();
   (*place)->gained.clear();
   (*place)->balances.clear();
-  (*place)->balanced_time = 0;
+  (*place)->balance_left = 0;
   (*place)->iterated.clear();
   (*place)->at_bound.assign(Topology::joint_rows * joints.size(), Topology::inside);
   (*place)->last_use = m_uses;

@@ -56,13 +56,13 @@ struct Topology {
   std::vector<Iterated> iterated;  ///< sorted
   /// Of each component: how much of what the ends of steps may add to its energy they have.
   std::vector<double> gained;
-  /// Of each component that turns fast: what its joints have given it, less what has been taken for that, which they may
-  /// take back, J.
+  /// Of each component that turns fast, J: what its joints have given it, less what has been taken for that, and what
+  /// has been taken, which may be given back.
   struct Balance {
     double given = 0, taken = 0;
   };
   std::vector<Balance> balances;
-  double balanced_time = 0;  ///< for which this is still kept, s
+  double balance_left = 0;  ///< for which this is still kept, s
   unsigned long long last_use = 0;
 };
 
