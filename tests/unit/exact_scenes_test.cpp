@@ -129,12 +129,17 @@ TEST_P(Extreme, ChainHolds) {
   EXPECT_LE(r.energy_gain, 0.01);
 }
 
-// Where it swings to in 5 s, against steps so short that half of them change that by no more than a millimetre or two.
+// Where it swings to in 5 s, against steps so short that half of them change that by no more than a few millimetres.
+// At a ratio of 10^4 rounding decides between two ends a centimetre apart: the one of most of five.
 TEST_P(Extreme, ChainEndsWhereShortStepsLead) {
-  const double ratio = GetParam();
-  const auto r = scenes::chain<pintle::QuaternionHinge>(chain(10, ratio, 1. / 60)),
-             converged = scenes::chain<pintle::QuaternionHinge>(chain(10, ratio, 1. / 1000));
-  EXPECT_LT((r.tip - converged.tip).norm(), 0.1);
+  const auto tip = [&](double rate) {
+    return scenes::chain<pintle::QuaternionHinge>(chain(10, GetParam(), 1 / rate)).tip;
+  };
+  std::vector<double> distances;
+  for (const double rate : {990., 995., 1000., 1005., 1010.})
+    distances.push_back((tip(60) - tip(rate)).norm());
+  std::sort(distances.begin(), distances.end());
+  EXPECT_LT(distances[2], 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ratios, Extreme, testing::Values(1e3, 1e4, 1e5, 1e6));
@@ -202,7 +207,8 @@ TEST(ExactScenes, RagdollsHold) {
 // lack, nor what the last step's impulses have grown to. Some tangles that once were the wildest of thousands, at 30
 // times the speed of stock's, and others as they come.
 TEST(ExactScenes, TanglesAreNoWilderThanStocks) {
-  std::vector<unsigned> seeds = {292, 569, 1450, 1503, 1998, 2009, 2023, 2145, 2233, 2774};
+  std::vector<unsigned> seeds = {292,  569,  1043, 1450, 1503, 1998,
+                                 2009, 2023, 2145, 2233, 2774, 3189};
   for (unsigned seed = 0; seed < 30; ++seed) seeds.push_back(seed);
   for (const unsigned seed : seeds) {
     const auto ofStock = [seed](bool exact) {

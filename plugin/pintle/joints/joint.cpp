@@ -266,7 +266,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   if (isNeedle(m_rbA) || isNeedle(m_rbB) ||
       (!step.rigid && !m_solved_at_once && step.tooSoft(*this)))
     return writeDelicate(*info);
-  if (!m_block_rows || !mayMix()) {
+  // Rows that are orthogonal within a joint serve a solver that takes one by one.
+  if (!m_block_rows || m_solved_at_once || !mayMix()) {
     const Scalar bound = setting.max_impulse;
     for (int i = 0; i < equalities; ++i) {
       const Row& row = m_rows[i];

@@ -54,10 +54,16 @@ inline bool isSameDirection(double aa, double ab, double bb) {
   return ab > 0 && 2 * ab * ab > aa * bb;
 }
 inline bool isSameRow(const Row& a, const Row& b) {
-  const auto dot = [](const Row& x, const Row& y) {
-    return double(x.L.dot(y.L) + x.A_a.dot(y.A_a) + x.A_b.dot(y.A_b));
+  const auto sum = [](const Lanes& lanes) { return double(lanes[0] + lanes[1] + lanes[2]); };
+  const auto dot = [&](const Row& x, const Row& y) {
+    return sum(x.lanesL() * y.lanesL() + x.lanesA_a() * y.lanesA_a() + x.lanesA_b() * y.lanesA_b());
   };
-  return isSameDirection(dot(a, a), dot(a, b), dot(b, b));
+  // Who ends as near as this lies within that angle, whatever its length: of nearly all that is enough.
+  const double aa = dot(a, a);
+  const double apart =
+      sum((a.lanesL() - b.lanesL()).square() + (a.lanesA_a() - b.lanesA_a()).square() +
+          (a.lanesA_b() - b.lanesA_b()).square());
+  return 2 * apart < aa || isSameDirection(aa, dot(a, b), dot(b, b));
 }
 
 /// No joint has more rows.

@@ -1,6 +1,7 @@
 #include <pintle/solver/end_of_step.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/joint_rows.h>
 #include <pintle/joints/joint.h>
 #include <pintle/joints/joint_passes.h>
 #include <pintle/prefetch.h>
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -29,35 +29,6 @@ constexpr size_t joints_ahead = 12, bodies_ahead = 6;
 constexpr size_t bytes_of_joint = 384;  // of most: rows and all
 
 constexpr int most_rows = 16;  // of a stock joint
-
-// Bullet's rows of a stock joint, for any pose of its bodies.
-class StockRows {
- public:
-  /// Returns the part of a velocity along the rows that they take away.
-  Scalar ask(btTypedConstraint& joint, Scalar fps, Scalar erp) {
-    std::memset(static_cast<void*>(m_rows), 0, sizeof(m_rows));
-    btTypedConstraint::btConstraintInfo2 info;
-    info.fps = fps;
-    info.erp = erp;
-    info.m_J1linearAxis = m_rows->m_contactNormal1;
-    info.m_J1angularAxis = m_rows->m_relpos1CrossNormal;
-    info.m_J2linearAxis = m_rows->m_contactNormal2;
-    info.m_J2angularAxis = m_rows->m_relpos2CrossNormal;
-    info.rowskip = sizeof(btSolverConstraint) / sizeof(btScalar);
-    info.m_constraintError = &m_rows->m_rhs;
-    info.cfm = &m_rows->m_cfm;
-    info.m_lowerLimit = &m_rows->m_lowerLimit;
-    info.m_upperLimit = &m_rows->m_upperLimit;
-    info.m_numIterations = 1;
-    info.m_damping = 1;
-    joint.getInfo2(&info);
-    return info.m_damping;
-  }
-  const btSolverConstraint& operator[](int i) const { return m_rows[i]; }
-
- private:
-  btSolverConstraint m_rows[most_rows];
-};
 
 bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
   const auto dot = [](const btSolverConstraint& x, const btSolverConstraint& y) {
@@ -177,9 +148,10 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     return;
   }
   PoseGuard at_a(a, pose_a), at_b(b, pose_b);
-  StockRows with, without;
-  if (with.ask(*block.joint, fps, 1) != 1) return;
-  without.ask(*block.joint, fps, 0);
+  // Of a stock joint Bullet's rows, of a step that takes away all of the error, and of one that takes none.
+  btSolverConstraint with[most_rows], without[most_rows];
+  if (askRows(*block.joint, {fps, 1, 0, 1, 1}, with, most_rows) != 1) return;
+  askRows(*block.joint, {fps, 0, 0, 1, 1}, without, most_rows);
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
     if (i >= most_rows || !block.holds[r] || !isSameRow(with[i], rows[block.row[r]])) continue;

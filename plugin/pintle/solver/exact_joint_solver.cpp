@@ -1,5 +1,6 @@
 #include <pintle/solver/exact_joint_solver.h>
 
+#include <pintle/joint_rows.h>
 #include <pintle/joints/joint.h>
 #include <pintle/solver/end_of_step.h>
 #include <pintle/solver/joint_system.h>
@@ -85,7 +86,6 @@ struct ExactJointSolver::Island {
   std::vector<double> parts;                  ///< of the impulses or velocities, that each keeps
   std::vector<double> gained;                 ///< by each, if this is how the step ends
   std::vector<char> worse;                    ///< whether a large error has grown, or energy has
-  std::vector<std::pair<Joint*, bool>> at_once;  ///< and whether their rows are a block
   std::vector<btTypedConstraint*> in_passes;     ///< joints that Bullet's passes are to call
   int stiffenings = 0;                           ///< in this step
 
@@ -115,24 +115,59 @@ void ExactJointSolver::setPositionIterations(int iterations) {
 int ExactJointSolver::getDependentRows() const { return m_island->joints.dependent(); }
 size_t ExactJointSolver::getMemory() const { return m_island->joints.bytes(); }
 
+// As Bullet's own, but that rows are not made for its iteration: most are none of it.
 void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
                                      const btContactSolverInfo& infoGlobal) {
-  // Rows that are orthogonal within a joint serve a solver that takes one by one.
-  std::vector<std::pair<Joint*, bool>>& at_once = m_island->at_once;
-  at_once.clear();
   AsJoint as_joint;
+  m_tmpConstraintSizesPool.resizeNoInitialize(numConstraints);
+  int rows = 0;
   for (int i = 0; i < numConstraints; ++i) {
-    Joint* joint = as_joint(constraints[i]);
-    if (joint != nullptr) {
-      at_once.emplace_back(joint, joint->getBlockRows());
-      joint->setBlockRows(false);
-      joint->m_solved_at_once = true;
+    btTypedConstraint& constraint = *constraints[i];
+    if (Joint* joint = as_joint(&constraint)) joint->m_solved_at_once = true;
+    constraint.buildJacobian();
+    constraint.internalSetAppliedImpulse(0);
+    if (btJointFeedback* feedback = constraint.getJointFeedback()) {
+      for (btVector3* of : {&feedback->m_appliedForceBodyA, &feedback->m_appliedTorqueBodyA,
+                            &feedback->m_appliedForceBodyB, &feedback->m_appliedTorqueBodyB})
+        of->setZero();
     }
+    btTypedConstraint::btConstraintInfo1& size = m_tmpConstraintSizesPool[i];
+    size.m_numConstraintRows = size.nub = 0;
+    if (constraint.isEnabled()) constraint.getInfo1(&size);
+    rows += size.m_numConstraintRows;
   }
-  btSequentialImpulseConstraintSolver::convertJoints(constraints, numConstraints, infoGlobal);
-  for (const auto& [joint, block] : at_once) {
-    joint->setBlockRows(block);
-    joint->m_solved_at_once = false;
+  m_tmpSolverNonContactConstraintPool.resizeNoInitialize(rows);
+  const StepOfRows step = {1 / infoGlobal.m_timeStep, infoGlobal.m_erp, infoGlobal.m_globalCfm,
+                           infoGlobal.m_damping, infoGlobal.m_numIterations};
+  for (int i = 0, row = 0; i < numConstraints; ++i) {
+    btTypedConstraint& constraint = *constraints[i];
+    const int count = m_tmpConstraintSizesPool[i].m_numConstraintRows;
+    if (count > 0) convertJoint(constraint, step, row, count);
+    if (Joint* joint = as_joint(&constraint)) joint->m_solved_at_once = false;
+    row += count;
+  }
+}
+
+void ExactJointSolver::convertJoint(btTypedConstraint& joint, const StepOfRows& step, int first,
+                                    int count) {
+  const int id_a = getOrInitSolverBody(joint.getRigidBodyA(), 1 / step.fps);
+  const int id_b = getOrInitSolverBody(joint.getRigidBodyB(), 1 / step.fps);
+  const btSolverBody &a = m_tmpSolverBodyPool[id_a], &b = m_tmpSolverBodyPool[id_b];
+  const int own_iterations = joint.getOverrideNumSolverIterations();
+  const int iterations = own_iterations > 0 ? own_iterations : step.iterations;
+  m_maxOverrideNumSolverIterations = btMax(m_maxOverrideNumSolverIterations, iterations);
+  btSolverConstraint* rows = &m_tmpSolverNonContactConstraintPool[first];
+  const Scalar damping = askRows(joint, step, rows, count);
+  completeTargets(rows, count, joint, damping, a, b);
+  const Scalar threshold = joint.getBreakingImpulseThreshold();
+  for (int i = 0; i < count; ++i) {
+    btSolverConstraint& row = rows[i];
+    row.m_solverBodyIdA = id_a;
+    row.m_solverBodyIdB = id_b;
+    row.m_overrideNumSolverIterations = iterations;
+    row.m_originalContactPoint = &joint;
+    row.m_upperLimit = btMin(row.m_upperLimit, threshold);
+    row.m_lowerLimit = btMax(row.m_lowerLimit, -threshold);
   }
 }
 
@@ -360,6 +395,12 @@ void ExactJointSolver::calm(const btContactSolverInfo& info) {
   }
   joints.topology().gained = island.gained;
   if (!findGained(most_gain, correction_speed)) return;
+  // What contacts have borne was found with bodies as stiff as they are.
+  if (m_tmpSolverContactConstraintPool.size() > 0) {
+    leaveUncorrected();
+    findEnergies();
+    if (!findGained(most_gain, correction_speed)) return;
+  }
   island.speeds.resize(island.energy.size());
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const double speed = std::sqrt(island.energy[i].free / island.energy[i].unit);

@@ -12,6 +12,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+struct StepOfRows;
+
 /// Takes the place of `btSequentialImpulseConstraintSolver` in a world, with nothing else changed:
 ///
 ///     pintle::ExactJointSolver solver;
@@ -78,6 +80,8 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
  private:
   struct Island;
 
+  /// The rows that Bullet's pool has from `first` on.
+  void convertJoint(btTypedConstraint& joint, const StepOfRows& step, int first, int count);
   bool hasBounds() const;
   bool stiffen(const btContactSolverInfo& info);
   template <class Pass>

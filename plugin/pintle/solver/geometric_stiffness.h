@@ -30,10 +30,14 @@ struct Stiffening {
 
   double most() const { return mu.maxCoeff(); }
   bool any() const { return most() > 0; }
-  /// Of f(mu).
+  /// Of f(mu). Most axes have no stiffness.
   template <class Function>
   Matrix3d matrix(const Function& f) const {
-    return axes * mu.unaryExpr(f).asDiagonal() * axes.transpose();
+    const double f_0 = f(0.);
+    Matrix3d sum = f_0 * Matrix3d::Identity();
+    for (int k = 0; k < 3; ++k)
+      if (mu[k] != 0) sum += (f(mu[k]) - f_0) * axes.col(k) * axes.col(k).transpose();
+    return sum;
   }
   /// S root() is the root of the inverse of I + h^2 P.
   Matrix3d root() const {

@@ -1,6 +1,7 @@
 #include <pintle/solver/joint_system.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/joint_rows.h>
 #include <pintle/joints/joint.h>
 #include <pintle/rows/block.h>
 #include <pintle/solver_body.h>
@@ -15,9 +16,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
-
-// Bodies take numbers of this size for no bound; Bullet's own is the largest of its type.
-constexpr Scalar no_bound = Scalar(BT_LARGE_FLOAT);
 
 // What is left of a pivot after this part of its row is rounding: of double, or, where rows came in
 // single precision, of what two of them that say the same differ by, squared.
@@ -51,17 +49,18 @@ double changeOfVelocity(const btSolverConstraint& row,
          inDouble(row.m_relpos2CrossNormal).dot(inDouble(b.m_deltaAngularVelocity));
 }
 
-// J M^-1 J^T as Bullet has it, of bodies without factors.
-double wholeK(const btSolverConstraint& row) { return 1 / double(row.m_jacDiagABInv); }
-
-// Nobody can move: both bodies are static, or hold NaN.
-bool isVoid(const btSolverConstraint& row) {
-  return !(row.m_jacDiagABInv > 0) || !BodyPair::is_finite(row.m_rhs);
-}
+// Rows take numbers of this size for no bound; Bullet's own is the largest of its type.
+constexpr Scalar no_bound = Scalar(BT_LARGE_FLOAT);
 
 bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
+
+// Whether the row is prepared for Bullet's iteration. Else its m_rhs is the velocity that it is to have.
+bool isPrepared(const btSolverConstraint& row) { return row.m_jacDiagABInv > 0; }
+
+// J M^-1 J^T of such a row, as Bullet has it, of bodies without factors.
+double wholeK(const btSolverConstraint& row) { return 1 / double(row.m_jacDiagABInv); }
 
 // Holds both ways, if need be until the joint breaks: Bullet breaks it when a row's impulse is at this bound.
 bool isEquality(const btSolverConstraint& row, const btTypedConstraint& joint) {
@@ -76,6 +75,11 @@ bool isPushing(const btSolverConstraint& row, double speed) {
 // Has broken in this step.
 bool isPinned(const btSolverConstraint& row) {
   return row.m_lowerLimit == row.m_upperLimit && row.m_lowerLimit != 0;
+}
+
+// What J v lacks before any impulse, of which -rest is there.
+double deficit(const btSolverConstraint& row, double rest) {
+  return isPrepared(row) ? double(row.m_rhs) * wholeK(row) : double(row.m_rhs) + rest;
 }
 
 bool isHindered(const btSolverBody& body) {
@@ -201,15 +205,15 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
     if (joint != last) index = 0;
     last = joint;
-    if (isVoid(row)) {
+    const Body &a = m_bodies[size_t(row.m_solverBodyIdA)],
+               &b = m_bodies[size_t(row.m_solverBodyIdB)];
+    const bool bilateral = isBilateral(row);
+    if (!a.moves && !b.moves) {
       row.m_overrideNumSolverIterations = 0;
       continue;
     }
-    const bool bilateral = isBilateral(row);
     if (!bilateral) ++with_bounds;
-    const bool hindered = m_bodies[size_t(row.m_solverBodyIdA)].hindered ||
-                          m_bodies[size_t(row.m_solverBodyIdB)].hindered;
-    m_hindered = m_hindered || hindered;
+    m_hindered = m_hindered || a.hindered || b.hindered;
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
     const bool full = known && (m_gathered.back().rows == Topology::joint_rows ||
                                 (bilateral && m_gathered.back().bilateral == block_rows));
@@ -220,6 +224,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
              row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies);
     };
     if (!bilateral && !fits()) {
+      if (!leave(bodies, row)) continue;
       m_all = false;
       m_unfit.push_back({i, index});
       continue;
@@ -264,6 +269,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       Scalar& before = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
       if (bounded && before == Topology::inside && places-- <= 0) before = 0;
       if (bounded && before != Topology::inside) {
+        if (!leave(bodies, row)) continue;
         m_all = false;
         if (row.m_overrideNumSolverIterations == 0) row.m_overrideNumSolverIterations = iterations;
         row.m_appliedImpulse = btMax(row.m_lowerLimit, btMin(before, row.m_upperLimit));
@@ -276,19 +282,10 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       block.row[r] = from.row[i];
       block.index[r] = from.index[i];
       block.bound[r] = from.bound[i];
-      const double K = wholeK(row);
-      block.deficit[r] = double(row.m_rhs) * K;
-      setRow(block, row, r);
-      const bool equality = isEquality(row, *from.joint);
-      const bool corrected = equality || isPushing(row, block.deficit[r] - block.rest[r]);
-      if (!corrected) block.rest[r] = block.deficit[r];
-      block.softness[r] = double(row.m_cfm) * K;
-      block.damping[r] = corrected ? damped_correction * K : 0;
-      block.equality[r] = equality;
-      block.holds[r] = equality && !(row.m_cfm > 0);
+      block.equality[r] = isEquality(row, *from.joint);
       block.linear[r] = !row.m_contactNormal1.isZero();
-      m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
     }
+    setRows(block, rows);
     m_rows[c] = block.rows;
     findPoint(block, rows);
     recall(block, c);
@@ -361,8 +358,7 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
 }
 
 // J S, of one body.
-inline void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vector3d& A,
-                                  double (&j)[6]) {
+void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vector3d& A, double (&j)[6]) {
   const Vector3d w = body.angular.transpose() * A;
   for (int k = 0; k < 3; ++k) {
     j[k] = L[k] * body.linear[k];
@@ -370,22 +366,81 @@ inline void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vec
   }
 }
 
-// J S, and how fast the row moves before any impulse.
-void JointSystem::setRow(JointBlock& block, const btSolverConstraint& row, int r) const {
-  const auto side = [&](int s, int id, const btVector3& linear, const btVector3& angular) {
-    const Body& body = m_bodies[size_t(id)];
-    const Vector3d L = inDouble(linear), A = inDouble(angular);
-    if (block.body[s] >= 0) {
-      double j[6];
-      scaleRow(body, L, A, j);
-      for (int k = 0; k < 6; ++k) block.J[s][k][r] = j[k];
+// To Bullet's iteration. Returns whether it does anything there: if nobody can move, or it holds NaN, it does not.
+bool JointSystem::leave(const btAlignedObjectArray<btSolverBody>& bodies, btSolverConstraint& row) {
+  if (!isPrepared(row))
+    prepareToIterate(row, *static_cast<btTypedConstraint*>(row.m_originalContactPoint),
+                     bodies[row.m_solverBodyIdA], bodies[row.m_solverBodyIdB]);
+  const bool acts = isPrepared(row) && BodyPair::is_finite(row.m_rhs);
+  if (!acts) row.m_overrideNumSolverIterations = 0;
+  return acts;
+}
+
+// J S, how fast the rows move before any impulse, and what they lack. All rows of a joint have the same bodies.
+void JointSystem::setRows(JointBlock& block, btConstraintArray& rows) {
+  if (block.rows == 0) return;
+  for (int r = 0; r < block.rows; ++r) {
+    const btSolverConstraint& row = rows[block.row[r]];
+    const auto set = [r](double(&J)[6][block_rows], const btVector3& L, const btVector3& A) {
+      for (int k = 0; k < 3; ++k) {
+        J[k][r] = double(L[k]);
+        J[3 + k][r] = double(A[k]);
+      }
+    };
+    set(block.J[0], row.m_contactNormal1, row.m_relpos1CrossNormal);
+    set(block.J[1], row.m_contactNormal2, row.m_relpos2CrossNormal);
+  }
+  const int id[] = {rows[block.row[0]].m_solverBodyIdA, rows[block.row[0]].m_solverBodyIdB};
+  BlockColumn rest = BlockColumn::Zero(), K = BlockColumn::Zero();
+  for (int side = 0; side < 2; ++side) {
+    const Body& body = m_bodies[size_t(id[side])];
+    double(&J)[6][block_rows] = block.J[side];
+    const BlockColumn A[] = {column(J[3]), column(J[4]), column(J[5])};
+    BlockColumn velocity = BlockColumn::Zero();
+    for (int k = 0; k < 3; ++k) velocity += body.v[k] * column(J[k]) + body.w[k] * A[k];
+    rest -= velocity;
+    if (block.body[side] < 0) {
+      block.is_carried = block.is_carried || !velocity.isZero(0);
+      std::memset(J, 0, sizeof(J));
+      continue;
     }
-    const double velocity = L.dot(body.v) + A.dot(body.w);
-    if (block.body[s] < 0 && velocity != 0) block.is_carried = true;
-    return velocity;
-  };
-  block.rest[r] = -side(0, row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal) -
-                  side(1, row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
+    for (int k = 0; k < 3; ++k) {
+      column(J[k]) *= body.linear[k];
+      // S is lower triangular as long as nothing has stiffened the body.
+      BlockColumn turned = body.angular(k, k) * A[k];
+      for (int i = k + 1; i < 3; ++i) turned += body.angular(i, k) * A[i];
+      column(J[3 + k]) = turned;
+    }
+    for (int k = 0; k < 6; ++k) K += column(J[k]).cwiseProduct(column(J[k]));
+  }
+  const bool hindered = m_bodies[size_t(id[0])].hindered || m_bodies[size_t(id[1])].hindered;
+  column(block.rest) = rest;
+  for (int r = 0; r < block.rows; ++r) {
+    btSolverConstraint& row = rows[block.row[r]];
+    const double whole = isPrepared(row) ? wholeK(row)
+                         : hindered      ? 1 / double(inverseK(row, *block.joint))
+                                         : K[r];
+    block.deficit[r] = deficit(row, rest[r]);
+    if (!(whole > double(SIMD_EPSILON)) || !BodyPair::is_finite(Scalar(whole + block.deficit[r]))) {
+      clearRow(block, r);
+      continue;
+    }
+    const bool equality = block.equality[r];
+    const bool corrected = equality || isPushing(row, block.deficit[r] - block.rest[r]);
+    if (!corrected) block.rest[r] = block.deficit[r];
+    block.softness[r] = double(row.m_cfm) * whole;
+    block.damping[r] = corrected ? damped_correction * whole : 0;
+    block.holds[r] = equality && !(row.m_cfm > 0);
+    m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
+  }
+}
+
+// Nobody can move along it, or it holds NaN.
+void JointSystem::clearRow(JointBlock& block, int r) {
+  for (auto& J : block.J)
+    for (auto& of_coordinate : J) of_coordinate[r] = 0;
+  block.rest[r] = block.deficit[r] = 0;
+  block.equality[r] = false;
 }
 
 void JointSystem::factorise() {
@@ -706,9 +761,18 @@ void JointSystem::writeBody(int i, btSolverBody& to) const {
 }
 
 // Bodies without joints are none of the system's.
-void JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
-  for (size_t i = 0; i < m_topology->body_component.size(); ++i)
-    if (m_topology->body_component[i] >= 0) readBody(int(i), bodies[int(i)], &m_u[6 * i]);
+bool JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
+  bool any = false;
+  for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
+    if (m_topology->body_component[i] < 0) continue;
+    const btSolverBody& body = bodies[int(i)];
+    double* u = &m_u[6 * i];
+    std::fill(u, u + 6, 0.);
+    if (body.m_deltaLinearVelocity.isZero() && body.m_deltaAngularVelocity.isZero()) continue;
+    readBody(int(i), body, u);
+    any = true;
+  }
+  return any;
 }
 
 void JointSystem::write(btAlignedObjectArray<btSolverBody>& bodies) const {
@@ -972,17 +1036,18 @@ void JointSystem::apply(const BlockFactor& factor, const Change& change) {
 }
 
 void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
-  read(bodies);
-  for (size_t i = 0; i < m_swings.size(); ++i)
+  bool changed = read(bodies);
+  for (size_t i = 0; i < m_swings.size(); ++i) {
+    if (m_swings[i].kick.isZero(0)) continue;
     for (int k = 0; k < 3; ++k) m_u[6 * i + 3 + size_t(k)] += m_swings[i].kick[k];
-  for (JointBlock& block : m_blocks) column(block.impulse).setZero();
-  if (!loops()) {
-    solve();
-    return;
+    changed = true;
   }
-  // Rest is what all rows can be brought to, whatever they are.
-  apply(m_factor, [this](size_t c) -> BlockColumn {
-    return column(m_blocks[c].rest) - velocity(m_blocks[c]);
+  for (JointBlock& block : m_blocks) column(block.impulse).setZero();
+  // Rest is what all rows of a loop can be brought to, whatever they are.
+  apply(m_factor, [this, changed](size_t c) -> BlockColumn {
+    const JointBlock& block = m_blocks[c];
+    const auto target = column(loops() ? block.rest : block.deficit);
+    return changed ? target - velocity(block) : BlockColumn(target);
   });
 }
 
@@ -1098,7 +1163,8 @@ void JointSystem::undoCorrections(const btConstraintArray& rows,
     if (!components[size_t(m_topology->component[c])]) continue;
     for (int r = 0; r < block.rows; ++r) {
       const btSolverConstraint& row = rows[block.row[r]];
-      block.deficit[r] = double(row.m_rhs) * wholeK(row);
+      const bool corrected = block.damping[r] > 0;
+      block.deficit[r] = corrected ? deficit(row, block.rest[r]) : block.rest[r];
     }
   }
 }
@@ -1167,8 +1233,7 @@ void JointSystem::weaken(const std::vector<double>& parts) {
 }
 
 bool JointSystem::finite() const {
-  double sum = 0;
-  for (const double u : m_u) sum += u;
+  const double sum = Eigen::Map<const Eigen::VectorXd>(m_u.data(), Eigen::Index(m_u.size())).sum();
   return sum - sum == 0;
 }
 

@@ -84,8 +84,8 @@ class JointSystem {
   void stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
                    bool of_contacts) const;
 
-  /// Bullet's changes of velocity, to u and back.
-  void read(const btAlignedObjectArray<btSolverBody>& bodies);
+  /// Bullet's changes of velocity, to u and back. Whether there are any.
+  bool read(const btAlignedObjectArray<btSolverBody>& bodies);
   void write(btAlignedObjectArray<btSolverBody>& bodies) const;
   void writeImpulses(btConstraintArray& rows) const;
 
@@ -247,7 +247,9 @@ class JointSystem {
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
   void writeBody(int body, btSolverBody& to) const;
-  void setRow(JointBlock& block, const btSolverConstraint& row, int r) const;
+  void setRows(JointBlock& block, btConstraintArray& rows);
+  static void clearRow(JointBlock& block, int r);
+  bool leave(const btAlignedObjectArray<btSolverBody>& bodies, btSolverConstraint& row);
 
   Topologies m_topologies;
   Topology* m_topology = nullptr;
