@@ -55,8 +55,8 @@ inline Scalar velocity(const btSolverConstraint& row, const btSolverBody& a,
          row.m_relpos2CrossNormal.dot(b.m_angularVelocity + b.m_externalTorqueImpulse);
 }
 
-/// Makes m_rhs what J v of the solver's bodies is to become. Bullet takes away a part of the velocity only, if the joint
-/// says so; and it counts that of static bodies, for which its solver has one body that stands.
+/// Makes m_rhs what J v of the solver's bodies is to become. If the joint says so, Bullet takes away only a part of
+/// the velocity; and it counts that of static bodies, for which its solver has one body that stands.
 inline void completeTargets(btSolverConstraint* rows, int count, const btTypedConstraint& joint,
                             Scalar damping, const btSolverBody& a, const btSolverBody& b) {
   const auto standsIn = [](const btSolverBody& of, const btRigidBody& body) {

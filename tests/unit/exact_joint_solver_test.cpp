@@ -701,6 +701,34 @@ TEST(ExactJointSolver, InAPoolOfSolvers) {
   EXPECT_EQ(run(false), run(true));
 }
 
+// A joint at a centre of mass is solved by Bullet in one iteration. Its damping is the part of the velocity that it takes
+// away; a static body with a velocity is a conveyor.
+TEST(ExactJointSolver, TakesAwayThePartOfTheVelocityThatBulletDoes) {
+  const auto run = [](bool is_exact, double damping, double conveyor) {
+    World world(0, 10, [&]() -> std::unique_ptr<btConstraintSolver> {
+      if (!is_exact) return std::make_unique<btSequentialImpulseConstraintSolver>();
+      auto solver = std::make_unique<ExactJointSolver>();
+      solver->setPositionIterations(0);
+      return solver;
+    });
+    btRigidBody &belt = world.add_box(0, vec(1, 1, 1), at(0, -5, 0)),
+                &body = world.add_box(2, vec(0.1, 0.2, 0.3), at(0, 0, 0));
+    auto& joint = world.add_joint<btPoint2PointConstraint>(belt, body, vec(0, 5, 0), vec(0, 0, 0));
+    joint.m_setting.m_damping = btScalar(damping);
+    belt.setLinearVelocity(vec(conveyor, 0, 0));
+    body.setLinearVelocity(vec(1, 2, 3));
+    body.setDamping(0, 0);
+    world.step(1. / 60);
+    return scenes::position(body);
+  };
+  for (const double damping : {1., 0.3})
+    for (const double conveyor : {0., 0.5})
+      EXPECT_LT((run(true, damping, conveyor) - run(false, damping, conveyor)).norm(), 1e-7)
+          << damping << ", " << conveyor;
+  EXPECT_GT(run(true, 0.3, 0).norm(), 1e-2);
+  EXPECT_GT(run(true, 1, 0.5).norm(), 1e-3);
+}
+
 TEST(ExactJointSolver, AllocatesNothingOnceItHasSeenAnIsland) {
   World world(9.81, 10, exact);
   std::vector<btRigidBody*> links;
