@@ -701,8 +701,8 @@ TEST(ExactJointSolver, InAPoolOfSolvers) {
   EXPECT_EQ(run(false), run(true));
 }
 
-// A joint at a centre of mass is solved by Bullet in one iteration. Its damping is the part of the velocity that it takes
-// away; a static body with a velocity is a conveyor.
+// A joint at a centre of mass is solved by Bullet in one iteration. Its damping is the part of the velocity that it
+// takes away; a static body with a velocity is a conveyor.
 TEST(ExactJointSolver, TakesAwayThePartOfTheVelocityThatBulletDoes) {
   const auto run = [](bool is_exact, double damping, double conveyor) {
     World world(0, 10, [&]() -> std::unique_ptr<btConstraintSolver> {

@@ -162,8 +162,12 @@ TEST_P(Conservation, OfMomentaIsExactAndOfEnergyWithinOnePercent) {
                    std::to_string(ours.energy) + ", stock " + std::to_string(stock.energy));
     if (rate == 60) coarse_energy = ours.energy;
   }
-  // Second order: 4. At 240 Hz the rounding of single precision is a third of what is left.
+  // Second order: 4, and 16, but that at 60 Hz ends of steps take some of it, and single precision at 240 Hz. There, on
+  // the exact solver, rounding is a third of what is left.
   EXPECT_LT(GetParam().ours(cubes, 1. / 120).energy, coarse_energy / 3.5);
+  if (!onExactSolver() || !physics::single_precision) {
+    EXPECT_LT(GetParam().ours(cubes, 1. / 240).energy, coarse_energy / 12);
+  }
 }
 
 TEST_P(Conservation, OfBodiesOfGeneralInertiaIsNoWorseThanStocks) {

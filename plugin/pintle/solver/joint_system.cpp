@@ -868,7 +868,7 @@ void JointSystem::hasten(const btAlignedObjectArray<btSolverBody>& bodies,
   }
   for (int i = 0; i < rows.size(); ++i) {
     btSolverConstraint& row = rows[i];
-    if (row.m_overrideNumSolverIterations == 0 || !(row.m_jacDiagABInv > 0)) continue;
+    if (row.m_overrideNumSolverIterations == 0 || !isPrepared(row)) continue;
     if (isThin(row, bodies)) continue;
     const double K = wholeK(row), softness = double(row.m_cfm) * K;
     const Scalar factor = Scalar((K + softness) / (std::max(reactingK(row), K / 2) + softness));
