@@ -23,5 +23,27 @@ inline void endOfStep(const btTransform& start, const btSolverBody& body, Scalar
   btTransformUtil::integrateTransform(start, linearVelocity(body), angularVelocity(body), dt, end);
 }
 
+/// Of an angular row A of the pose at that end (a small turn t of the body there changes it by A.t) the row of the
+/// velocity in the step: a change dw of that changes it by dt times this.dw. Turned by phi, the end turns by the
+/// left Jacobian of phi times the change of phi, of which the row is the transpose:
+///   1 - (1 - cos phi) / phi [n]x + (1 - sin phi / phi) [n]x [n]x,  n the axis
+/// Up to Bullet's ANGULAR_MOTION_THRESHOLD phi is w dt. What is asked for beyond that makes the tangent of half
+/// of phi longer.
+inline Eigen::Vector3d byVelocity(const btSolverBody& body, Scalar dt, const Eigen::Vector3d& A) {
+  const btVector3 w = angularVelocity(body);
+  const Eigen::Vector3d asked =
+      double(dt) * Eigen::Vector3d(double(w[0]), double(w[1]), double(w[2]));
+  const double length = asked.norm(), most = double(ANGULAR_MOTION_THRESHOLD);
+  if (!(length > 1e-6)) return A;
+  const double slope = std::tan(most / 2) / most, tangent = slope * length;
+  const double phi = length > most ? 2 * std::atan(tangent) : length;
+  const Eigen::Vector3d n = asked / length, once = cross(n, A), twice = cross(n, once);
+  const Eigen::Vector3d B =
+      A - (1 - std::cos(phi)) / phi * once + (1 - std::sin(phi) / phi) * twice;
+  if (!(length > most)) return B;
+  const Eigen::Vector3d along = n.dot(B) * n;
+  return phi / length * (B - along) + 2 * slope / (1 + tangent * tangent) * along;
+}
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,5 +1,6 @@
-// The order in which ExactJointSolver eliminates joints, and its factor of their K.
+// The order in which ExactJointSolver eliminates joints, and its factors of their K.
 #include <pintle/solver/block_factor.h>
+#include <pintle/solver/block_lu.h>
 
 #include <gtest/gtest.h>
 
@@ -113,6 +114,41 @@ TEST(BlockFactor, SolvesForSomeColumnsAsForAll) {
     for (const int c : columns)
       EXPECT_LT((all.segment<n>(n * c) - some.segment<n>(n * c)).norm(), 1e-15) << asked;
   }
+}
+
+// The same blocks, those above the diagonal others than those below it. One row says nothing.
+TEST(BlockLU, Solves) {
+  Problem problem;
+  constexpr int n = Problem::n, idle = 3;
+  const Elimination& e = problem.elimination;
+  std::mt19937 generator(6);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (int row = 0; row < problem.K.rows(); ++row)
+    for (int column = 0; column < problem.K.cols(); ++column)
+      if (row != column && problem.K(row, column) != 0) problem.K(row, column) = number(generator);
+  problem.K.row(n * idle).setZero();
+  problem.K.col(n * idle).setZero();
+  problem.b[n * idle] = 0;
+  const Eigen::MatrixXd A = problem.K;
+
+  pintle::BlockLU factor;
+  factor.reserve(problem.factor);
+  const size_t bytes = factor.bytes();
+  factor.begin(problem.factor);
+  EXPECT_EQ(factor.bytes(), bytes);
+  for (int c = 0; c < e.columns(); ++c) {
+    problem.set(factor.lower(c), c, c);
+    for (int i = e.first(c); i < e.first(c + 1); ++i) problem.set(factor.lower(i), e.row(i), c);
+  }
+  problem.K.transposeInPlace();
+  for (int c = 0; c < e.columns(); ++c)
+    for (int i = e.first(c); i < e.first(c + 1); ++i) problem.set(factor.upper(i), e.row(i), c);
+  factor.factorise();
+  Eigen::VectorXd x = problem.b;
+  for (int c = 0; c < e.columns(); ++c) factor.eliminate(c, x.data());
+  for (int c = e.columns(); c-- > 0;) factor.substitute(c, x.data());
+  EXPECT_LT((A * x - problem.b).norm(), 1e-13);
+  EXPECT_EQ(x[n * idle], 0);
 }
 
 }  // namespace

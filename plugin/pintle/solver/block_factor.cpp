@@ -1,43 +1,15 @@
 #include <pintle/solver/block_factor.h>
 
 #include <algorithm>
-#include <type_traits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Calls f with the number as a constant, which the compiler then unrolls loops by.
-template <class Function>
-inline void withConstant(int rows, const Function& f) {
-  switch (rows) {
-    case 0: return;
-    case 1: return f(std::integral_constant<int, 1>());
-    case 2: return f(std::integral_constant<int, 2>());
-    case 3: return f(std::integral_constant<int, 3>());
-    case 4: return f(std::integral_constant<int, 4>());
-    case 5: return f(std::integral_constant<int, 5>());
-    default: return f(std::integral_constant<int, 6>());
-  }
-}
-
 // What is below the diagonal of a column.
 constexpr double below[block_rows][block_rows] = {{0, 1, 1, 1, 1, 1}, {0, 0, 1, 1, 1, 1},
                                                   {0, 0, 0, 1, 1, 1}, {0, 0, 0, 0, 1, 1},
                                                   {0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0}};
-
-// to -= A B^T, of so many rows of A and columns of both, and `width` rows of B, whose columns are of `height_of_B`.
-template <int height, int columns>
-inline void subtractProduct(double* to, const double* A, const double* B, int width,
-                            int height_of_B) {
-  const Eigen::Matrix<double, height, columns> a =
-      Eigen::Map<const Eigen::Matrix<double, height, columns>>(A);
-  for (int q = 0; q < width; ++q) {
-    Column<height> sum = column<height>(to, q);
-    for (int p = 0; p < columns; ++p) sum -= B[p * height_of_B + q] * a.col(p);
-    column<height>(to, q) = sum;
-  }
-}
 
 }  // namespace
 

@@ -2,36 +2,13 @@
 // takes. In double, whatever Bullet's precision: a heavy load on light links leaves a millionth of K.
 #pragma once
 
+#include <pintle/solver/block.h>
 #include <pintle/solver/elimination.h>
 
 #include <algorithm>
-#include <type_traits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
-/// A block has up to this many rows and columns.
-constexpr int block_rows = 6;
-/// A column of so many rows takes the place of this many numbers: what is beyond the rows is zero.
-constexpr int column_height(int rows) { return rows <= 4 ? 4 : block_rows; }
-template <int height>
-using Column = Eigen::Matrix<double, height, 1>;
-/// The i-th column from here on.
-template <int height = block_rows>
-Eigen::Map<Column<height>> column(double* block, int i = 0) {
-  return Eigen::Map<Column<height>>(block + i * height);
-}
-template <int height = block_rows>
-Eigen::Map<const Column<height>> column(const double* block, int i = 0) {
-  return Eigen::Map<const Column<height>>(block + i * height);
-}
-/// Calls f with the height of columns of so many rows as a constant.
-template <class Function>
-auto withHeight(int rows, const Function& f) {
-  return column_height(rows) == 4 ? f(std::integral_constant<int, 4>())
-                                  : f(std::integral_constant<int, block_rows>());
-}
-using BlockColumn = Column<block_rows>;
 
 class BlockFactor {
  public:
@@ -42,6 +19,12 @@ class BlockFactor {
   double* block(int i) { return m_blocks.data() + m_start[size_t(i)]; }
   const double* block(int i) const { return m_blocks.data() + m_start[size_t(i)]; }
   void clear(int i) { std::fill(block(i), block(i + 1), 0.); }
+
+  /// What blocks are where, for other matrices of the same pattern.
+  const Elimination& elimination() const { return *m_elimination; }
+  int rows(int column) const { return m_rows[size_t(column)]; }
+  size_t place(int block) const { return m_start[size_t(block)]; }
+  size_t numbers() const { return m_blocks.size(); }
 
   /// K becomes its factor. A pivot of less than `tolerance` of its diagonal element is what rounding
   /// left of a row that says what others say already: it gets no impulse.

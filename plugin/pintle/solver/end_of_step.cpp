@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -30,14 +31,28 @@ constexpr size_t bytes_of_joint = 384;  // of most: rows and all
 
 constexpr int most_rows = 16;  // of a stock joint
 
+// The bit of a row among those of a block.
+constexpr unsigned char rowBit(int r) { return static_cast<unsigned char>(1u << r); }
+
+double dot(const btSolverConstraint& a, const btSolverConstraint& b) {
+  return double(a.m_contactNormal1.dot(b.m_contactNormal1) +
+                a.m_relpos1CrossNormal.dot(b.m_relpos1CrossNormal) +
+                a.m_contactNormal2.dot(b.m_contactNormal2) +
+                a.m_relpos2CrossNormal.dot(b.m_relpos2CrossNormal));
+}
+double dot(const Row& a, const Row& b) {
+  return double(a.L.dot(b.L) + a.A_a.dot(b.A_a) + a.A_b.dot(b.A_b));
+}
+
 bool isSameRow(const btSolverConstraint& a, const btSolverConstraint& b) {
-  const auto dot = [](const btSolverConstraint& x, const btSolverConstraint& y) {
-    return double(x.m_contactNormal1.dot(y.m_contactNormal1) +
-                  x.m_relpos1CrossNormal.dot(y.m_relpos1CrossNormal) +
-                  x.m_contactNormal2.dot(y.m_contactNormal2) +
-                  x.m_relpos2CrossNormal.dot(y.m_relpos2CrossNormal));
-  };
   return isSameDirection(dot(a, a), dot(a, b), dot(b, b));
+}
+
+// Of the square of a.
+template <class AnyRow>
+double partAlong(const AnyRow& a, const AnyRow& b) {
+  const double product = dot(a, b), square = dot(b, b);
+  return square > 0 ? product * product / square : 0;
 }
 
 class PoseGuard {
@@ -61,6 +76,7 @@ class PoseGuard {
 
 void EndOfStep::begin(size_t blocks, const btAlignedObjectArray<btSolverBody>& bodies) {
   m_far.assign(blocks, false);
+  m_turned.assign(blocks, 0);
   Scalar furthest = 0;
   for (int i = 0; i < bodies.size(); ++i)
     if (!bodies[i].internalGetInvMass().isZero())
@@ -120,9 +136,26 @@ Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
   return 0;
 }
 
+// Whether a row at the end, which is not the one of its number at the start, is along what as many hold there:
+// directions in a plane, or in all of space, may be chosen anew.
+bool EndOfStep::isAmong(const Rows& start, const Rows& end, int i) {
+  if (end.equalities() != start.equalities()) return false;
+  double along = 0;
+  for (int k = 0; k < start.equalities(); ++k) along += partAlong(end[i], start[k]);
+  return 2 * along > dot(end[i], end[i]);
+}
+bool EndOfStep::isAmong(const JointBlock& block, const btConstraintArray& rows,
+                        const btSolverConstraint& end) {
+  double along = 0;
+  for (int k = 0; k < block.rows; ++k)
+    if (block.holds[k]) along += partAlong(end, rows[block.row[k]]);
+  return 2 * along > dot(end, end);
+}
+
 void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
                        const btTransform& pose_a, const btTransform& pose_b, Speeds& speed,
-                       Speeds& most) {
+                       Speeds& most, unsigned char& turned) {
+  turned = 0;
   btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
   const Scalar fps = 1 / m_dt;
   for (int r = 0; r < block.rows; ++r) {
@@ -139,10 +172,12 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
       const int i = block.index[r];
       if (i >= first_axis) {
         if (!(rows[block.row[r]].m_cfm > 0)) speed[r] = double(missing(*block.ours, i, now));
-      } else if (i < now.equalities() && block.holds[r] &&
-                 isSameRow(now[i], block.ours->m_rows[i])) {
+      } else if (i < now.equalities() && block.holds[r]) {
+        const bool same = isSameRow(now[i], block.ours->m_rows[i]);
+        if (!same && !isAmong(block.ours->m_rows, now, i)) continue;
         speed[r] = double(fps) * double(now[i].position);
         most[r] = double(now[i].max_speed);
+        if (!same) turned |= rowBit(r);
       }
     }
     return;
@@ -154,8 +189,64 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   askRows(*block.joint, {fps, 0, 0, 1, 1}, without, most_rows);
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
-    if (i >= most_rows || !block.holds[r] || !isSameRow(with[i], rows[block.row[r]])) continue;
+    if (i >= most_rows || !block.holds[r]) continue;
+    const bool same = isSameRow(with[i], rows[block.row[r]]);
+    if (!same && !isAmong(block, rows, with[i])) continue;
     speed[r] = double(with[i].m_rhs) - double(without[i].m_rhs);
+    if (!same) turned |= rowBit(r);
+  }
+}
+
+void EndOfStep::addEndRows(JointSystem& joints, const btConstraintArray& rows,
+                           const btAlignedObjectArray<btSolverBody>& bodies) {
+  joints.beginEndRows();
+  const std::vector<JointBlock>& blocks = joints.blocks();
+  for (size_t c = 0; c < blocks.size(); ++c) {
+    const JointBlock& block = blocks[c];
+    JointSystem::ScaledRows J;
+    std::memcpy(J, block.J, sizeof(J));
+    const auto inDouble = [](const auto& v) {
+      return Vector3d(double(v[0]), double(v[1]), double(v[2]));
+    };
+    const auto set = [&](int r, const auto& L_a, const auto& A_a, const auto& L_b,
+                         const auto& A_b) {
+      Vector3d angular[] = {inDouble(A_a), inDouble(A_b)};
+      for (int side = 0; side < 2; ++side)
+        if (block.body[side] >= 0)
+          angular[side] = byVelocity(bodies[block.body[side]], m_dt, angular[side]);
+      joints.scaleRow(block, r, {inDouble(L_a), inDouble(L_b)}, angular, J);
+    };
+    endRows(block, rows, set);
+    joints.addEndRows(c, J);
+  }
+}
+
+// Calls `set` with those that hold in position, as the document's or Bullet's row has them.
+template <class Set>
+void EndOfStep::endRows(const JointBlock& block, const btConstraintArray& rows, const Set& set) {
+  btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
+  const btTransform &pose_a = pose(a, block.body[0]), &pose_b = pose(b, block.body[1]);
+  if (block.ours != nullptr) {
+    if (block.ours->impulseSetting().damping != 1) return;
+    Rows now(m_memory);
+    block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
+    for (int r = 0; r < block.rows; ++r) {
+      const int i = block.index[r];
+      if (i >= now.equalities() || i >= equalities(block) || !block.holds[r]) continue;
+      if (isSameRow(now[i], block.ours->m_rows[i]) || isAmong(block.ours->m_rows, now, i))
+        set(r, now[i].L, now[i].A_a, Vec3(-now[i].L), Vec3(-now[i].A_b));
+    }
+    return;
+  }
+  PoseGuard at_a(a, pose_a), at_b(b, pose_b);
+  btSolverConstraint now[most_rows];
+  if (askRows(*block.joint, {1 / m_dt, 1, 0, 1, 1}, now, most_rows) != 1) return;
+  for (int r = 0; r < block.rows; ++r) {
+    const int i = block.index[r];
+    if (i >= most_rows || !block.holds[r]) continue;
+    if (isSameRow(now[i], rows[block.row[r]]) || isAmong(block, rows, now[i]))
+      set(r, now[i].m_contactNormal1, now[i].m_relpos1CrossNormal, now[i].m_contactNormal2,
+          now[i].m_relpos2CrossNormal);
   }
 }
 
@@ -164,6 +255,7 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
   const std::vector<JointBlock>& blocks = joints.blocks();
   error.assign(block_rows * blocks.size(), 0.);
   largest.assign(size_t(joints.topology().components), 0.);
+  m_largest_turned = 0;
   for (size_t c = 0; c < blocks.size(); ++c) {
     if (c + joints_ahead < blocks.size()) prefetch(blocks[c + joints_ahead].joint, bytes_of_joint);
     if (c + bodies_ahead < blocks.size()) {
@@ -172,10 +264,11 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
       prefetch(&joint.getRigidBodyB().getLinearVelocity());
     }
     double* of = &error[block_rows * c];
-    errors(blocks[c], rows, of, m_far[c]);
+    errors(blocks[c], rows, of, m_far[c], m_turned[c]);
     double& most = largest[size_t(joints.topology().component[c])];
     for (int r = 0; r < blocks[c].rows; ++r) {
       double size = double(m_dt) * std::abs(of[r]);
+      if ((m_turned[c] & rowBit(r)) != 0) m_largest_turned = std::max(m_largest_turned, size);
       if (size <= most) continue;
       if (blocks[c].linear[r]) size -= m_rounding;
       if (!(size <= most)) most = size;  // also NaN
@@ -183,12 +276,19 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
   }
 }
 
+void EndOfStep::leaveTurned(std::vector<double>& error) const {
+  if (m_largest_turned == 0) return;
+  for (size_t c = 0; c < m_turned.size(); ++c)
+    for (int r = 0; r < block_rows; ++r)
+      if ((m_turned[c] & rowBit(r)) != 0) error[block_rows * c + size_t(r)] = 0;
+}
+
 void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, double* error,
-                       char& far) {
+                       char& far, unsigned char& turned) {
   const btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
   const int first_axis = equalities(block);
   Speeds end, most;
-  speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most);
+  speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most, turned);
   for (int r = 0; r < block.rows; ++r) {
     error[r] = end[r];
     far = far || (block.index[r] < first_axis &&
@@ -196,10 +296,12 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   }
   if (!far) return;
   Speeds start;
-  speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most);
+  unsigned char turned_at_start;
+  speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most,
+         turned_at_start);
   // A row with a largest speed says where to turn: beyond that it does not say how far, nor do angular rows
   // beside it. The speeds that they have are right.
-  bool turns_back = false;
+  bool turns_back = false, leaves = false;
   for (int r = 0; r < block.rows; ++r) {
     if (block.index[r] >= first_axis) continue;
     const double whole = std::abs(start[r]);
@@ -208,11 +310,17 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
       continue;
     }
     const double speed = std::min(std::max(double(m_erp) * whole, free_correction), most[r]);
-    if (whole > speed) error[r] -= start[r] * (1 - speed / whole);
+    if (!(whole > speed)) continue;
+    error[r] -= start[r] * (1 - speed / whole);
+    leaves = true;
   }
-  if (!turns_back) return;
+  if (!turns_back && !leaves) return;
+  // How much of what was missing at the start is to be left a row does not say that has turned since.
   for (int r = 0; r < block.rows; ++r)
-    if (most[r] < double(infinity) || !block.linear[r]) error[r] = 0;
+    if ((turned & rowBit(r)) != 0 ||
+        (turns_back && (most[r] < double(infinity) || !block.linear[r])))
+      error[r] = 0;
+  turned = 0;
 }
 
 }  // namespace PINTLE_PRECISION

@@ -21,18 +21,30 @@ class EndOfStep {
   /// positions so far from the origin are rounded by.
   void errors(const JointSystem& joints, const btConstraintArray& rows, std::vector<double>& error,
               std::vector<double>& largest);
+  /// The largest of rows that have turned away from those of the start, and by these cannot be corrected.
+  double largestTurned() const { return m_largest_turned; }
+  void leaveTurned(std::vector<double>& error) const;
+  /// Adds to the joints their rows at the predicted poses, by what these change with the bodies' velocities.
+  void addEndRows(JointSystem& joints, const btConstraintArray& rows,
+                  const btAlignedObjectArray<btSolverBody>& bodies);
 
  private:
   /// `far`: whether it begins further off than the step may close.
-  void errors(const JointBlock& block, const btConstraintArray& rows, double* error, char& far);
+  void errors(const JointBlock& block, const btConstraintArray& rows, double* error, char& far,
+              unsigned char& turned);
   const btTransform& pose(const btRigidBody& body, int solver_body) const {
     return solver_body < 0 ? body.getCenterOfMassTransform() : m_poses[size_t(solver_body)];
   }
+  template <class Set>
+  void endRows(const JointBlock& block, const btConstraintArray& rows, const Set& set);
+  static bool isAmong(const Rows& start, const Rows& end, int row);
+  static bool isAmong(const JointBlock& block, const btConstraintArray& rows,
+                      const btSolverConstraint& end);
   using Speeds = double[block_rows];
   /// Those of the whole error, with the bodies at the given poses; of a limit, of what is missing on the way
   /// to where its row sends it.
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
-              const btTransform& pose_b, Speeds& speed, Speeds& most);
+              const btTransform& pose_b, Speeds& speed, Speeds& most, unsigned char& turned);
   /// How many of the joint's rows come before those of free coordinates, which only Pintle's tell of.
   static int equalities(const JointBlock& block);
   static Scalar ownersVelocity(const Joint& joint, const Row& row);
@@ -42,6 +54,8 @@ class EndOfStep {
   RowMemory<most_joint_rows, most_joint_rows> m_memory;
   std::vector<btTransform> m_poses;
   std::vector<char> m_far;  ///< of each block
+  std::vector<unsigned char> m_turned;  ///< of each block, a bit for each row
+  double m_largest_turned = 0;
   Scalar m_dt = 0, m_erp = 0;
   double m_rounding = 0;  ///< of positions, m
 };

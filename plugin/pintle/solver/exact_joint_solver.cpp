@@ -4,6 +4,7 @@
 #include <pintle/joints/joint.h>
 #include <pintle/solver/end_of_step.h>
 #include <pintle/solver/joint_system.h>
+#include <pintle/solver_body.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,12 +29,13 @@ constexpr int rounds_of_taking = 3, most_rounds = 6;
 // Errors at the end of a step, m or rad. What is small one correction leaves next to nothing of; of larger ones no
 // more than the rest is to be left: it adds up to energy, over a million steps to more than there was. Large ones
 // are of motion that may be too violent to be corrected.
+// What is still open after all corrections, by more than a part of what it moves by, or in any case, cannot be held.
 struct Sizes {
-  double small, rest, large;
+  double small, rest, large, open;
 };
-constexpr Sizes alone = {1e-5, 1e-6, 1e-4};
+constexpr Sizes alone = {1e-5, 1e-6, 1e-4, 2e-3};
 // Contacts take energy, and do not follow what joints correct: more may be left.
-constexpr Sizes among_contacts = {1e-2, 1e-2, 1e-2};
+constexpr Sizes among_contacts = {1e-2, 1e-2, 1e-2, 1e-2};
 bool isFar(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
 }
@@ -56,9 +58,10 @@ constexpr double most_gain = 1.1, correction_speed = 3;
 // the first of these in a step, rad, and for no more than the second.
 constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
 
-// What would take more, or where it turns so far is still open by this, m or rad, cannot be held at the end of the
-// step: it is slowed down to the least turn, between these parts of its speed.
-constexpr double most_open = 1e-2, most_slowed = 0.5, least_slowed = 0.9;
+// What would take more, or is still open by more than this part of what it moves by, cannot be held at the end of the
+// step: it is slowed down to the least turn, between these parts of its speed, and up to so often.
+constexpr double most_open_of_motion = 0.02, most_slowed = 0.5, least_slowed = 0.9;
+constexpr int most_slowings = 4;
 
 // Where bodies turn by more than this in a step, rad, but by no more than Bullet turns them, and for so long after, s,
 // what the chords of a step give to a component or take from it is made up for, by this part of its velocities at the
@@ -68,6 +71,10 @@ constexpr double balanced_turn = 0.1, balanced_time = 10, most_made_up = 0.2, wo
 // What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
 // away must not be thrown, and one that turns at 1000 rad/s must not get away.
 constexpr double least_calm = 20, calm_speed = 100;
+
+// Corrections by rows of the end are not to make a body turn by more than this in the step, rad, which is where these
+// rows end, too, unless it turns so far without them, but for this.
+constexpr double most_turn_at_end = 1, same_turn = 1.1;
 
 // What is larger is corrected again, up to so often; and up to so often as long as that is of use, which it is not
 // where poses are rounded, or rows say again what others say.
@@ -280,6 +287,8 @@ bool ExactJointSolver::findUnruly(double dt) {
   island.gained = island.joints.topology().gained;
   std::vector<double>& gained = island.gained;
   gained.resize(island.energy.size(), 0);
+  const bool closes = island.joints.fastest() > correction_speed;
+  const Sizes& sizes = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
@@ -287,7 +296,14 @@ bool ExactJointSolver::findUnruly(double dt) {
     const double most = turn * turn / 2 * energy.free + chord_speed * chord_speed * energy.unit;
     // What other rows add is not the joints' work, and what they take is none of it.
     const double sum = gained[i] + std::min(energy.work, energy.now - energy.free) / most;
-    island.worse[i] = !(turn < least_turn) && (!(sum <= 1) || !(island.largest[i] < most_open));
+    // What starts far apart may well turn by being brought together.
+    const double most_spin = closes ? energy.spin : std::max(energy.spin, energy.spin_at_end);
+    const double moved = dt * std::sqrt(std::max(energy.free, energy.now) / energy.unit);
+    const double may_be_open = std::clamp(most_open_of_motion * moved, sizes.small, sizes.open);
+    // What nothing holds would lose momentum for what its joints alone make it turn by.
+    const double spin = island.joints.topology().grounded[i] ? most_spin : energy.spin;
+    const bool open = !(spin * dt < least_turn) && !(island.largest[i] < may_be_open);
+    island.worse[i] = open || (!(most_spin * dt < least_turn) && !(sum <= 1));
     if (!island.worse[i]) gained[i] = turn < least_turn ? 0 : std::max(0., sum);
     any = any || island.worse[i];
   }
@@ -314,15 +330,22 @@ void ExactJointSolver::leaveUncorrected() {
   joints.settle();
 }
 
-void ExactJointSolver::slowDown(double dt) {
+// Slows down what is `worse` by more than before, from where it is uncorrected. Returns whether there is such.
+bool ExactJointSolver::slowDown(double dt) {
   Island& island = *m_island;
-  island.parts.assign(island.energy.size(), 1);
-  for (size_t i = 0; i < island.energy.size(); ++i)
-    if (island.worse[i])
-      island.parts[i] =
-          std::clamp(least_turn / (island.energy[i].spin * dt), most_slowed, least_slowed);
+  bool any = false;
+  for (size_t i = 0; i < island.energy.size(); ++i) {
+    const double turn = island.energy[i].spin * dt;
+    if (!island.worse[i] || (turn < least_turn && !island.joints.topology().grounded[i])) continue;
+    island.parts[i] *= std::clamp(least_turn / turn, most_slowed, least_slowed);
+    any = true;
+  }
+  if (!any) return false;
+  for (size_t i = 0; i < island.energy.size(); ++i) island.worse[i] = island.parts[i] < 1;
+  leaveUncorrected();
   island.joints.slow(m_tmpSolverBodyPool, island.parts);
   island.joints.solve();
+  return true;
 }
 
 // Rigid joints neither give energy nor take it. A step that ends on the joints goes along chords: it gives while a
@@ -383,15 +406,16 @@ void ExactJointSolver::calm(const btContactSolverInfo& info) {
   JointSystem& joints = island.joints;
   const double dt = double(info.m_timeStep);
   findEnergies();
-  if (findUnruly(dt)) {
-    leaveUncorrected();
-    slowDown(dt);
+  island.parts.assign(island.energy.size(), 1);
+  bool unruly = findUnruly(dt);
+  for (int i = 0; unruly && i < most_slowings && slowDown(dt); ++i) {
     iteratePositions(info);
     findEnergies();
-    if (findUnruly(dt)) {
-      leaveUncorrected();
-      findEnergies();
-    }
+    unruly = findUnruly(dt);
+  }
+  if (unruly) {
+    leaveUncorrected();
+    findEnergies();
   }
   joints.topology().gained = island.gained;
   if (!findGained(most_gain, correction_speed)) return;
@@ -424,7 +448,8 @@ void ExactJointSolver::calm(const btContactSolverInfo& info) {
   joints.weaken(island.parts);
 }
 
-// Returns whether bodies may have been moved by more than is good for them.
+// Corrects by the rows of the start, and what these leave by those of the end: impulses are along the start's all the
+// same, and keep momentum. Returns whether bodies may have been moved by more than is good for them.
 bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
@@ -434,16 +459,27 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   lookAhead(info, island.largest);
   const Sizes& error = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
   const bool any_far = isFar(island.largest, error.large);
+  bool may_be_at_end = true;
   for (int i = 1;; ++i) {
     const bool last = i >= m_position_iterations, far = isFar(island.largest, error.small);
     if (far || !last) joints.keep();
-    joints.correct(island.error);
+    const bool at_end =
+        may_be_at_end && i > 1 &&
+        (isFar(island.largest, error.large) || island.end.largestTurned() > error.small);
+    if (at_end) {
+      island.end.addEndRows(joints, m_tmpSolverNonContactConstraintPool, m_tmpSolverBodyPool);
+      joints.correctAtEnd(island.error);
+    } else {
+      island.end.leaveTurned(island.error);
+      joints.correct(island.error);
+    }
     if (!far && last) return any_far;
     // Components in which that has made it worse go half of the way, or else none.
     bool worse = false;
     for (const double part : {0.5, 0.}) {
       lookAhead(info, island.next_largest);
       worse = findWorse(error.large);
+      if (at_end && findOverturned(double(info.m_timeStep))) worse = true;
       if (!worse) break;
       joints.goBack(part, island.worse);
     }
@@ -452,9 +488,15 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
                           ? isFar(island.next_largest, error.rest)
                           : extra < most_converging_iterations &&
                                 isConverging(island.next_largest, island.largest, error.rest);
-    if (!worse) island.largest.swap(island.next_largest);
-    if (last && (worse || !more)) return any_far;
-    if (worse) lookAhead(info, island.largest);
+    if (!worse) {
+      island.largest.swap(island.next_largest);
+      if (last && !more) return any_far;
+      continue;
+    }
+    // By the other rows it may become better.
+    if (last && (!may_be_at_end || extra >= most_extra_iterations)) return any_far;
+    may_be_at_end = !at_end;
+    lookAhead(info, island.largest);
   }
 }
 
@@ -467,6 +509,22 @@ bool ExactJointSolver::findWorse(double large) {
     island.worse[i] =
         !(island.next_largest[i] <= large) && !(island.next_largest[i] < island.largest[i]);
     any = any || island.worse[i];
+  }
+  return any;
+}
+
+// Whether a component turns a body further than rows of its end tell of, by impulses: `worse`, too.
+bool ExactJointSolver::findOverturned(double dt) {
+  Island& island = *m_island;
+  const std::vector<int>& component = island.joints.topology().body_component;
+  bool any = false;
+  for (size_t i = 0; i < component.size(); ++i) {
+    if (component[i] < 0) continue;
+    const btSolverBody& body = m_tmpSolverBodyPool[int(i)];
+    const double turn = dt * double(angularVelocity(body).length());
+    const btVector3 before = body.m_angularVelocity + body.m_externalTorqueImpulse;
+    if (turn < std::max(most_turn_at_end, same_turn * dt * double(before.length()))) continue;
+    island.worse[size_t(component[i])] = any = true;
   }
   return any;
 }

@@ -94,11 +94,12 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void findInPasses(btTypedConstraint** constraints, int numConstraints);
   void beginReactions();
   bool findWorse(double large);
+  bool findOverturned(double dt);
   void findEnergies();
   bool findUnruly(double dt);
   bool findGained(double gain, double speed);
   void leaveUncorrected();
-  void slowDown(double dt);
+  bool slowDown(double dt);
   void balance(const btContactSolverInfo& info);
   void calm(const btContactSolverInfo& info);
   bool iteratePositions(const btContactSolverInfo& info);

@@ -295,6 +295,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_kept_u.reserve(m_u.size());
   m_fastest_of.reserve(size_t(m_topology->components));
   m_kept_rows.reserve(2 * m_x.size());
+  m_first_of.reserve(m_bodies.size());
   m_next_of.reserve(2 * n);
   m_path.reserve(n);
   m_hastened.reserve(with_bounds);
@@ -482,6 +483,7 @@ void JointSystem::factorise() {
     m_damped_is_factor = false;
   }
   m_factor.factorise(dependent_row);
+  m_end_factor.reserve(m_factor);
 }
 
 // As softness of the rows it holds in whatever is solved, and all of that agrees.
@@ -816,15 +818,31 @@ void JointSystem::beginReactions(const btAlignedObjectArray<btSolverBody>& bodie
   hasten(bodies, rows);
 }
 
+void JointSystem::clearLists() {
+  m_first_of.assign(m_bodies.size(), -1);
+  m_next_of.resize(2 * m_blocks.size());
+}
+void JointSystem::listJoint(int c) {
+  for (int side = 0; side < 2; ++side) {
+    const int body = m_blocks[size_t(c)].body[side];
+    if (body < 0) continue;
+    m_next_of[size_t(2 * c + side)] = m_first_of[size_t(body)];
+    m_first_of[size_t(body)] = 2 * c + side;
+  }
+}
+
+// Those of a body, and its side, that have been listed.
+template <class Function>
+void JointSystem::eachJoint(int body, const Function& f) const {
+  for (int i = m_first_of[size_t(body)]; i >= 0; i = m_next_of[size_t(i)]) f(i / 2, i % 2);
+}
+
 // J M^-1 J^T of a row that is left when all joints react: those of its bodies, and what these lead to.
 double JointSystem::reactingK(const btSolverConstraint& row) {
   double whole = 0;
   const auto each = [&](const auto& f) {
     f(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal);
     f(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
-  };
-  const auto eachJoint = [&](int body, const auto& f) {
-    for (int i = m_first_of[size_t(body)]; i >= 0; i = m_next_of[size_t(i)]) f(i / 2, i % 2);
   };
   m_path.clear();
   each([&](int body, const btVector3&, const btVector3&) {
@@ -855,17 +873,9 @@ void JointSystem::hasten(const btAlignedObjectArray<btSolverBody>& bodies,
                          btConstraintArray& rows) {
   m_hastened.clear();
   if (m_all || m_hindered) return;
-  m_first_of.assign(m_bodies.size(), -1);
-  m_next_of.resize(2 * m_blocks.size());
   m_is_on_path.assign(m_blocks.size(), false);
-  for (const int c : m_first_reacting) {
-    for (int side = 0; side < 2; ++side) {
-      const int body = m_blocks[size_t(c)].body[side];
-      if (body < 0) continue;
-      m_next_of[size_t(2 * c + side)] = m_first_of[size_t(body)];
-      m_first_of[size_t(body)] = 2 * c + side;
-    }
-  }
+  clearLists();
+  for (const int c : m_first_reacting) listJoint(c);
   for (int i = 0; i < rows.size(); ++i) {
     btSolverConstraint& row = rows[i];
     if (row.m_overrideNumSolverIterations == 0 || !isPrepared(row)) continue;
@@ -1015,8 +1025,8 @@ BlockColumn JointSystem::residual(const JointBlock& block) const {
 
 // Each joint is looked at twice: on the way up the elimination and down again. What is large does not fit the
 // cache.
-template <class Change>
-void JointSystem::apply(const BlockFactor& factor, const Change& change) {
+template <class Factor, class Change>
+void JointSystem::apply(const Factor& factor, const Change& change) {
   m_x.assign(block_rows * m_blocks.size(), 0.);
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     column(m_x.data(), int(c)) += change(c);
@@ -1087,6 +1097,52 @@ void JointSystem::correct(const std::vector<double>& change) {
     apply(m_factor, add);
 }
 
+void JointSystem::beginEndRows() {
+  m_end_factor.begin(m_factor);
+  clearLists();
+  for (size_t c = 0; c < m_blocks.size(); ++c) listJoint(int(c));
+}
+
+void JointSystem::scaleRow(const JointBlock& block, int r, const Vector3d (&linear)[2],
+                           const Vector3d (&angular)[2], ScaledRows& J) const {
+  for (int side = 0; side < 2; ++side) {
+    if (block.body[side] < 0) continue;
+    double j[6];
+    scaleRow(m_bodies[size_t(block.body[side])], linear[side], angular[side], j);
+    for (int k = 0; k < 6; ++k) J[side][k][r] = j[k];
+  }
+}
+
+// Of J_end M^-1 J^T the rows of a block: with it itself, and with each other that shares a body.
+void JointSystem::addEndRows(size_t c, const ScaledRows& J) {
+  const Elimination& elimination = m_topology->elimination;
+  const JointBlock& block = m_blocks[c];
+  double* K = m_end_factor.lower(int(c));
+  for (int r = 0; r < block.rows; ++r)
+    K[r * (column_height(block.rows) + 1)] += block.softness[r] + (loops() ? block.damping[r] : 0);
+  for (int side = 0; side < 2; ++side) {
+    if (block.body[side] < 0) continue;
+    eachJoint(block.body[side], [&](int i, int side_of_other) {
+      const JointBlock& other = m_blocks[size_t(i)];
+      const auto& J_other = other.J[side_of_other];
+      const int at = elimination.block(int(c), i);
+      if (i <= int(c))
+        addProduct(m_end_factor.lower(at), J[side], J_other, block.rows, other.rows);
+      else
+        addProduct(m_end_factor.upper(at), J_other, J[side], other.rows, block.rows);
+    });
+  }
+}
+
+void JointSystem::correctAtEnd(const std::vector<double>& change) {
+  m_end_factor.factorise();
+  apply(m_end_factor, [&](size_t c) -> BlockColumn { return column(change.data(), int(c)); });
+  // Rows of the start are to keep what that has made of them.
+  for (JointBlock& block : m_blocks)
+    column(block.deficit) =
+        velocity(block) + column(block.softness).cwiseProduct(column(block.impulse));
+}
+
 void JointSystem::keep() {
   m_kept_u = m_u;
   m_kept_rows.clear();
@@ -1136,6 +1192,7 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     const double added = energy(dv, dw);
     sum.free += energy(v, w);
     sum.spin = std::max(sum.spin, double(w.length()));
+    sum.spin_at_end = std::max(sum.spin_at_end, double(w_end.length()));
     sum.now += energy(v_end, w_end);
     sum.added += added;
     // That of an impulse d at a velocity v: d M v = E(v + d) - E(v) - E(d)
@@ -1324,7 +1381,7 @@ void JointSystem::release(btConstraintArray& rows, int iterations) {
 }
 
 size_t JointSystem::bytes() const {
-  return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() +
+  return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() + m_end_factor.bytes() +
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
          m_unfit.capacity() * sizeof(Unfit) + m_joints.capacity() * sizeof(Topology::Joint) +
          m_rows.capacity() * sizeof(int) + m_bodies.capacity() * sizeof(Body) +

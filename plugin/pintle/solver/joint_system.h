@@ -5,6 +5,7 @@
 #pragma once
 
 #include <pintle/solver/block_factor.h>
+#include <pintle/solver/block_lu.h>
 #include <pintle/solver/geometric_stiffness.h>
 #include <pintle/solver/topology.h>
 
@@ -120,6 +121,16 @@ class JointSystem {
   /// loop cannot do together is left undone.
   void correct(const std::vector<double>& change);
 
+  /// As `correct`, but that the change is of rows as they are at the end of the step, by impulses along those of
+  /// the start: (J_end M^-1 J^T + Sigma) lambda = change. Since `beginEndRows` those of all blocks have been added.
+  void correctAtEnd(const std::vector<double>& change);
+  void beginEndRows();
+  using ScaledRows = double[2][6][block_rows];  ///< as JointBlock::J
+  void addEndRows(size_t block, const ScaledRows& J);
+  /// J S of a row.
+  void scaleRow(const JointBlock& block, int r, const Vector3d (&linear)[2],
+                const Vector3d (&angular)[2], ScaledRows& J) const;
+
   /// Keeps velocities, impulses and targets, to come back to.
   void keep();
   /// Goes back, in the components that are marked, from what there is now to what was kept, but for
@@ -135,6 +146,7 @@ class JointSystem {
     double given = 0;  ///< of all impulses, from the velocities before the step's forces on
     bool is_rigid = true;  ///< all rows are those of rigid joints, to frames that stand
     double spin = 0;       ///< of the body that turns fastest, rad/s, before any impulse
+    double spin_at_end = 0;  ///< the same with all impulses
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
   /// The rows of the marked components are to be solved with the targets that they came with.
@@ -226,8 +238,8 @@ class JointSystem {
   /// J u
   BlockColumn velocity(const JointBlock& block) const;
   /// Applies the impulses that change the velocities of each block's rows by `change(block)`.
-  template <class Change>
-  void apply(const BlockFactor& factor, const Change& change);
+  template <class Factor, class Change>
+  void apply(const Factor& factor, const Change& change);
   template <class Change>
   void applyDamped(const Change& change);
   void changeInertia();
@@ -240,6 +252,10 @@ class JointSystem {
   void beginSwings();
   void addNeighbours();
   void touch(const btConstraintArray& rows, bool of_contacts);
+  void clearLists();
+  void listJoint(int block);
+  template <class Function>
+  void eachJoint(int body, const Function& f) const;
   double reactingK(const btSolverConstraint& row);
   void hasten(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
   void warmStart(btSolverConstraint& row, int index, AsJoint& as_joint) const;
@@ -276,7 +292,7 @@ class JointSystem {
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
   std::vector<int> m_touched, m_reacting;    ///< the same as lists
   std::vector<int> m_first_reacting;         ///< those that hold a touched body
-  std::vector<int> m_first_of;       ///< of each body, 2 * block + side of a reacting joint of it
+  std::vector<int> m_first_of;       ///< of each body, 2 * block + side of a listed joint of it
   std::vector<int> m_next_of;        ///< of each such number, the next of the same body
   std::vector<char> m_is_on_path;    ///< of each block
   std::vector<int> m_path;           ///< the same as a list: what a row's reaction takes
@@ -285,6 +301,7 @@ class JointSystem {
   std::vector<double> m_change;      ///< 6 a body: of u, by Bullet's last iteration
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
+  BlockLU m_end_factor;  ///< of the end's rows by the start's; made when it is asked for
   std::vector<double> m_fastest_of;  ///< of each component
   double m_fastest = 0, m_spin2 = 0;
   bool m_loops = false;     ///< whether rows may depend on each other
