@@ -17,7 +17,8 @@ inline btVector3 angularVelocity(const btSolverBody& body) {
   return body.m_angularVelocity + body.m_externalTorqueImpulse + body.m_deltaAngularVelocity;
 }
 
-/// Where a step of length dt leads from `start`, as Bullet integrates it.
+/// Where a step of length dt leads from `start`, as Bullet integrates it: to the last digit, for a limit that bears
+/// a heavy load shows what is beside that.
 inline void endOfStep(const btTransform& start, const btSolverBody& body, Scalar dt,
                       btTransform& end) {
   btTransformUtil::integrateTransform(start, linearVelocity(body), angularVelocity(body), dt, end);

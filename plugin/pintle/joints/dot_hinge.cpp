@@ -40,7 +40,7 @@ PINTLE_FLATTEN void DotHinge::prepare(const BodyPair& pair, Rows& rows) {
 
 void DotHinge::addRows(const BodyPair& pair, Rows& rows) const {
   UnwrappedAngle twist = m_twist;
-  const Frames at = look(pair, twist);
+  const Frames at = lookIfActing(pair, twist);
   addRows(pair, at, twist, rows);
 }
 

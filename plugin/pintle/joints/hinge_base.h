@@ -136,6 +136,7 @@ class HingeBase : public FrameJoint {
   struct Frames;
   Frames frames(const BodyPair& pair) const;
   Frames look(const BodyPair& pair, UnwrappedAngle& twist) const;
+  Frames lookIfActing(const BodyPair& pair, UnwrappedAngle& twist) const;
   Acting acting(const BodyPair& pair, const UnwrappedAngle& twist,
                 const equations::Swing<Scalar>& swing) const;
   void addAxisRow(const Acting& acting, const equations::Swing<Scalar>& swing, Rows& rows) const;

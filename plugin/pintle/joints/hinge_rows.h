@@ -29,6 +29,12 @@ inline HingeBase::Frames HingeBase::look(const BodyPair& pair, UnwrappedAngle& t
   return at;
 }
 
+/// As `look`, if anything acts along the angle; else no row tells of it.
+inline HingeBase::Frames HingeBase::lookIfActing(const BodyPair& pair,
+                                                 UnwrappedAngle& twist) const {
+  return m_axis.limited() || m_axis.driven() ? look(pair, twist) : frames(pair);
+}
+
 inline void HingeBase::see(const Frames& at, UnwrappedAngle& angle) const {
   const Lanes a_b = at.a.components(at.b.a()), b_b = at.a.components(at.b.b());
   const auto twist = equations::twist<Scalar>(a_b[0], b_b[1], a_b[1], b_b[0]);

@@ -54,7 +54,7 @@ PINTLE_FLATTEN void QuaternionHinge::prepare(const BodyPair& pair, Rows& rows) {
 
 void QuaternionHinge::addRows(const BodyPair& pair, Rows& rows) const {
   UnwrappedAngle twist = m_twist;
-  const Frames at = look(pair, twist);
+  const Frames at = lookIfActing(pair, twist);
   addRows(pair, at, twist, rows);
 }
 

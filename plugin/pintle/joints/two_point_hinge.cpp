@@ -72,7 +72,7 @@ PINTLE_FLATTEN void TwoPointHinge::prepare(const BodyPair& pair, Rows& rows) {
 
 void TwoPointHinge::addRows(const BodyPair& pair, Rows& rows) const {
   UnwrappedAngle twist = m_twist;
-  const Frames at = look(pair, twist);
+  const Frames at = lookIfActing(pair, twist);
   addRows(pair, at, twist, rows);
 }
 

@@ -203,7 +203,14 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   for (int i = 0; i < rows.size(); ++i, ++index) {
     btSolverConstraint& row = rows[i];
     auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
-    if (joint != last) index = 0;
+    if (joint != last) {
+      index = 0;
+      // Most joints are bilateral as a whole.
+      if (const int count = gatherBilateral(rows, i, as_joint); count > 0) {
+        i += count - 1;
+        continue;
+      }
+    }
     last = joint;
     const Body &a = m_bodies[size_t(row.m_solverBodyIdA)],
                &b = m_bodies[size_t(row.m_solverBodyIdB)];
@@ -263,7 +270,19 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     block.ours = from.ours;
     for (int side = 0; side < 2; ++side) block.body[side] = joint.body[side];
     int places = block_rows - from.bilateral;
-    for (int i = 0; i < from.rows; ++i) {
+    if (from.bilateral == from.rows) {
+      block.rows = from.rows;
+      for (int r = 0; r < from.rows; ++r) {
+        btSolverConstraint& row = rows[from.row[r]];
+        row.m_overrideNumSolverIterations = 0;
+        block.row[r] = from.row[r];
+        block.index[r] = from.index[r];
+        block.bound[r] = -1;
+        block.equality[r] = true;
+        block.linear[r] = !row.m_contactNormal1.isZero();
+      }
+    }
+    for (int i = block.rows; i < from.rows; ++i) {
       btSolverConstraint& row = rows[from.row[i]];
       const bool bounded = from.bound[i] >= 0;
       Scalar& before = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
@@ -302,6 +321,30 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   m_unfit.reserve(with_bounds);
   m_topology->iterated.reserve(with_bounds);
   return true;
+}
+
+// All rows of the joint whose first one is given, if they are bilateral, fit in a block, and move a body. Returns how
+// many there are, or 0.
+int JointSystem::gatherBilateral(const btConstraintArray& rows, int first, AsJoint& as_joint) {
+  const btSolverConstraint& row = rows[first];
+  const int most = std::min(rows.size() - first, block_rows + 1);
+  int count = 0;
+  while (count < most && rows[first + count].m_originalContactPoint == row.m_originalContactPoint) {
+    if (!isBilateral(rows[first + count])) return 0;
+    ++count;
+  }
+  const Body &a = m_bodies[size_t(row.m_solverBodyIdA)], &b = m_bodies[size_t(row.m_solverBodyIdB)];
+  if (count > block_rows || !(a.moves || b.moves)) return 0;
+  m_hindered = m_hindered || a.hindered || b.hindered;
+  auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
+  m_gathered.push_back({joint, as_joint(joint), count, count, {}, {}, {}});
+  for (int i = 0; i < count; ++i) {
+    m_gathered.back().row[i] = first + i;
+    m_gathered.back().index[i] = i;
+    m_gathered.back().bound[i] = -1;
+  }
+  m_joints.push_back({{a.moves ? row.m_solverBodyIdA : -1, b.moves ? row.m_solverBodyIdB : -1}});
+  return count;
 }
 
 // Joints of Pintle's know what their limits had. What one of Bullet's has in that place now may be another limit.

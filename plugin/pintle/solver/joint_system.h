@@ -228,6 +228,7 @@ class JointSystem {
     bool held = false;
   };
 
+  int gatherBilateral(const btConstraintArray& rows, int first, AsJoint& as_joint);
   void scale(Body& body, const btSolverBody& of) const;
   static void scaleRow(const Body& body, const Vector3d& L, const Vector3d& A, double (&j)[6]);
   bool dependsOnItself();
