@@ -28,8 +28,10 @@ struct StepOfRows;
 /// iteration: they hold whatever the contacts do. An island without joints is solved by Bullet's own code, to
 /// the same bits.
 ///
-/// Velocities are those with which the joints hold at the END of the step (setPositionIterations).
-/// Joints that start further apart than a step of 1 m/s or 1 rad/s closes come together as their ERP
+/// Velocities are those with which the joints hold at the END of the step (setPositionIterations). Where bodies
+/// turn so far that this leaves more than 1e-4 m or rad, it is corrected along the rows of the predicted end,
+/// J_end M^-1 J^T, factorised anew; impulses are along the rows of the start, and keep momentum. A component that
+/// has no such end, or none without much more energy, is slowed down until it has one. Joints that start further apart than a step of 1 m/s or 1 rad/s closes come together as their ERP
 /// says. Bodies that swing under the load of their joints faster than a step resolves are given the
 /// geometric stiffness of that load, and lose what of their swing could not be followed. What would
 /// gain energy by being closed at once, as what turns by radians a step, is closed at up to 100 m/s and
