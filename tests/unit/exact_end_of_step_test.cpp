@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
-#include <memory>
 
 namespace {
 

@@ -136,20 +136,24 @@ Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
   return 0;
 }
 
-// Whether a row at the end, which is not the one of its number at the start, is along what as many hold there:
-// directions in a plane, or in all of space, may be chosen anew.
-bool EndOfStep::isAmong(const Rows& start, const Rows& end, int i) {
-  if (end.equalities() != start.equalities()) return false;
+// A row that is not the one of its number at the start may be along what as many hold there: directions in a plane, or
+// in all of space, are chosen anew.
+inline EndOfStep::Match EndOfStep::match(const Joint& joint, const Rows& end, int i) {
+  const Rows& start = joint.m_rows;
+  if (i >= start.equalities() || i >= end.equalities()) return Match::none;
+  if (isSameRow(end[i], start[i])) return Match::same;
+  if (end.equalities() != start.equalities()) return Match::none;
   double along = 0;
   for (int k = 0; k < start.equalities(); ++k) along += partAlong(end[i], start[k]);
-  return 2 * along > dot(end[i], end[i]);
+  return 2 * along > dot(end[i], end[i]) ? Match::turned : Match::none;
 }
-bool EndOfStep::isAmong(const JointBlock& block, const btConstraintArray& rows,
-                        const btSolverConstraint& end) {
+EndOfStep::Match EndOfStep::match(const JointBlock& block, const btConstraintArray& rows, int r,
+                                  const btSolverConstraint& end) {
+  if (isSameRow(end, rows[block.row[r]])) return Match::same;
   double along = 0;
   for (int k = 0; k < block.rows; ++k)
     if (block.holds[k]) along += partAlong(end, rows[block.row[k]]);
-  return 2 * along > dot(end, end);
+  return 2 * along > dot(end, end) ? Match::turned : Match::none;
 }
 
 void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
@@ -172,12 +176,12 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
       const int i = block.index[r];
       if (i >= first_axis) {
         if (!(rows[block.row[r]].m_cfm > 0)) speed[r] = double(missing(*block.ours, i, now));
-      } else if (i < now.equalities() && block.holds[r]) {
-        const bool same = isSameRow(now[i], block.ours->m_rows[i]);
-        if (!same && !isAmong(block.ours->m_rows, now, i)) continue;
+      } else if (block.holds[r]) {
+        const Match as = match(*block.ours, now, i);
+        if (as == Match::none) continue;
         speed[r] = double(fps) * double(now[i].position);
         most[r] = double(now[i].max_speed);
-        if (!same) turned |= rowBit(r);
+        if (as == Match::turned) turned |= rowBit(r);
       }
     }
     return;
@@ -190,10 +194,10 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
     if (i >= most_rows || !block.holds[r]) continue;
-    const bool same = isSameRow(with[i], rows[block.row[r]]);
-    if (!same && !isAmong(block, rows, with[i])) continue;
+    const Match as = match(block, rows, r, with[i]);
+    if (as == Match::none) continue;
     speed[r] = double(with[i].m_rhs) - double(without[i].m_rhs);
-    if (!same) turned |= rowBit(r);
+    if (as == Match::turned) turned |= rowBit(r);
   }
 }
 
@@ -232,8 +236,7 @@ void EndOfStep::endRows(const JointBlock& block, const btConstraintArray& rows, 
     block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
     for (int r = 0; r < block.rows; ++r) {
       const int i = block.index[r];
-      if (i >= now.equalities() || i >= equalities(block) || !block.holds[r]) continue;
-      if (isSameRow(now[i], block.ours->m_rows[i]) || isAmong(block.ours->m_rows, now, i))
+      if (block.holds[r] && match(*block.ours, now, i) != Match::none)
         set(r, now[i].L, now[i].A_a, Vec3(-now[i].L), Vec3(-now[i].A_b));
     }
     return;
@@ -243,8 +246,7 @@ void EndOfStep::endRows(const JointBlock& block, const btConstraintArray& rows, 
   if (askRows(*block.joint, {1 / m_dt, 1, 0, 1, 1}, now, most_rows) != 1) return;
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
-    if (i >= most_rows || !block.holds[r]) continue;
-    if (isSameRow(now[i], rows[block.row[r]]) || isAmong(block, rows, now[i]))
+    if (i < most_rows && block.holds[r] && match(block, rows, r, now[i]) != Match::none)
       set(r, now[i].m_contactNormal1, now[i].m_relpos1CrossNormal, now[i].m_contactNormal2,
           now[i].m_relpos2CrossNormal);
   }

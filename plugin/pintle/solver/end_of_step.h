@@ -37,9 +37,11 @@ class EndOfStep {
   }
   template <class Set>
   void endRows(const JointBlock& block, const btConstraintArray& rows, const Set& set);
-  static bool isAmong(const Rows& start, const Rows& end, int row);
-  static bool isAmong(const JointBlock& block, const btConstraintArray& rows,
-                      const btSolverConstraint& end);
+  /// Whether a row at the end tells of what the joint holds at the start: as the same row, or as one that has turned.
+  enum class Match { none, same, turned };
+  static Match match(const Joint& joint, const Rows& end, int row);
+  static Match match(const JointBlock& block, const btConstraintArray& rows, int r,
+                     const btSolverConstraint& end);
   using Speeds = double[block_rows];
   /// Those of the whole error, with the bodies at the given poses; of a limit, of what is missing on the way
   /// to where its row sends it.

@@ -36,6 +36,7 @@ struct Sizes {
 constexpr Sizes alone = {1e-5, 1e-6, 1e-4, 2e-3};
 // Contacts take energy, and do not follow what joints correct: more may be left.
 constexpr Sizes among_contacts = {1e-2, 1e-2, 1e-2, 1e-2};
+const Sizes& sizes(bool contacts) { return contacts ? among_contacts : alone; }
 bool isFar(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
 }
@@ -190,9 +191,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlySetup(
       bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, info, debugDrawer);
 }
 
-bool ExactJointSolver::hasBounds() const {
-  return !m_island->joints.all() || m_tmpSolverContactConstraintPool.size() > 0;
-}
+bool ExactJointSolver::hasBounds() const { return !m_island->joints.all() || hasContacts(); }
 
 std::array<btConstraintArray*, 4> ExactJointSolver::allRows() {
   return {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
@@ -288,7 +287,7 @@ bool ExactJointSolver::findUnruly(double dt) {
   std::vector<double>& gained = island.gained;
   gained.resize(island.energy.size(), 0);
   const bool closes = island.joints.fastest() > correction_speed;
-  const Sizes& sizes = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
+  const Sizes& size = sizes(hasContacts());
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
@@ -299,7 +298,7 @@ bool ExactJointSolver::findUnruly(double dt) {
     // What starts far apart may well turn by being brought together.
     const double most_spin = closes ? energy.spin : std::max(energy.spin, energy.spin_at_end);
     const double moved = dt * std::sqrt(std::max(energy.free, energy.now) / energy.unit);
-    const double may_be_open = std::clamp(most_open_of_motion * moved, sizes.small, sizes.open);
+    const double may_be_open = std::clamp(most_open_of_motion * moved, size.small, size.open);
     // What nothing holds would lose momentum for what its joints alone make it turn by.
     const double spin = island.joints.topology().grounded[i] ? most_spin : energy.spin;
     const bool open = !(spin * dt < least_turn) && !(island.largest[i] < may_be_open);
@@ -420,7 +419,7 @@ void ExactJointSolver::calm(const btContactSolverInfo& info) {
   joints.topology().gained = island.gained;
   if (!findGained(most_gain, correction_speed)) return;
   // What contacts have borne was found with bodies as stiff as they are.
-  if (m_tmpSolverContactConstraintPool.size() > 0) {
+  if (hasContacts()) {
     leaveUncorrected();
     findEnergies();
     if (!findGained(most_gain, correction_speed)) return;
@@ -457,7 +456,7 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   if (m_position_iterations == 0) return false;
   island.end.begin(joints.blocks().size(), m_tmpSolverBodyPool);
   lookAhead(info, island.largest);
-  const Sizes& error = m_tmpSolverContactConstraintPool.size() > 0 ? among_contacts : alone;
+  const Sizes& error = sizes(hasContacts());
   const bool any_far = isFar(island.largest, error.large);
   bool may_be_at_end = true;
   for (int i = 1;; ++i) {
@@ -598,7 +597,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   };
   btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
   // Among contacts limits are iterated with these: each touches the others, and some change in every step.
-  const bool limits = m_tmpSolverContactConstraintPool.size() == 0;
+  const bool limits = !hasContacts();
   const auto gather = [&] {
     return joints.gather(m_tmpSolverBodyPool, rows, limits, infoGlobal.m_numIterations);
   };

@@ -84,6 +84,7 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
 
   /// The rows that Bullet's pool has from `first` on.
   void convertJoint(btTypedConstraint& joint, const StepOfRows& step, int first, int count);
+  bool hasContacts() const { return m_tmpSolverContactConstraintPool.size() > 0; }
   bool hasBounds() const;
   bool stiffen(const btContactSolverInfo& info);
   template <class Pass>
