@@ -25,7 +25,8 @@ struct Quaternion {
 /// decompositions, which are most of its compile time.)
 template <class A, class B>
 Vector3<typename A::Scalar> cross(const Eigen::MatrixBase<A>& a_, const Eigen::MatrixBase<B>& b_) {
-  const auto &a = a_.eval(), &b = b_.eval();
+  const auto& a = a_.eval();
+  const auto& b = b_.eval();
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
           a.x() * b.y() - a.y() * b.x()};
 }

@@ -31,7 +31,7 @@ inline btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2
   auto* bytes = reinterpret_cast<char*>(info.m_J1linearAxis);
   auto* row =
       reinterpret_cast<btSolverConstraint*>(bytes - offsetof(btSolverConstraint, m_contactNormal1));
-  const bool same = info.rowskip * sizeof(btScalar) == sizeof(btSolverConstraint) &&
+  const bool same = size_t(info.rowskip) * sizeof(btScalar) == sizeof(btSolverConstraint) &&
                     info.m_J2angularAxis == row->m_relpos2CrossNormal.m_floats &&
                     info.m_constraintError == &row->m_rhs &&
                     info.m_lowerLimit == &row->m_lowerLimit;

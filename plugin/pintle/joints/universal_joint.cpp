@@ -15,7 +15,7 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Bullet's angles are those of a against b, the equations' of b against a.
-constexpr Scalar sign = -1;
+constexpr int sign = -1;
 
 // Less than this of an axis's square is left across the other one: they have come together, and
 // there are no angles.

@@ -103,7 +103,7 @@ AxisRow solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state) {
   }
   state.rest = static_cast<signed char>(rest);
   for (int i = 0; i < Axis::parts; ++i)
-    if (i != rest) state.others[i - (i > rest)] = Scalar(share[i]);
+    if (i != rest) state.others[size_t(i - (i > rest))] = Scalar(share[i]);
   return row;
 }
 

@@ -30,8 +30,9 @@ inline AxisPart springPart(const Spring& spring, Scalar error, Scalar dt, Scalar
   const auto soft = equations::softness_by_frequency<Scalar>(spring.angular_frequency,
                                                              spring.damping_ratio, dt, Scalar(1));
   const Scalar cfm = soft.gamma / dt;
-  return {
-      -equations::baumgarte(error, soft.beta, dt), cfm, lower, upper, cfm <= max_spring_cfm, true};
+  return {{-equations::baumgarte(error, soft.beta, dt), cfm, lower, upper},
+          cfm <= max_spring_cfm,
+          true};
 }
 
 /// `incoming` becomes the speed towards the limit that the part is to stop.

@@ -145,7 +145,8 @@ class Rows {
   AxisState* m_axes;
   int m_size = 0;
   signed char m_axis_rows = 0;
-  signed char m_capacity, m_axis_count;
+  [[maybe_unused]] signed char m_capacity;  ///< only assertions look at it
+  signed char m_axis_count;
 };
 
 }  // namespace PINTLE_PRECISION
