@@ -227,7 +227,7 @@ void add_events(std::vector<Case>& list, const Rig& rig) {
   };
   Case& struck = add("impulses of 1e6 N s");
   struck.speed += 2e6;
-  struck.act = [half](BulletEngine& engine, int step) {
+  struck.act = [](BulletEngine& engine, int step) {
     if (step == half / 2) engine.body(2).applyCentralImpulse(btVector3(0, 0, btScalar(1e6)));
     if (step == half) engine.body(2).applyCentralImpulse(btVector3(btScalar(1e6), 0, 0));
   };
