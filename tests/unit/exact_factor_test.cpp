@@ -46,14 +46,14 @@ TEST(Elimination, ALoopIsEliminatedByHalves) {
   for (int i = 0; i < joints; ++i) EXPECT_LE(depth(elimination, i), 2 * halvings + 1) << i;
 }
 
-// K of blocks of several sizes, positive definite, in a loop with a branch.
+// K of blocks of several sizes, among them none, positive definite, in a loop with a branch.
 struct Problem {
   Problem() {
     constexpr int joints = 9;
     auto edges = chain(joints - 1, true);
     edges.emplace_back(3, joints - 1);
     elimination.analyse(joints, edges);
-    for (int c = 0; c < joints; ++c) rows.push_back(1 + c % pintle::block_rows);
+    for (int c = 0; c < joints; ++c) rows.push_back(c % (pintle::block_rows + 1));
     factor.resize(elimination, rows);
     std::mt19937 generator(5);
     std::uniform_real_distribution<double> number(-1, 1);

@@ -24,6 +24,7 @@ void BlockLU::begin(const BlockFactor& pattern) {
 
 void BlockLU::invertDiagonal(int c) {
   const int rows = m_pattern->rows(c);
+  if (rows == 0) return;  // All of its rows are at their bounds.
   using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, block_rows, block_rows>;
   Eigen::Map<Block, 0, Eigen::OuterStride<>> A(lower(c), rows, rows,
                                                Eigen::OuterStride<>(column_height(rows)));
