@@ -1,22 +1,7 @@
 // Purpose: what a joint of one's own is written with: the base classes, the bodies in the document's notation, rows,
-// and the equations. Only here Eigen is needed (CMake: pintle::extend_single, pintle::extend_double), and only the
-// names of this header, unlike those of joints, may change from version to version.
-//
-//     #include <pintle/extend.h>
-//
-//     class Rod : public pintle::Joint {  // a constant distance between the centres
-//      public:
-//       Rod(btRigidBody& a, btRigidBody& b) : Joint(a, b, pintle::RowCount{1}) {}
-//       const char* name() const override { return "Rod"; }
-//       void drawJoint(btIDebugDraw&) const override {}
-//       void addRows(const pintle::BodyPair& pair, pintle::Rows& rows) const override {
-//         const pintle::Vec3 d = pair.x_b() - pair.x_a(), none = pintle::Vec3::Zero();
-//         if (pintle::BodyPair::is_finite(d.sum()) && d.norm() > 0)
-//           rows.addEquality(d.normalized(), none, none, d.norm() - 1);
-//       }
-//       void setParam(int, btScalar, int) override {}
-//       btScalar getParam(int, int) const override { return 0; }
-//     };
+// and the equations. Only here Eigen is needed (CMake: pintle::extend_single, pintle::extend_double), and the
+// names of this header may change from one version to the next.
+// tests/consumer/own_joint.cpp is an example.
 #pragma once
 
 #include <pintle/body_pair.h>
