@@ -15,7 +15,8 @@ function(pintle_set_warnings target)
   endif()
 endfunction()
 
-# pintle::<precision>, if `wanted` is ON, or AUTO and that Bullet was found.
+# pintle::<precision>, if `wanted` is ON, or AUTO and that Bullet was found. And pintle::extend_<precision>, for who
+# writes joints of his own (pintle/extend.h): with Eigen, which the joints' own headers do not include.
 function(pintle_add_library precision wanted)
   if(wanted STREQUAL "AUTO")
     set(wanted ${PintleBullet_${precision}_FOUND})
@@ -40,7 +41,10 @@ function(pintle_add_library precision wanted)
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/adapters>"
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
-  target_link_libraries(${target} PUBLIC PintleBullet::${precision} Eigen3::Eigen)
+  target_link_libraries(${target} PUBLIC PintleBullet::${precision} PRIVATE "$<BUILD_INTERFACE:Eigen3::Eigen>")
+  add_library(pintle_extend_${precision} INTERFACE)
+  add_library(pintle::extend_${precision} ALIAS pintle_extend_${precision})
+  target_link_libraries(pintle_extend_${precision} INTERFACE ${target} Eigen3::Eigen)
   # No errno and no traps: neither changes a number, and both cost in a step. -O3 also with debug information.
   target_compile_options(${target} PRIVATE
     "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
@@ -66,7 +70,15 @@ function(pintle_install)
     install(TARGETS pintle_${precision} EXPORT pintle-${precision} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
     install(EXPORT pintle-${precision} NAMESPACE pintle:: FILE pintle-targets-${precision}.cmake DESTINATION "${package_dir}")
   endforeach()
-  install(DIRECTORY adapters/pintle plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+  # The public headers, and what pintle/extend.h needs: neither the solver's own, nor those of the joints' .cpp files.
+  install(DIRECTORY adapters/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
+    PATTERN joint_rows.h EXCLUDE PATTERN prefetch.h EXCLUDE PATTERN row_writer.h EXCLUDE PATTERN solver_body.h EXCLUDE)
+  install(DIRECTORY plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
+    PATTERN solver EXCLUDE
+    PATTERN axis_part.h EXCLUDE PATTERN block.h EXCLUDE
+    PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN joint_passes.h EXCLUDE PATTERN single_row.h EXCLUDE
+    PATTERN turning.h EXCLUDE)
+  install(FILES plugin/pintle/solver/exact_joint_solver.h DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/pintle/solver")
   set(version_file "${PROJECT_BINARY_DIR}/pintle-config-version.cmake")
   write_basic_package_version_file("${version_file}" COMPATIBILITY SameMinorVersion)
   install(FILES adapters/cmake/pintle-config.cmake adapters/cmake/FindPintleBullet.cmake "${version_file}"

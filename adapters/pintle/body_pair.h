@@ -3,7 +3,7 @@
 // own numbers, so that a joint pays for what it reads.
 #pragma once
 
-#include <pintle/precision.h>
+#include <pintle/vectors.h>
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 

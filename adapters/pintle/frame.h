@@ -3,7 +3,6 @@
 #pragma once
 
 #include <pintle/body_pair.h>
-#include <pintle/equations/orientation_lock.h>
 
 #include <LinearMath/btTransform.h>
 
@@ -56,11 +55,6 @@ class Frame {
   Scalar trace(const Frame& f) const {
     const Lanes each = dots(f);
     return each[0] + each[1] + each[2];
-  }
-  /// The rotation vector of that (rad, world).
-  Vec3 turnTo(const Frame& f) const {
-    return equations::orientation_error(crossed(f), trace(f),
-                                        [&] { return Mat3(f.axes() * axes().transpose()); });
   }
   /// a.a', b.b', c.c'
   Lanes dots(const Frame& f) const { return m_x * f.m_x + m_y * f.m_y + m_z * f.m_z; }

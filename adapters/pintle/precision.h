@@ -2,8 +2,6 @@
 // does not link with a library compiled for the other.
 #pragma once
 
-#include <pintle/notation.h>
-
 #include <LinearMath/btScalar.h>
 
 #ifdef BT_USE_DOUBLE_PRECISION
@@ -26,12 +24,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 using Scalar = btScalar;
-using Vec3 = Vector3<Scalar>;
-using Mat3 = Matrix3<Scalar>;
-
-/// A vector and a spare lane, for the sake of the vector unit.
-using Lanes = Eigen::Array<Scalar, 4, 1>;
-using LanesView = Eigen::Map<const Lanes, Eigen::Unaligned>;
 
 /// No bound. Bullet's own SIMD_INFINITY is a finite number, and its solver expects that one.
 constexpr Scalar infinity = SIMD_INFINITY;

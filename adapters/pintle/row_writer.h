@@ -3,7 +3,7 @@
 // row is written as -J v = -target, and its impulse is minus the document's lambda.
 #pragma once
 
-#include <pintle/precision.h>
+#include <pintle/vectors.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 

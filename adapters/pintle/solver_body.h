@@ -1,7 +1,7 @@
 // Purpose: where Bullet's solver has a body in the midst of a step: its velocity, and the pose to which that leads.
 #pragma once
 
-#include <pintle/precision.h>
+#include <pintle/vectors.h>
 
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <LinearMath/btTransformUtil.h>

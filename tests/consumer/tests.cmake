@@ -6,7 +6,7 @@ add_test(NAME consumer.install
           --prefix "${CMAKE_CURRENT_BINARY_DIR}/consumer/prefix")
 set_tests_properties(consumer.install PROPERTIES FIXTURES_SETUP installed LABELS consumer)
 
-foreach(way package subdirectory bullet_sources)
+foreach(way package headers subdirectory bullet_sources)
   foreach(precision IN LISTS PINTLE_PRECISIONS)
     string(TOUPPER ${precision} PRECISION)
     set(bullet "")
@@ -25,7 +25,7 @@ foreach(way package subdirectory bullet_sources)
               --test-command consumer)
     # They take longest: first come, and nothing waits for them at the end.
     set_tests_properties(${test} PROPERTIES LABELS consumer COST 1000)
-    if(way STREQUAL "package")
+    if(way MATCHES "package|headers")
       set_tests_properties(${test} PROPERTIES FIXTURES_REQUIRED installed)
     endif()
   endforeach()

@@ -1,9 +1,7 @@
 // Where Bullet's solver computes the document's formulas itself, its numbers are the document's: one
 // row of any Jacobian between two free bodies, solved in one step of a world.
 #include <gtest/gtest.h>
-#include <pintle/body_pair.h>
-#include <pintle/equations/impulse_reaction.h>
-#include <pintle/joints/frame_joint.h>
+#include <pintle/extend.h>
 
 #include "support.h"
 
@@ -22,7 +20,7 @@ using Jacobian = equations::Jacobian<Scalar>;
 class OneRow : public pintle::FrameJoint {
  public:
   OneRow(btRigidBody& a, btRigidBody& b, const Jacobian& J, Scalar C)
-      : FrameJoint(a, b, m_memory), m_J(J), m_C(C) {
+      : FrameJoint(a, b, pintle::RowCount{1}), m_J(J), m_C(C) {
     setBlockRows(false);
   }
   const char* name() const override { return "OneRow"; }
@@ -37,7 +35,6 @@ class OneRow : public pintle::FrameJoint {
  private:
   Jacobian m_J;
   Scalar m_C;
-  pintle::RowMemory<1, 8> m_memory;
 };
 
 Vec3 from(const btVector3& v) { return pintle::view(v); }

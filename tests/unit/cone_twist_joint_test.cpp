@@ -5,6 +5,7 @@
 #include <pintle/body_pair.h>
 #include <pintle/equations/cone_twist.h>
 #include <pintle/joints/cone_twist_joint.h>
+#include <pintle/rows/row.h>
 #include <pintle/rows/unwrapped_angle.h>
 #include <scenes/shoulder.h>
 

@@ -7,6 +7,7 @@
 #include <pintle/body_pair.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/rows/row.h>
 #include <scenes/chain.h>
 
 #include <algorithm>

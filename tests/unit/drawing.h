@@ -1,6 +1,7 @@
 // A debug drawer that keeps the lines.
 #pragma once
 
+#include <LinearMath/btIDebugDraw.h>
 #include <gtest/gtest.h>
 #include <pintle/joints/joint.h>
 

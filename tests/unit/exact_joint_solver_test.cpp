@@ -6,6 +6,7 @@
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/two_point_hinge.h>
 #include <pintle/body_pair.h>
+#include <pintle/rows/row.h>
 #include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
@@ -629,7 +630,7 @@ TEST(ExactJointSolver, GamesInTwoDimensionsAreNotThrownByWhatThePlaneForbids) {
     bodies[i]->setAngularFactor(vec(0, 0, 1));
   }
   // A cone whose axis is across the plane, but for rounding, and far outside of it and of its twist.
-  const btQuaternion across(vec(0, 1, 0), scalar(pintle::pi / 2));
+  const btQuaternion across(vec(0, 1, 0), SIMD_HALF_PI);
   const btVector3 off = vec(0.4, 0.9, 0.7);
   auto& joint = world.add_joint<pintle::ConeTwistJoint>(
       *bodies[0], *bodies[1], btTransform(across, vec(0.5, 0, 0)),

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <pintle/body_pair.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/rows/row.h>
 #include <scenes/recovery.h>
 #include <scenes/unstable.h>
 

@@ -1,6 +1,7 @@
 // The angle that counts its turns, and the arc tangent that it is read by.
 #include <gtest/gtest.h>
 #include <pintle/arctangent.h>
+#include <pintle/notation.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 #include "autodiff.h"

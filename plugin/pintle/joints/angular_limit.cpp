@@ -4,6 +4,7 @@
 #include <pintle/equations/angular_limit.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -23,13 +24,13 @@ struct AngularLimit::Directions {
 
 AngularLimit::AngularLimit(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                            const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   m_axis.relaxation = 0;
 }
 
 AngularLimit::AngularLimit(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   m_axis.relaxation = 0;
 }

@@ -89,7 +89,7 @@ class AngularLimit : public FrameJoint {
   Axis m_axis;
   UnwrappedAngle m_angle;
   bool m_turn_given = false;
-  RowMemory<1, 1> m_row_memory;
+  static constexpr RowCount row_count{1, 1};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -59,7 +59,7 @@ class BallJoint : public Joint {
 
  private:
   btVector3 m_pivot_a, m_pivot_b;
-  RowMemory<3> m_row_memory;
+  static constexpr RowCount row_count{3};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -6,6 +6,7 @@
 #include <pintle/equations/universal.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
+#include <pintle/joints/turning.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
 #include <pintle/rows/swing_rows.h>
@@ -81,16 +82,28 @@ struct ConeTwistJoint::Locks {
   Vec3 about[2];
 };
 
+// What motor and friction need, about three axes, beside what every cone-twist joint does.
+struct ConeTwistJoint::Rotation {
+  Axis axis;
+  Scalar max_motor_impulse = -1;  ///< as set; below 0: any
+  btVector3 velocity = {0, 0, 0};
+  btQuaternion target = btQuaternion::getIdentity();
+  btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
+  RowMemory<8, axis_count> memory;
+};
+
 ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
                                const btTransform& rbBFrame)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setUp(rbAFrame, rbBFrame);
 }
 
 ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, const btTransform& rbAFrame)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setUp(rbAFrame, btTransform(rbAFrame.getBasis(), btVector3(0, 0, 0)));
 }
+
+ConeTwistJoint::~ConeTwistJoint() { delete m_rotation; }
 
 void ConeTwistJoint::setUp(const btTransform& frame_a, const btTransform& frame_b) {
   setFrames(frame_a, frame_b);
@@ -284,13 +297,29 @@ void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
 // The settings of motor and friction.
 Axis& ConeTwistJoint::rotation() {
   if (!m_rotation) {
-    m_rotation = std::make_unique<Rotation>();
+    m_rotation = new Rotation;
     m_rotation->axis.chosen = Axis::Drive::pose;
     m_rotation->axis.max_motor_impulse = infinity;
     setRows(m_rotation->memory);
     limitsChanged();
   }
   return m_rotation->axis;
+}
+
+bool ConeTwistJoint::isMotorEnabled() const {
+  return m_rotation && m_rotation->axis.drive != Axis::Drive::off;
+}
+
+btScalar ConeTwistJoint::getMaxMotorImpulse() const {
+  return m_rotation ? m_rotation->max_motor_impulse : -1;
+}
+
+bool ConeTwistJoint::isMaxMotorImpulseNormalized() const {
+  return m_rotation && m_rotation->axis.normalized_motor;
+}
+
+const btQuaternion& ConeTwistJoint::getMotorTarget() const {
+  return m_rotation ? m_rotation->target : btQuaternion::getIdentity();
 }
 
 void ConeTwistJoint::enableMotor(bool b) {
@@ -446,7 +475,7 @@ PINTLE_FLATTEN void ConeTwistJoint::addRows(const BodyPair& pair, Rows& rows) co
   // Also frames that their owner has spoiled.
   if (!BodyPair::is_finite(d.sum() + here.dots[0] + here.dots[1] + here.dots[2])) return;
   const Locks locks = m_swings == Swings::cone ? Locks() : addLocks(here, rows);
-  addPivotRows(pair, here.a.r(), here.b.r(), d, rows);
+  addPivotRows(pair, {here.a.r(), here.b.r(), d}, rows);
   const Scalar driven =
       m_rotation && m_rotation->axis.driven() ? addRotation(here, locks, rows) : Scalar(0);
   if (!m_swing.limited() && !m_twist.limited()) return;
@@ -485,7 +514,7 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
       length = error.norm();
       turn = timeStep() * length;
     } else {
-      error = at.a.turnTo(at.b.turned(btMatrix3x3(m_rotation->reachable_target)));
+      error = turnBetween(at.a, at.b.turned(btMatrix3x3(m_rotation->reachable_target)));
       length = error.norm();
       turn = m_rotation->axis.motor_gain * length;
     }

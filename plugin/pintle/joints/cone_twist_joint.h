@@ -7,8 +7,6 @@
 
 #include <LinearMath/btQuaternion.h>
 
-#include <memory>
-
 namespace pintle {
 namespace equations {
 template <class T>
@@ -43,6 +41,7 @@ class ConeTwistJoint : public FrameJoint {
   /// To the world, as Bullet has it: the world's frame has the axes of `rbAFrame` as they stand, and
   /// lies at the world's origin. (setFrames puts it elsewhere.)
   ConeTwistJoint(btRigidBody& rbA, const btTransform& rbAFrame);
+  ~ConeTwistJoint() override;
 
   const btTransform& getAFrame() const { return m_frame_a; }
   const btTransform& getBFrame() const { return m_frame_b; }
@@ -86,23 +85,19 @@ class ConeTwistJoint : public FrameJoint {
   /// bodies out of the way. Normalized: the impulse that changes the spin of a alone by so much
   /// (rad/s). Unlike Bullet's it brakes, keeps to the limits, and normalizes.
   void enableMotor(bool b);
-  bool isMotorEnabled() const { return m_rotation && m_rotation->axis.drive != Axis::Drive::off; }
+  bool isMotorEnabled() const;
   void setMaxMotorImpulse(btScalar maxMotorImpulse) { setMotorBound(maxMotorImpulse, false); }
   void setMaxMotorImpulseNormalized(btScalar maxMotorImpulse) {
     setMotorBound(maxMotorImpulse, true);
   }
-  btScalar getMaxMotorImpulse() const { return m_rotation ? m_rotation->max_motor_impulse : -1; }
-  bool isMaxMotorImpulseNormalized() const {
-    return m_rotation && m_rotation->axis.normalized_motor;
-  }
+  btScalar getMaxMotorImpulse() const;
+  bool isMaxMotorImpulseNormalized() const;
   /// q: the rotation of body a against body b (of any length but 0). What is beyond the limits is
   /// cut off.
   void setMotorTarget(const btQuaternion& q);
   /// The same, of the joint frames.
   void setMotorTargetInConstraintSpace(const btQuaternion& q);
-  const btQuaternion& getMotorTarget() const {
-    return m_rotation ? m_rotation->target : btQuaternion::getIdentity();
-  }
+  const btQuaternion& getMotorTarget() const;
 
   /// A point of the cone's edge in the frame of b, `length` (m) from the pivot: where x of a would be
   /// after the largest swing about (0, cos(angle), -sin(angle)).
@@ -163,16 +158,7 @@ class ConeTwistJoint : public FrameJoint {
 
   struct Locks;
   struct Turning;
-  // What motor and friction need, about three axes, beside what every cone-twist joint does: made when
-  // one of them is first set.
-  struct Rotation {
-    Axis axis;
-    Scalar max_motor_impulse = -1;  ///< as set; below 0: any
-    btVector3 velocity = {0, 0, 0};
-    btQuaternion target = btQuaternion::getIdentity();
-    btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
-    RowMemory<8, axis_count> memory;
-  };
+  struct Rotation;
 
   Axis& rotation();
   void setUp(const btTransform& frame_a, const btTransform& frame_b);
@@ -199,7 +185,7 @@ class ConeTwistJoint : public FrameJoint {
   Swings m_swings = Swings::cone;
   bool m_circular = true;
   Scalar m_fix_threshold = Scalar(0.05f);
-  std::unique_ptr<Rotation> m_rotation;
+  Rotation* m_rotation = nullptr;  ///< of motor and friction; made when one of them is first set
   Axis m_swing;  ///< the limit; its coordinate is the distance out of the cone, or the one swing
   Axis m_twist;  ///< the limit, of a against b
   // As set.
@@ -210,7 +196,7 @@ class ConeTwistJoint : public FrameJoint {
   Scalar m_damping = Scalar(0.01);
   CosineLimit m_cone_look;      ///< the smallest span of the cone
   DirectionLimit m_twist_look;  ///< the range of the twist
-  RowMemory<6, limits> m_row_memory;
+  static constexpr RowCount row_count{6, limits};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -7,6 +7,7 @@
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/row.h>
 #include <pintle/rows/turn_of_step.h>
 
 namespace pintle {
@@ -38,7 +39,7 @@ inline ConstantVelocityJoint::Frames ConstantVelocityJoint::frames(const BodyPai
 ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
                                              const btVector3& pivotInA, const btVector3& pivotInB,
                                              const btVector3& shaftInA, const btVector3& shaftInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   const btVector3 x_in_a = direction("shaftInA", shaftInA),
                   x_in_b = direction("shaftInB", shaftInB);
   point("pivotInA", pivotInA);
@@ -58,12 +59,12 @@ ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
 ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
                                              const btTransform& frameInA,
                                              const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
 }
 
 ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 
@@ -190,12 +191,12 @@ void ConstantVelocityJoint::addRows(const BodyPair& pair, Rows& rows) const {
 }
 
 // By the chord between the shafts' ends, 2 sin(bend/2), which moves no faster than the bend.
-inline bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair, const Vec3& x_a,
-                                                     const Vec3& x_b, Scalar cosine) const {
+inline bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair, const Frames& at,
+                                                     Scalar cosine) const {
   const AngularReach reach(pair, timeStep());
   if (m_bend_look.isFarInside(cosine, reach.most())) return false;
-  const Vec3 now = x_b - x_a;
-  const Vec3 moved = timeStep() * (cross(pair.w_b(), x_b) - cross(pair.w_a(), x_a));
+  const Vec3 now = at.x_b - at.x_a;
+  const Vec3 moved = timeStep() * (cross(pair.w_b(), at.x_b) - cross(pair.w_a(), at.x_a));
   // At twice the speed of now, as the step may be longer than the last.
   const Vec3 next = now + 2 * moved;
   const Scalar chord = btSqrt(btMax(now.dot(now), next.dot(next)));
@@ -221,9 +222,9 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
         equations::constant_velocity_curvature<Scalar>(row.J_b, pair.w_a(), pair.w_b());
     rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
   }
-  addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
+  addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
 
-  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at.x_a, at.x_b, cosine);
+  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at, cosine);
   if (near_limit || m_bend.driven()) {
     const auto bend = equations::cone_row(equations::swing(at.x_a, at.x_b), at.x_a, Scalar(0));
     // A spring acts from beyond its limit only.

@@ -102,8 +102,7 @@ class ConstantVelocityJoint : public FrameJoint {
   void look(const Frames& at, UnwrappedAngle& shaft) const;
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& shaft,
                Rows& rows) const;
-  bool bendMayReachLimit(const BodyPair& pair, const Vec3& x_a, const Vec3& x_b,
-                         Scalar cosine) const;
+  bool bendMayReachLimit(const BodyPair& pair, const Frames& at, Scalar cosine) const;
 
   static Axis freeBend();
 
@@ -111,7 +110,7 @@ class ConstantVelocityJoint : public FrameJoint {
   Axis m_shaft;              ///< along the shaft angle: the motor
   CosineLimit m_bend_look;   ///< the limit
   UnwrappedAngle m_shaft_angle;
-  RowMemory<6, 2> m_row_memory;
+  static constexpr RowCount row_count{6, 2};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -5,6 +5,7 @@
 #include <pintle/equations/impulse_reaction.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -18,9 +19,14 @@ btMatrix3x3 basisWithZ(const btVector3& z) {
 
 }  // namespace
 
+// The normal in the world, and where it holds the bodies.
+struct ContactJoint::At : equations::Anchors<Scalar> {
+  Vec3 n;
+};
+
 ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                            const btVector3& pivotInB, const btVector3& normalInA)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(btTransform(basisWithZ(direction("normalInA", normalInA)), point("pivotInA", pivotInA)),
             btTransform(btMatrix3x3::getIdentity(), point("pivotInB", pivotInB)));
   setDefaults();
@@ -28,13 +34,13 @@ ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& 
 
 ContactJoint::ContactJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                            const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   setDefaults();
 }
 
 ContactJoint::ContactJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   setDefaults();
 }
@@ -56,17 +62,15 @@ void ContactJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio)
 }
 
 void ContactJoint::framesChanged() {
-  m_world_normal =
-      view(m_rbA.getCenterOfMassTransform().getBasis() * m_frame_a.getBasis().getColumn(2));
+  m_world_normal = m_rbA.getCenterOfMassTransform().getBasis() * m_frame_a.getBasis().getColumn(2);
 }
 
-inline Vec3 ContactJoint::normal(const BodyPair& pair) const {
-  if (getFormulation() == Formulation::document) return m_world_normal;
-  return pair.R_a() * Vec3(view(m_frame_a.getBasis()).col(2));
-}
-
-inline equations::Anchors<Scalar> ContactJoint::anchors(const BodyPair& pair) const {
-  equations::Anchors<Scalar> at;
+inline ContactJoint::At ContactJoint::at(const BodyPair& pair) const {
+  At at;
+  if (getFormulation() == Formulation::document)
+    at.n = view(m_world_normal);
+  else
+    at.n = pair.R_a() * Vec3(view(m_frame_a.getBasis()).col(2));
   at.r_a = pair.R_a() * view(m_frame_a.getOrigin());
   at.r_b = pair.R_b() * view(m_frame_b.getOrigin());
   at.d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
@@ -74,8 +78,8 @@ inline equations::Anchors<Scalar> ContactJoint::anchors(const BodyPair& pair) co
 }
 
 btScalar ContactJoint::getDistance() const {
-  const BodyPair pair(m_rbA, m_rbB);
-  return normal(pair).dot(anchors(pair).d);
+  const At now = at({m_rbA, m_rbB});
+  return now.n.dot(now.d);
 }
 
 btScalar ContactJoint::getNormalImpulse() const {
@@ -91,14 +95,17 @@ void ContactJoint::drawJoint(btIDebugDraw& drawer) const {
 }
 
 PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Vec3 n = normal(pair);
-  const auto at = anchors(pair);
+  const At here = at(pair);
+  const equations::Anchors<Scalar>& anchors = here;
+  const Vec3& n = here.n;
   const bool document = getFormulation() == Formulation::document;
-  const auto row = document ? equations::contact_row_world(n, at) : equations::contact_row(n, at);
+  const auto row =
+      document ? equations::contact_row_world(n, anchors) : equations::contact_row(n, anchors);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(row.C + at.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
+  if (!BodyPair::is_finite(row.C + here.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
   const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
-  const Scalar curvature = document ? 0 : n.dot(equations::position_curvature_conserving(at, v));
+  const Scalar curvature =
+      document ? 0 : n.dot(equations::position_curvature_conserving(anchors, v));
   if (isEquality()) {
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
     return;

@@ -4,11 +4,6 @@
 #include <pintle/joints/frame_joint.h>
 
 namespace pintle {
-namespace equations {
-template <class T>
-struct Anchors;
-}
-
 inline namespace PINTLE_PRECISION {
 
 /// A point of body b stays on the side of a plane of body a to which the plane's normal points, or,
@@ -66,12 +61,12 @@ class ContactJoint : public FrameJoint {
   void setDefaults();
   bool isEquality() const { return getTwoSided() && !(m_axis.limit_spring.angular_frequency > 0); }
 
-  Vec3 normal(const BodyPair& pair) const;
-  equations::Anchors<Scalar> anchors(const BodyPair& pair) const;
+  struct At;
+  At at(const BodyPair& pair) const;
 
-  Axis m_axis;          ///< along the normal
-  Vec3 m_world_normal;  ///< the document's
-  RowMemory<1, 1> m_row_memory;
+  Axis m_axis;               ///< along the normal
+  btVector3 m_world_normal;  ///< the document's
+  static constexpr RowCount row_count{1, 1};
 };
 
 }  // namespace PINTLE_PRECISION

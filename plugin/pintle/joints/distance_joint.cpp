@@ -5,6 +5,7 @@
 #include <pintle/equations/impulse_reaction.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -16,7 +17,7 @@ struct DistanceJoint::Points {
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                              const btVector3& pivotInB, btScalar length)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   const btMatrix3x3& upright = btMatrix3x3::getIdentity();
   setFrames(btTransform(upright, point("pivotInA", pivotInA)),
             btTransform(upright, point("pivotInB", pivotInB)));
@@ -26,14 +27,14 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                              const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   setDefaults();
   m_axis.low = m_axis.high = getDistance();
 }
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   setDefaults();
   m_axis.low = m_axis.high = 0;
@@ -79,7 +80,7 @@ inline DistanceJoint::Points DistanceJoint::points(const BodyPair& pair) const {
   at.r_a = pair.R_a() * view(m_frame_a.getOrigin());
   at.r_b = pair.R_b() * view(m_frame_b.getOrigin());
   const Vec3 d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
-  at.d = equations::distance(d, m_direction);
+  at.d = equations::distance(d, Vec3(view(m_direction)));
   return at;
 }
 
@@ -90,7 +91,8 @@ btScalar DistanceJoint::getLimitImpulse() const {
 }
 
 inline void DistanceJoint::look(const Points& at) {
-  if (at.d.length > 0 && BodyPair::is_finite(at.d.n.sum())) m_direction = at.d.n;
+  const Vec3& n = at.d.n;
+  if (at.d.length > 0 && BodyPair::is_finite(n.sum())) m_direction = {n.x(), n.y(), n.z()};
 }
 
 void DistanceJoint::updateState(const BodyPair& pair) { look(points(pair)); }

@@ -4,11 +4,6 @@
 #include <pintle/joints/frame_joint.h>
 
 namespace pintle {
-namespace equations {
-template <class T>
-struct Distance;
-}
-
 inline namespace PINTLE_PRECISION {
 
 /// The distance between a point of each body: held (a rod), or within limits (a rope, a strut).
@@ -84,9 +79,9 @@ class DistanceJoint : public FrameJoint {
   Scalar curvature(const BodyPair& pair, const Points& at) const;
   bool rigidRod() const { return m_axis.locked() && !(m_axis.limit_spring.angular_frequency > 0); }
 
-  Axis m_axis;                       ///< along the distance
-  Vec3 m_direction = Vec3::Unit(0);  ///< the last one from a to b, world
-  RowMemory<1, 1> m_row_memory;
+  Axis m_axis;                        ///< along the distance
+  btVector3 m_direction = {1, 0, 0};  ///< the last one from a to b, world
+  static constexpr RowCount row_count{1, 1};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -11,24 +11,24 @@ inline namespace PINTLE_PRECISION {
 DotHinge::DotHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                    const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
                    bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
   begin(pivotInA, pivotInB, axisInA, axisInB);
 }
 
 DotHinge::DotHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
                    bool useReferenceFrameA)
-    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, row_count, useReferenceFrameA) {
   begin(pivotInA, axisInA);
 }
 
 DotHinge::DotHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
                    const btTransform& rbBFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
   begin(rbAFrame, rbBFrame);
 }
 
 DotHinge::DotHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, row_count, useReferenceFrameA) {
   begin(rbAFrame);
 }
 
@@ -60,7 +60,7 @@ inline void DotHinge::addRows(const BodyPair& pair, const Frames& at, const Unwr
     const auto row = equations::dot_hinge_row(c_a, tangent);
     rows.addAngular(row.J_b, row.C, tangent.dot(acceleration)).max_speed = most * std::abs(row.C);
   }
-  addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
+  addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
   if (!m_axis.driven() && !m_axis.limited()) return;
   const auto swing = equations::swing(c_a, c_b);
   addAxisRow(acting(pair, twist, swing), swing, rows);

@@ -35,7 +35,7 @@ class DotHinge : public HingeBase {
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
 
-  RowMemory<6, 1> m_row_memory;
+  static constexpr RowCount row_count{6, 1};
 };
 
 }  // namespace PINTLE_PRECISION

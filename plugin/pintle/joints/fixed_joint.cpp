@@ -4,6 +4,8 @@
 #include <pintle/equations/orientation_lock.h>
 #include <pintle/equations/position.h>
 #include <pintle/frame.h>
+#include <pintle/joints/turning.h>
+#include <pintle/rows/row.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 
@@ -12,12 +14,12 @@ inline namespace PINTLE_PRECISION {
 
 FixedJoint::FixedJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                        const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
 }
 
 FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 
@@ -67,15 +69,15 @@ PINTLE_FLATTEN void FixedJoint::addRows(const BodyPair& pair, Rows& rows) const 
   // Also a frame that its owner has spoiled: the trace is made of all axes.
   if (!BodyPair::is_finite(d.sum() + a.trace(b))) return;
   if (getFormulation() == Formulation::document)
-    addDocumentRows(a.axes(), b.axes(), rows);
+    addDocumentRows(a, b, rows);
   else
     addConditionedRows(pair, a, b, rows);
-  addPivotRows(pair, a.r(), b.r(), d, rows);
+  addPivotRows(pair, {a.r(), b.r(), d}, rows);
 }
 
 inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b,
                                            Rows& rows) const {
-  const Vec3 phi = a.turnTo(b);
+  const Vec3 phi = turnBetween(a, b);
   const Vec3 curvature = equations::orientation_curvature<Scalar>(pair.w_a(), pair.w_b());
   const Scalar angle = std::sqrt(phi.dot(phi));
   const Scalar most = angle > 0 ? getMaxCorrectionSpeed() / angle : Scalar(0);
@@ -83,7 +85,8 @@ inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Frame& a,
     rows.addAngular(Vec3::Unit(i), phi[i], curvature[i]).max_speed = most * std::abs(phi[i]);
 }
 
-void FixedJoint::addDocumentRows(const Mat3& F_a, const Mat3& F_b, Rows& rows) const {
+void FixedJoint::addDocumentRows(const Frame& a, const Frame& b, Rows& rows) const {
+  const Mat3 F_a = a.axes(), F_b = b.axes();
   const auto p = equations::relative(equations::quaternion(F_a), equations::quaternion(F_b));
   const Scalar sine = std::sqrt(p.v.dot(p.v));
   // Along the error the row turns 2/|w| times as fast as it says.

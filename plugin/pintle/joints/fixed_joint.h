@@ -47,9 +47,9 @@ class FixedJoint : public FrameJoint {
 
  private:
   void addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b, Rows& rows) const;
-  void addDocumentRows(const Mat3& F_a, const Mat3& F_b, Rows& rows) const;
+  void addDocumentRows(const Frame& a, const Frame& b, Rows& rows) const;
 
-  RowMemory<6> m_row_memory;
+  static constexpr RowCount row_count{6};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -35,13 +35,13 @@ btScalar FrameJoint::getParam(int num, int axis) const {
   }
 }
 
-void FrameJoint::addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
+void FrameJoint::addPivotRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
                               Rows& rows) const {
   if (m_angular_only) return;
   if (getFormulation() == Formulation::document)
-    addDocumentPositionRows(r_a, r_b, d, rows);
+    addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
   else
-    addConservingPositionRows(pair, r_a, r_b, d, gapInLever(), rows);
+    addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLever(), rows);
 }
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {

@@ -6,6 +6,11 @@
 #include <LinearMath/btTransform.h>
 
 namespace pintle {
+namespace equations {
+template <class T>
+struct Anchors;
+}
+
 inline namespace PINTLE_PRECISION {
 
 /// The matrix of these columns.
@@ -44,8 +49,8 @@ class FrameJoint : public Joint {
 
  protected:
   /// The constructor of the joint sets the frames: only there errors know its name.
-  FrameJoint(btRigidBody& a, btRigidBody& b, Rows rows) : Joint(a, b, rows) {}
-  FrameJoint(btRigidBody& a, Rows rows) : Joint(a, rows) {}
+  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount count) : Joint(a, b, count) {}
+  FrameJoint(btRigidBody& a, RowCount count) : Joint(a, count) {}
 
   /// A right-handed basis of two unit vectors at right angles.
   static btMatrix3x3 basisOf(const btVector3& x, const btVector3& y) {
@@ -59,9 +64,7 @@ class FrameJoint : public Joint {
   virtual void framesChanged() {}
 
   /// The three rows of the pivot, in the joint's formulation; none if the joint is angular only.
-  /// r: from the centres to the anchors, d = p_b - p_a (3.1.3).
-  void addPivotRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b, const Vec3& d,
-                    Rows& rows) const;
+  void addPivotRows(const BodyPair& pair, const equations::Anchors<Scalar>& at, Rows& rows) const;
 
   btTransform m_frame_a = btTransform::getIdentity(), m_frame_b = btTransform::getIdentity();
   bool m_angular_only = false;

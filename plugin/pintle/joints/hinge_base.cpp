@@ -35,13 +35,13 @@ btVector3 zeroDirection(const btRigidBody& a, const btVector3& axis) {
 
 }  // namespace
 
-HingeBase::HingeBase(btRigidBody& a, btRigidBody& b, Rows rows, bool useReferenceFrameA)
-    : FrameJoint(a, b, rows),
+HingeBase::HingeBase(btRigidBody& a, btRigidBody& b, RowCount count, bool useReferenceFrameA)
+    : FrameJoint(a, b, count),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {}
 
-HingeBase::HingeBase(btRigidBody& a, Rows rows, bool useReferenceFrameA)
-    : FrameJoint(a, rows),
+HingeBase::HingeBase(btRigidBody& a, RowCount count, bool useReferenceFrameA)
+    : FrameJoint(a, count),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {}
 

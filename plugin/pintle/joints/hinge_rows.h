@@ -8,6 +8,7 @@
 #include <pintle/joints/hinge_base.h>
 #include <pintle/joints/turning.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

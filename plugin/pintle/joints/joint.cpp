@@ -120,7 +120,7 @@ struct Joint::Step {
   }
 };
 
-Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
+Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount count)
     : btTypedConstraint(pintle_type, a, b),
       m_firmness_differs(false),
       m_foresees_curvature(false),
@@ -133,9 +133,13 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, Rows rows)
       m_formulation(Formulation::conditioned),
       m_looks_ahead(false),
       m_passes_done(0),
-      m_rows(rows) {}
+      m_rows(makeRows(count.rows, count.axes)) {}
 
-Joint::Joint(btRigidBody& a, Rows rows) : Joint(a, getFixedBody(), rows) {}
+Joint::Joint(btRigidBody& a, RowCount count) : Joint(a, getFixedBody(), count) {}
+
+Joint::~Joint() { deleteRows(m_rows); }
+
+void Joint::setRows(const Rows& rows) { m_rows = rows; }
 
 void Joint::buildJacobian() {
   m_last_angular_speed = m_angular_speed;

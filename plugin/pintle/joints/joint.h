@@ -2,11 +2,11 @@
 // into what Bullet's solver asks for, step by step.
 #pragma once
 
-#include <pintle/rows/row.h>
+#include <pintle/rows/axis_settings.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
-#include <LinearMath/btIDebugDraw.h>
 
+class btIDebugDraw;
 struct btSolverConstraint;
 
 namespace pintle {
@@ -17,7 +17,11 @@ class Block;
 class EndOfStep;
 class ExactJointSolver;
 class JointSystem;
+class Rows;
+struct AxisMotion;
+struct AxisRow;
 struct BlockRow;
+struct Row;
 
 /// Which form of its equations a joint solves.
 enum class Formulation : unsigned char {
@@ -31,12 +35,18 @@ struct ImpulseSetting {
   Scalar max_impulse = infinity;  ///< N s, of each equality; with a bound they are not mixed
 };
 
+/// How many rows a joint may have, and how many of its axes: its free coordinates along which something can act.
+struct RowCount {
+  int rows, axes = 0;
+};
+
 /// A `btTypedConstraint` made of rows. Joints are added to a world, enabled, broken and read as any
 /// Bullet constraint is. Settings throw std::invalid_argument, naming joint, field and value, and
 /// then change nothing; a step never throws, allocates or locks. An object belongs to one world;
 /// different objects may be used from different threads.
 class Joint : public btTypedConstraint {
  public:
+  ~Joint() override;
   Joint(const Joint&) = delete;
   Joint& operator=(const Joint&) = delete;
 
@@ -74,11 +84,11 @@ class Joint : public btTypedConstraint {
   void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) final;
 
  protected:
-  /// `rows` is made from a RowMemory, which may be a member of the joint.
-  Joint(btRigidBody& a, btRigidBody& b, Rows rows);
-  Joint(btRigidBody& a, Rows rows);  ///< b is Bullet's fixed body
-  /// Other memory for the rows, from the next step on.
-  void setRows(Rows rows) { m_rows = rows; }
+  /// Memory for the rows is taken here, and kept as long as the joint.
+  Joint(btRigidBody& a, btRigidBody& b, RowCount count);
+  Joint(btRigidBody& a, RowCount count);  ///< b is Bullet's fixed body
+  /// Other memory for the rows, from the next step on: made of a RowMemory (rows/row.h) that lasts as the joint does.
+  void setRows(const Rows& rows);
 
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
   virtual void updateState(const BodyPair&) {}
@@ -103,7 +113,7 @@ class Joint : public btTypedConstraint {
   /// pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing about each
   /// other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian.
   Scalar gapInLever() const {
-    constexpr Scalar from = Scalar(0.1), to = Scalar(pi / 4);
+    constexpr Scalar from = Scalar(0.1), to = SIMD_PI / 4;
     const Scalar part = (to - angularSpeed() * m_time_step) / (to - from);
     return part > 0 ? btMin(part, Scalar(1)) : Scalar(0);
   }
@@ -182,9 +192,7 @@ class Joint : public btTypedConstraint {
 
   void beginPasses(const btConstraintInfo2& info);
   /// Whether the limit may act along the row's axis in this step, and nothing else does.
-  bool isLimitAlone(const Row& row) const {
-    return row.limit && m_rows.axis(row.axis).axis->isSimple(true);
-  }
+  bool isLimitAlone(const Row& row) const;
   bool isRigidLimit(int row) const;
   Scalar lasting() const;
   Scalar warmLimit(int row, Scalar part) const;
@@ -203,7 +211,7 @@ class Joint : public btTypedConstraint {
   AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
 
-  Rows m_rows;
+  Rows& m_rows;
   btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;

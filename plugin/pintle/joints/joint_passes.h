@@ -2,6 +2,7 @@
 // them, have in common.
 #pragma once
 
+#include <pintle/joints/joint.h>
 #include <pintle/rows/row.h>
 
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
@@ -24,6 +25,10 @@ inline bool agree(Scalar now, Scalar before) { return now * before > least_speed
 /// J v
 inline Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
+}
+
+inline bool Joint::isLimitAlone(const Row& row) const {
+  return row.limit && m_rows.axis(row.axis).axis->isSimple(true);
 }
 
 /// The rows behind `info`, if they are those of Bullet's own solvers.

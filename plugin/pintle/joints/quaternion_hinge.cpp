@@ -11,25 +11,25 @@ inline namespace PINTLE_PRECISION {
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                                  const btVector3& pivotInB, const btVector3& axisInA,
                                  const btVector3& axisInB, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
   begin(pivotInA, pivotInB, axisInA, axisInB);
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, const btVector3& pivotInA,
                                  const btVector3& axisInA, bool useReferenceFrameA)
-    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, row_count, useReferenceFrameA) {
   begin(pivotInA, axisInA);
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
                                  const btTransform& rbBFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
   begin(rbAFrame, rbBFrame);
 }
 
 QuaternionHinge::QuaternionHinge(btRigidBody& rbA, const btTransform& rbAFrame,
                                  bool useReferenceFrameA)
-    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, row_count, useReferenceFrameA) {
   begin(rbAFrame);
 }
 
@@ -60,30 +60,31 @@ void QuaternionHinge::addRows(const BodyPair& pair, Rows& rows) const {
 
 inline void QuaternionHinge::addRows(const BodyPair& pair, const Frames& at,
                                      const UnwrappedAngle& twist, Rows& rows) const {
-  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
+  const equations::Anchors<Scalar> anchors{
+      at.a.r(), at.b.r(), equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r())};
   const auto swing = equations::swing(at.c_a, at.c_b);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + swing.sigma.sum())) return;
+  if (!BodyPair::is_finite(anchors.d.sum() + swing.sigma.sum())) return;
   const Acting now = acting(pair, twist, swing);
   if (getFormulation() == Formulation::document) {
     const bool half_sine = now.limit && !m_axis.driven();
-    addDocumentRows(pair, at, d, half_sine ? &twist : nullptr, rows);
+    addDocumentRows(pair, anchors, half_sine ? &twist : nullptr, rows);
     if (half_sine) return;
   } else {
-    addConditionedRows(pair, at, d, swing, rows);
+    addConditionedRows(pair, anchors, swing, rows);
   }
   addAxisRow(now, swing, rows);
 }
 
-inline void QuaternionHinge::addConditionedRows(const BodyPair& pair, const Frames& at,
-                                                const Vec3& d,
+inline void QuaternionHinge::addConditionedRows(const BodyPair& pair,
+                                                const equations::Anchors<Scalar>& at,
                                                 const equations::Swing<Scalar>& swing,
                                                 Rows& rows) const {
   addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows);
-  if (!m_angular_only) addConservingPositionRows(pair, at.a.r(), at.b.r(), d, gapInLever(), rows);
+  if (!m_angular_only) addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLever(), rows);
 }
 
-void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
+void QuaternionHinge::addDocumentRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
                                       const UnwrappedAngle* limit, Rows& rows) const {
   const Mat3 F = pair.R_a() * view(m_frame_a.getBasis());
   const Mat3 F_b = pair.R_b() * view(m_frame_b.getBasis());
@@ -97,7 +98,7 @@ void QuaternionHinge::addDocumentRows(const BodyPair& pair, const Frames& at, co
     const auto row = equations::quaternion_hinge_row<Scalar>(p, F, Vec3::Unit(i));
     rows.addAngular(row.J_b, row.C).max_speed = most * std::abs(row.C);
   }
-  if (!m_angular_only) addDocumentPositionRows(at.a.r(), at.b.r(), d, rows);
+  if (!m_angular_only) addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
   if (limit) {
     const auto row =
         equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), limit->turns());

@@ -40,13 +40,13 @@ class QuaternionHinge : public HingeBase {
  private:
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
-  void addConditionedRows(const BodyPair& pair, const Frames& at, const Vec3& d,
+  void addConditionedRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
                           const equations::Swing<Scalar>& swing, Rows& rows) const;
-  void addDocumentRows(const BodyPair& pair, const Frames& at, const Vec3& d,
+  void addDocumentRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
                        const UnwrappedAngle* limit, Rows& rows) const;
 
   Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
-  RowMemory<6, 1> m_row_memory;
+  static constexpr RowCount row_count{6, 1};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -27,6 +27,14 @@ Mat3 turned(const Mat3& F, Scalar angle) {
   return result;
 }
 
+// The error R of the frame of a, turned to the locked angle, and by as many turns as the angle is from it.
+PINTLE_NOINLINE Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist, Scalar locked) {
+  Vec3 phi = equations::orientation_error<Scalar>(turned(Mat3::Identity(), locked), R);
+  const Scalar missing = twist.value() - locked - phi.x();
+  phi.x() += SIMD_2_PI * std::round(missing / SIMD_2_PI);
+  return phi;
+}
+
 }  // namespace
 
 struct SliderJoint::Frames {
@@ -57,7 +65,7 @@ inline SliderJoint::Frames SliderJoint::frames(const BodyPair& pair) const {
 
 SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                          const btTransform& frameInB, bool useLinearReferenceFrameA)
-    : FrameJoint(rbA, rbB, m_row_memory),
+    : FrameJoint(rbA, rbB, row_count),
       m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_linear.own = &m_linear_parameters;
   m_angular.own = &m_angular_parameters;
@@ -371,7 +379,7 @@ inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twi
   const auto R = [&] { return Mat3(at.a.axes().transpose() * at.b.axes()); };
   const Vec3 phi = m_angular.low == 0 && twist.turns() == 0
                        ? equations::orientation_error(at.crossed, at.trace, R)
-                       : turnedLockError(R(), twist);
+                       : turnedLockError(R(), twist, m_angular.low);
   const Scalar error = btSqrt(phi.dot(phi));
   const Scalar most = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
   const auto add = [&](const Vec3& u, Scalar C, int firmness) {
@@ -382,15 +390,6 @@ inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twi
   add(at.a.b(), phi.y(), directions);
   add(at.a.c(), phi.z(), directions);
   add(at.a.a(), phi.x(), locked_angle);
-}
-
-// Of the frame of a, turned to the locked angle, and by as many turns as the angle is from it.
-PINTLE_NOINLINE Vec3 SliderJoint::turnedLockError(const Mat3& R,
-                                                  const UnwrappedAngle& twist) const {
-  Vec3 phi = equations::orientation_error<Scalar>(turned(Mat3::Identity(), m_angular.low), R);
-  const Scalar missing = twist.value() - m_angular.low - phi.x();
-  phi.x() += SIMD_2_PI * std::round(missing / SIMD_2_PI);
-  return phi;
 }
 
 // The lock's rows, of which a free angle leaves those about the frame's other two axes.

@@ -7,10 +7,8 @@
 namespace pintle {
 namespace equations {
 template <class T>
-struct Anchors;
-template <class T>
 struct Velocity;
-}  // namespace equations
+}
 
 inline namespace PINTLE_PRECISION {
 
@@ -211,7 +209,6 @@ class SliderJoint : public FrameJoint {
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
   void addLockRows(const Frames& at, const UnwrappedAngle& twist, Rows& rows) const;
-  Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist) const;
   void addDocumentAngularRows(const BodyPair& pair, Rows& rows) const;
   bool slideLimitActs(const BodyPair& pair, const Frames& at,
                       const equations::Anchors<Scalar>& anchors,
@@ -248,7 +245,7 @@ class SliderJoint : public FrameJoint {
   Firmness m_firmnesses[firmnesses];
   int m_flags = 0;
   bool m_turn_given = false;
-  RowMemory<6, axes> m_row_memory;
+  static constexpr RowCount row_count{6, axes};
 };
 
 }  // namespace PINTLE_PRECISION

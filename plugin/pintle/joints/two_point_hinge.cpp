@@ -8,27 +8,33 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+// The axis of each body, and the unit vector half-way between both.
+struct TwoPointHinge::Lines {
+  equations::Anchors<Scalar> anchor;
+  Vec3 c_a, c_b, h;
+};
+
 TwoPointHinge::TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                              const btVector3& pivotInB, const btVector3& axisInA,
                              const btVector3& axisInB, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
   begin(pivotInA, pivotInB, axisInA, axisInB);
 }
 
 TwoPointHinge::TwoPointHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
                              bool useReferenceFrameA)
-    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, row_count, useReferenceFrameA) {
   begin(pivotInA, axisInA);
 }
 
 TwoPointHinge::TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
                              const btTransform& rbBFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
   begin(rbAFrame, rbBFrame);
 }
 
 TwoPointHinge::TwoPointHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, m_row_memory, useReferenceFrameA) {
+    : HingeBase(rbA, row_count, useReferenceFrameA) {
   begin(rbAFrame);
 }
 
@@ -37,14 +43,14 @@ void TwoPointHinge::setPlacement(Placement placement, btScalar separation) {
   m_placement = placement;
 }
 
-inline equations::TwoPoints<Scalar> TwoPointHinge::points(const Vec3& r_a, const Vec3& c_a,
-                                                          const Vec3& r_b, const Vec3& c_b) const {
+inline equations::TwoPoints<Scalar> TwoPointHinge::points(const Lines& at) const {
   switch (m_placement) {
     case Placement::about_anchor: return equations::points_about_anchor(m_separation);
-    case Placement::from_nearest_a: return equations::points_from_nearest(r_a, c_a, m_separation);
+    case Placement::from_nearest_a:
+      return equations::points_from_nearest(at.anchor.r_a, at.c_a, m_separation);
     case Placement::from_nearest_b: break;
   }
-  return equations::points_from_nearest(r_b, c_b, m_separation);
+  return equations::points_from_nearest(at.anchor.r_b, at.c_b, m_separation);
 }
 
 void TwoPointHinge::drawJoint(btIDebugDraw& drawer) const {
@@ -52,8 +58,11 @@ void TwoPointHinge::drawJoint(btIDebugDraw& drawer) const {
   if (!drawsFrames(drawer)) return;
   const btMatrix3x3 &A = m_frame_a.getBasis(), &B = m_frame_b.getBasis();
   const auto column = [](const btMatrix3x3& m) -> Vec3 { return view(m.getColumn(2)); };
-  const auto to =
-      points(view(m_frame_a.getOrigin()), column(A), view(m_frame_b.getOrigin()), column(B));
+  const Vec3 none = Vec3::Zero();
+  const auto to = points({{view(m_frame_a.getOrigin()), view(m_frame_b.getOrigin()), none},
+                          column(A),
+                          column(B),
+                          none});
   const auto draw = [&](const btRigidBody& body, const btTransform& frame, Scalar s) {
     const btTransform point(frame.getBasis(), frame(btVector3(0, 0, s)));
     drawer.drawTransform(body.getCenterOfMassTransform() * point, m_dbgDrawSize / 2);
@@ -78,20 +87,19 @@ void TwoPointHinge::addRows(const BodyPair& pair, Rows& rows) const {
 
 inline void TwoPointHinge::addRows(const BodyPair& pair, const Frames& at,
                                    const UnwrappedAngle& twist, Rows& rows) const {
-  const Vec3 &c_a = at.c_a, &c_b = at.c_b;
-  const equations::Anchors<Scalar> anchor = {
-      at.a.r(), at.b.r(), equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r())};
-  const auto swing = equations::swing(c_a, c_b);
+  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
+  const auto swing = equations::swing(at.c_a, at.c_b);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(anchor.d.sum() + swing.sigma.sum())) return;
+  if (!BodyPair::is_finite(d.sum() + swing.sigma.sum())) return;
+  const Lines lines{{at.a.r(), at.b.r(), d}, at.c_a, at.c_b, swing.h};
 
   const int before = rows.size();
   if (m_angular_only)
-    addDirectionRows(pair, c_a, c_b, swing.h, rows);
+    addDirectionRows(pair, lines, rows);
   else
-    addPointRows(pair, anchor, c_a, c_b, swing.h, rows);
+    addPointRows(pair, lines, rows);
   // c_b - c_a is 2 sin(swing/2) long: taken away at the rate k, the axes turn by 2 k tan(swing/2).
-  const Vec3 apart = c_b - c_a;
+  const Vec3 apart = at.c_b - at.c_a;
   const Scalar tangent2 = apart.dot(apart) * swing.h_scale;
   if (tangent2 > 0) {
     const Scalar most = getMaxCorrectionSpeed() / std::sqrt(tangent2);
@@ -101,12 +109,12 @@ inline void TwoPointHinge::addRows(const BodyPair& pair, const Frames& at,
   addAxisRow(acting(pair, twist, swing), swing, rows);
 }
 
-inline void TwoPointHinge::addPointRows(const BodyPair& pair,
-                                        const equations::Anchors<Scalar>& anchor, const Vec3& c_a,
-                                        const Vec3& c_b, const Vec3& h, Rows& rows) const {
-  const auto to = points(anchor.r_a, c_a, anchor.r_b, c_b);
-  const auto point_1 = equations::point_on_axis(anchor, c_a, c_b, to.s_1);
-  const auto point_2 = equations::point_on_axis(anchor, c_a, c_b, to.s_2);
+inline void TwoPointHinge::addPointRows(const BodyPair& pair, const Lines& lines,
+                                        Rows& rows) const {
+  const auto to = points(lines);
+  const equations::Anchors<Scalar>& anchor = lines.anchor;
+  const auto point_1 = equations::point_on_axis(anchor, lines.c_a, lines.c_b, to.s_1);
+  const auto point_2 = equations::point_on_axis(anchor, lines.c_a, lines.c_b, to.s_2);
   const bool document = getFormulation() == Formulation::document;
   if (m_six_rows) {
     for (const equations::Anchors<Scalar>& at : {point_1, point_2}) {
@@ -127,15 +135,16 @@ inline void TwoPointHinge::addPointRows(const BodyPair& pair,
       rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, u.dot(curvature));
     }
   };
-  const Vec3 p = any_tangent(h), q = cross(h, p);
+  const Vec3 &h = lines.h, p = any_tangent(h), q = cross(h, p);
   add(point_1, {p, q});
   add(anchor, {h});
   add(point_2, {p, q});
 }
 
 // Of two points only their difference, which has no linear part: that of the points' levers alone.
-inline void TwoPointHinge::addDirectionRows(const BodyPair& pair, const Vec3& c_a, const Vec3& c_b,
-                                            const Vec3& h, Rows& rows) const {
+inline void TwoPointHinge::addDirectionRows(const BodyPair& pair, const Lines& lines,
+                                            Rows& rows) const {
+  const Vec3 &c_a = lines.c_a, &c_b = lines.c_b, &h = lines.h;
   const Vec3 curvature = equations::position_curvature<Scalar>(pair.w_a(), c_b, pair.w_b(), c_b);
   const Vec3 p = any_tangent(h);
   for (const Vec3& u : {p, cross(h, p)}) {

@@ -6,10 +6,8 @@
 namespace pintle {
 namespace equations {
 template <class T>
-struct Anchors;
-template <class T>
 struct TwoPoints;
-}  // namespace equations
+}
 
 inline namespace PINTLE_PRECISION {
 
@@ -69,17 +67,15 @@ class TwoPointHinge : public HingeBase {
  private:
   void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
                Rows& rows) const;
-  void addPointRows(const BodyPair& pair, const equations::Anchors<Scalar>& anchor, const Vec3& c_a,
-                    const Vec3& c_b, const Vec3& h, Rows& rows) const;
-  void addDirectionRows(const BodyPair& pair, const Vec3& c_a, const Vec3& c_b, const Vec3& h,
-                        Rows& rows) const;
-  equations::TwoPoints<Scalar> points(const Vec3& r_a, const Vec3& c_a, const Vec3& r_b,
-                                      const Vec3& c_b) const;
+  struct Lines;
+  void addPointRows(const BodyPair& pair, const Lines& lines, Rows& rows) const;
+  void addDirectionRows(const BodyPair& pair, const Lines& lines, Rows& rows) const;
+  equations::TwoPoints<Scalar> points(const Lines& at) const;
 
   Scalar m_separation = 1;
   Placement m_placement = Placement::from_nearest_a;
   bool m_six_rows = false;
-  RowMemory<7, 1> m_row_memory;
+  static constexpr RowCount row_count{7, 1};
 };
 
 }  // namespace PINTLE_PRECISION

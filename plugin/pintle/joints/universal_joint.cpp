@@ -6,6 +6,7 @@
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
+#include <pintle/rows/row.h>
 #include <pintle/rows/turn_of_step.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
@@ -42,7 +43,7 @@ inline UniversalJoint::Frames UniversalJoint::frames(const BodyPair& pair) const
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
                                const btVector3& axis1, const btVector3& axis2)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setDefaults();
   const btTransform world = frameOf(point("anchor", anchor), axis1, axis2);
   m_anchor = anchor;
@@ -54,7 +55,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVecto
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                                const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setDefaults();
   setFrames(frameInA, frameInB);
   m_anchor = getAnchor();
@@ -63,7 +64,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTrans
 }
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setDefaults();
   setFrames(frameInA, coincident(frameInA));
   m_anchor = getAnchor();
@@ -355,21 +356,23 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
         equations::universal_curvature<Scalar>(at.z, at.y, pair.w_a(), pair.w_b());
     rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
   }
-  addPivotRows(pair, at.a.r(), at.b.r(), d, rows);
+  addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
 
   if (cosine * cosine > most_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
   const AngularReach reach(pair, timeStep());
-  addHingeRow(0, angles.beta, at.y, reach, !turned_over, rows);
-  addHingeRow(1, angles.alpha, at.z, reach, !turned_over, rows);
+  addHingeRow(0, at, angles, reach, !turned_over, rows);
+  addHingeRow(1, at, angles, reach, !turned_over, rows);
 }
 
 // J_b is the gradient of the angle where the joint holds, and a unit row anywhere.
-inline void UniversalJoint::addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b,
+inline void UniversalJoint::addHingeRow(int index, const Frames& at, const Angles& angles,
                                         const AngularReach& reach, bool look_at_limit,
                                         Rows& rows) const {
   const Axis& axis = m_hinges[index].axis;
+  const UnwrappedAngle& angle = index == 1 ? angles.alpha : angles.beta;
+  const Vec3& J_b = index == 1 ? at.z : at.y;
   Acting now = actingAngle(axis, angle, J_b, sign, [&]() -> const AngularReach& { return reach; });
   if (!look_at_limit) now.limit = false;
   if (now.limit || axis.driven())

@@ -154,8 +154,8 @@ class UniversalJoint : public FrameJoint {
   Frames frames(const BodyPair& pair) const;
   void look(const Frames& at, Angles& angles) const;
   void addRows(const BodyPair& pair, const Frames& at, const Angles& angles, Rows& rows) const;
-  void addHingeRow(int index, const UnwrappedAngle& angle, const Vec3& J_b,
-                   const AngularReach& reach, bool look_at_limit, Rows& rows) const;
+  void addHingeRow(int index, const Frames& at, const Angles& angles, const AngularReach& reach,
+                   bool look_at_limit, Rows& rows) const;
   /// Whether beta stays within a quarter of a turn: only then is turned_over an error.
   bool rightWayUp() const;
   int indexOf(int axis) const;
@@ -172,7 +172,7 @@ class UniversalJoint : public FrameJoint {
   btVector3 m_anchor, m_axis1, m_axis2;  ///< world, as given
   int m_flags = 0;
   Parameter m_held_motor_cfm;  ///< of the axes 0 to 3, which have no motor
-  RowMemory<6, 2> m_row_memory;
+  static constexpr RowCount row_count{6, 2};
 };
 
 }  // namespace PINTLE_PRECISION

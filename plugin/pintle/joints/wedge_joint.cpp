@@ -1,6 +1,7 @@
 #include <pintle/joints/wedge_joint.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/equations/wedge.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/limit_reach.h>
@@ -24,6 +25,12 @@ btVector3 anyNormal(const btVector3& x) {
 
 }  // namespace
 
+// World space: the joint frame of a, and c_b.
+struct WedgeJoint::Reference {
+  const Frame& frame;
+  Vec3 c_b;
+};
+
 // World space: the joint frame of a, c_b, how fast it turns in it, and what the forces may add to
 // that in a step, rad.
 struct WedgeJoint::Directions {
@@ -40,7 +47,7 @@ struct WedgeJoint::Plane {
   equations::AngularRow<Scalar> row;
   Scalar nearest;
 
-  Plane(Index which, const Vec3& n, const Directions& at, Scalar dt) : index(which) {
+  Plane(Index which, const btVector3& n, const Directions& at, Scalar dt) : index(which) {
     const Vec3 world = n[0] * at.frame.a() + n[1] * at.frame.b();
     row = equations::wedge_row(world, at.c_b);
     const Scalar moved = dt * row.J_b.dot(at.spin);
@@ -52,7 +59,7 @@ struct WedgeJoint::Plane {
 WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                        const btVector3& pivotInB, const btVector3& referenceInA,
                        const btVector3& referenceInB, const btVector3& wedgeAxisInA)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   const btVector3 c_a = direction("referenceInA", referenceInA),
                   c_b = direction("referenceInB", referenceInB),
                   w = direction("wedgeAxisInA", wedgeAxisInA);
@@ -65,13 +72,13 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivo
 
 WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                        const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   setDefaults();
 }
 
 WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   setDefaults();
 }
@@ -97,7 +104,11 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
   m_acute = limited && total < SIMD_HALF_PI;
   m_look = {};
   if (!limited) return;
-  m_wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+  const auto to_bullet = [](const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); };
+  const auto wedge = equations::wedge<Scalar>(Vec3::Unit(2), Vec3::Unit(0), low, high);
+  m_n_min = to_bullet(wedge.n_min);
+  m_n_max = to_bullet(wedge.n_max);
+  m_middle = to_bullet(wedge.middle);
   m_look = {low, high, btMin(total / 2, SIMD_HALF_PI)};
 }
 
@@ -139,8 +150,8 @@ bool WedgeJoint::isInside() const {
   const Frame a(m_rbA.getCenterOfMassTransform(), m_frame_a),
       b(m_rbB.getCenterOfMassTransform(), m_frame_b);
   const Directions at{a, b.a(), Vec3::Zero(), 0};
-  const bool above_low = Plane(low_side, m_wedge.n_min, at, 0).row.C >= 0;
-  const bool below_high = Plane(high_side, m_wedge.n_max, at, 0).row.C >= 0;
+  const bool above_low = Plane(low_side, m_n_min, at, 0).row.C >= 0;
+  const bool below_high = Plane(high_side, m_n_max, at, 0).row.C >= 0;
   return m_convex ? above_low && below_high : above_low || below_high;
 }
 
@@ -171,14 +182,14 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const 
   const bool acts =
       m_side.driven() ||
       (limited() && !m_look.isFarInside(components[0], components[1], 1, reach(pair).most()));
-  addPivotRows(pair, a.r(), r_b, d, rows);
-  if (acts) addWedgeRows(pair, a, c_b, rows);
+  addPivotRows(pair, {a.r(), r_b, d}, rows);
+  if (acts) addWedgeRows(pair, {a, c_b}, rows);
 }
 
-PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b,
+PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Reference& reference,
                                               Rows& rows) const {
   const Scalar gained = Reach{0, reach(pair).gained()}.of(m_other_side).gained;
-  const Directions at{a, c_b, pair.w_b() - pair.w_a(), gained};
+  const Directions at{reference.frame, reference.c_b, pair.w_b() - pair.w_a(), gained};
   const Scalar dt = m_side.limit_spring.angular_frequency > 0 ? Scalar(0) : timeStep();
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
   Index side = low_side;
@@ -186,9 +197,9 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame&
     const auto row = equations::edge_distance<Scalar>(at.frame.c(), at.c_b);
     rows.addAngularAxis(corner, row.J_b, row.C, m_corner, true);
   } else if (limited()) {
-    const Plane low(low_side, m_wedge.n_min, at, dt), high(high_side, m_wedge.n_max, at, dt);
+    const Plane low(low_side, m_n_min, at, dt), high(high_side, m_n_max, at, dt);
     if (m_acute) {
-      const Plane extra(corner, m_wedge.middle, at, dt);
+      const Plane extra(corner, m_middle, at, dt);
       const bool acts = getFormulation() == Formulation::document ? low.row.C < 0 && high.row.C < 0
                                                                   : extra.reached();
       if (acts) addPlaneRow(extra, at, m_corner, rows);
@@ -206,16 +217,21 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Frame&
   rows.addAngularAxis(side, to.unit, angle(to), m_side, false);
 }
 
+inline equations::Wedge<Scalar> WedgeJoint::wedge() const {
+  return {view(m_n_min), view(m_n_max), view(m_middle)};
+}
+
 // Near the edge the planes' rows lead over it together, and hold what rests there.
 inline bool WedgeJoint::isFarBehindEdge(const Directions& at) const {
   if (!m_convex || getFormulation() == Formulation::document) return false;
   const Vec3 c_b(at.frame.a().dot(at.c_b), at.frame.b().dot(at.c_b), at.frame.c().dot(at.c_b));
-  return 2 * c_b.z() * c_b.z() < 1 && equations::behind_edge<Scalar>(m_wedge, Vec3::Unit(2), c_b);
+  return 2 * c_b.z() * c_b.z() < 1 && equations::behind_edge<Scalar>(wedge(), Vec3::Unit(2), c_b);
 }
 
 inline bool WedgeJoint::isInLowHalf(const Directions& at) const {
   const Vec3 c_b(at.frame.a().dot(at.c_b), at.frame.b().dot(at.c_b), 0);
-  return &equations::nearer_plane<Scalar>(m_wedge, Vec3::Unit(2), c_b) == &m_wedge.n_min;
+  const auto planes = wedge();
+  return &equations::nearer_plane<Scalar>(planes, Vec3::Unit(2), c_b) == &planes.n_min;
 }
 
 inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, const Axis& axis,

@@ -1,11 +1,17 @@
 // Purpose: a ball joint whose free body keeps within a wedge of the sphere (document, 3.1.3 + 3.2.7).
 #pragma once
 
-#include <pintle/equations/wedge.h>
 #include <pintle/joints/frame_joint.h>
 #include <pintle/rows/far_limit.h>
 
 namespace pintle {
+namespace equations {
+template <class T>
+struct AngleAbout;
+template <class T>
+struct Wedge;
+}  // namespace equations
+
 inline namespace PINTLE_PRECISION {
 
 class AngularReach;
@@ -76,6 +82,7 @@ class WedgeJoint : public FrameJoint {
 
  private:
   enum Index { low_side, high_side, corner, axes };
+  struct Reference;
   struct Plane;
   struct Directions;
 
@@ -86,20 +93,21 @@ class WedgeJoint : public FrameJoint {
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
   AngularReach reach(const BodyPair& pair) const;
-  void addWedgeRows(const BodyPair& pair, const Frame& a, const Vec3& c_b, Rows& rows) const;
+  equations::Wedge<Scalar> wedge() const;
+  void addWedgeRows(const BodyPair& pair, const Reference& at, Rows& rows) const;
   bool isFarBehindEdge(const Directions& at) const;
   bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 
-  Axis m_side;                       ///< along the angle: both limits, motor and friction
-  Axis m_other_side;                 ///< the limits alone
-  Axis m_corner;                     ///< along the turn to the extra plane
-  equations::Wedge<Scalar> m_wedge;  ///< in the joint frame of body a
-  DirectionLimit m_look;             ///< of c_b, a cone or half of space that lies in the wedge
-  bool m_convex = false;             ///< below pi
-  bool m_reflex = false;             ///< from pi on
+  Axis m_side;                          ///< along the angle: both limits, motor and friction
+  Axis m_other_side;                    ///< the limits alone
+  Axis m_corner;                        ///< along the turn to the extra plane
+  btVector3 m_n_min, m_n_max, m_middle;  ///< the wedge, in the joint frame of body a
+  DirectionLimit m_look;                ///< of c_b, a cone or half of space that lies in the wedge
+  bool m_convex = false;                ///< below pi
+  bool m_reflex = false;                ///< from pi on
   bool m_acute = false;
-  RowMemory<3 + axes, axes> m_row_memory;
+  static constexpr RowCount row_count{3 + axes, axes};
 };
 
 }  // namespace PINTLE_PRECISION

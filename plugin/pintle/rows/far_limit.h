@@ -16,8 +16,8 @@ class CosineLimit {
  public:
   CosineLimit() = default;
   explicit CosineLimit(Scalar width) {
-    if (!(width < Scalar(pi))) return;
-    const Scalar slope = width < Scalar(pi / 2) ? std::sin(width) : Scalar(1);
+    if (!(width < SIMD_PI)) return;
+    const Scalar slope = width < SIMD_HALF_PI ? std::sin(width) : Scalar(1);
     const bool too_narrow = slope <= rounding;  // to be told from its middle
     m_scale = too_narrow ? Scalar(0) : 1 / slope;
     m_edge = too_narrow ? infinity : (std::cos(width) + rounding) / slope;

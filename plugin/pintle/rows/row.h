@@ -2,17 +2,11 @@
 //   J = [-L, -A_a, L, A_b] (document, 2.2), world space; C its position error; J v = d/dt C.
 #pragma once
 
-#include <pintle/precision.h>
 #include <pintle/rows/axis.h>
+#include <pintle/vectors.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
-/// ERP and CFM of a group of equalities: the part of C that a step takes away, and Bullet's softness.
-struct Firmness {
-  Parameter erp, cfm;
-  Scalar factor = 1;  ///< of the ERP
-};
 
 /// Each vector is followed by a number, so that the solver's side (block.h) can take it as four lanes.
 /// Those numbers are the solver's side's, and stay from step to step (joint_passes.cpp says what for).
@@ -69,7 +63,7 @@ inline bool isSameRow(const Row& a, const Row& b) {
 /// No joint has more rows.
 constexpr int most_joint_rows = 8;
 
-/// Room for the rows of a joint, `Axes` of which may be free coordinates; a member of its class.
+/// Room for the rows of a joint, `Axes` of which may be free coordinates.
 template <int N, int Axes = 0>
 struct RowMemory {
   Row rows[N];
@@ -81,7 +75,12 @@ class Rows {
  public:
   template <int N, int Axes>
   Rows(RowMemory<N, Axes>& memory)
-      : m_rows(memory.rows), m_axes(memory.axes.data()), m_capacity(N), m_axis_count(Axes) {}
+      : Rows(memory.rows, N, memory.axes.data(), Axes) {}
+  Rows(Row* rows, int capacity, AxisState* axes, int axis_count)
+      : m_rows(rows),
+        m_axes(axes),
+        m_capacity(static_cast<signed char>(capacity)),
+        m_axis_count(static_cast<signed char>(axis_count)) {}
 
   int size() const { return m_size; }
   int equalities() const { return m_size - m_axis_rows; }
@@ -148,6 +147,10 @@ class Rows {
   [[maybe_unused]] signed char m_capacity;  ///< only assertions look at it
   signed char m_axis_count;
 };
+
+/// Rows with memory of their own, all of it in one piece.
+Rows& makeRows(int rows, int axes);
+void deleteRows(Rows& rows);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -6,6 +6,8 @@
 #include <pintle/arctangent.h>
 #include <pintle/precision.h>
 
+#include <cmath>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -13,11 +15,11 @@ class UnwrappedAngle {
  public:
   /// The angle (rad) is known from elsewhere, turns included.
   void set(Scalar angle) {
-    const Scalar rest = angle - Scalar(2 * pi) * std::round(angle / Scalar(2 * pi));
+    const Scalar rest = angle - SIMD_2_PI * std::round(angle / SIMD_2_PI);
     m_x = std::cos(rest);
     m_y = std::sin(rest);
     // Of the remainder as it came out: half a turn may have rounded to the other side.
-    m_turns = std::round((angle - remainder()) / Scalar(2 * pi));
+    m_turns = std::round((angle - remainder()) / SIMD_2_PI);
     m_direction = 0;
   }
 
@@ -53,22 +55,22 @@ class UnwrappedAngle {
     y += Scalar(0);
     if (x == m_x && y == m_y) return;  // looked already
     const Scalar expected = value() + change, rest = arctangent(y, x);
-    m_turns = std::round((expected - rest) / Scalar(2 * pi));
+    m_turns = std::round((expected - rest) / SIMD_2_PI);
     m_x = x;
     m_y = y;
     m_direction = change;
   }
 
   /// Changes the turn to the one that brings the angle nearest to `middle`.
-  void turnTowards(Scalar middle) { m_turns += std::round((middle - value()) / Scalar(2 * pi)); }
+  void turnTowards(Scalar middle) { m_turns += std::round((middle - value()) / SIMD_2_PI); }
 
   Scalar turns() const { return m_turns; }
   /// Within the turn, in [-pi, pi].
   Scalar remainder() const { return arctangent(m_y, m_x); }
   /// rad, over any number of turns.
-  Scalar value() const { return remainder() + Scalar(2 * pi) * m_turns; }
+  Scalar value() const { return remainder() + SIMD_2_PI * m_turns; }
   /// The same to within rough_error, without an arc tangent.
-  Scalar roughValue() const { return Scalar(pi / 2) * (quarters(m_x, m_y) + 4 * m_turns); }
+  Scalar roughValue() const { return SIMD_HALF_PI * (quarters(m_x, m_y) + 4 * m_turns); }
   static constexpr Scalar rough_error = Scalar(0.072);
 
  private:

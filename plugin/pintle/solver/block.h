@@ -1,7 +1,7 @@
 // Purpose: the blocks that K is made of, a joint's rows by another's, and what factors do with them.
 #pragma once
 
-#include <pintle/precision.h>
+#include <pintle/vectors.h>
 
 #include <type_traits>
 

@@ -27,7 +27,7 @@ constexpr Scalar least_rebound = Scalar(1e-6);
 // Joints and bodies lie elsewhere each. Of thousands none is in the cache any more: so many blocks before it is their
 // turn joints are asked for, which tell where their bodies are, and these.
 constexpr size_t joints_ahead = 12, bodies_ahead = 6;
-constexpr size_t bytes_of_joint = 384;  // of most: rows and all
+constexpr size_t bytes_of_joint = 384, bytes_of_rows = 384;  // of most
 
 constexpr int most_rows = 16;  // of a stock joint
 
@@ -264,6 +264,8 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
       const btTypedConstraint& joint = *blocks[c + bodies_ahead].joint;
       prefetch(&joint.getRigidBodyA().getLinearVelocity());
       prefetch(&joint.getRigidBodyB().getLinearVelocity());
+      const Joint* ours = blocks[c + bodies_ahead].ours;
+      if (ours != nullptr) prefetch(&ours->m_rows, bytes_of_rows);
     }
     double* of = &error[block_rows * c];
     errors(blocks[c], rows, of, m_far[c], m_turned[c]);

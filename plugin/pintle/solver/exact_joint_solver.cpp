@@ -7,9 +7,11 @@
 #include <pintle/solver_body.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -110,8 +112,8 @@ struct ExactJointSolver::Island {
   }
 };
 
-ExactJointSolver::ExactJointSolver() : m_island(std::make_unique<Island>()) {}
-ExactJointSolver::~ExactJointSolver() = default;
+ExactJointSolver::ExactJointSolver() : m_island(new Island) {}
+ExactJointSolver::~ExactJointSolver() { delete m_island; }
 
 void ExactJointSolver::setPositionIterations(int iterations) {
   if (iterations < 0)
@@ -193,10 +195,12 @@ btScalar ExactJointSolver::solveGroupCacheFriendlySetup(
 
 bool ExactJointSolver::hasBounds() const { return !m_island->joints.all() || hasContacts(); }
 
-std::array<btConstraintArray*, 4> ExactJointSolver::allRows() {
-  return {&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
-          &m_tmpSolverContactFrictionConstraintPool,
-          &m_tmpSolverContactRollingFrictionConstraintPool};
+struct ExactJointSolver::Pools : std::array<btConstraintArray*, 4> {};
+
+ExactJointSolver::Pools ExactJointSolver::allRows() {
+  return {{&m_tmpSolverNonContactConstraintPool, &m_tmpSolverContactConstraintPool,
+           &m_tmpSolverContactFrictionConstraintPool,
+           &m_tmpSolverContactRollingFrictionConstraintPool}};
 }
 
 void ExactJointSolver::resetVelocities() {
@@ -266,7 +270,8 @@ void ExactJointSolver::beginReactions() {
 }
 
 // The errors at the end of the step, and the largest of each component, m or rad.
-void ExactJointSolver::lookAhead(const btContactSolverInfo& info, std::vector<double>& largest) {
+template <class Vector>
+void ExactJointSolver::lookAhead(const btContactSolverInfo& info, Vector& largest) {
   Island& island = *m_island;
   island.joints.write(m_tmpSolverBodyPool);
   island.end.predict(m_tmpSolverBodyPool, info);

@@ -5,10 +5,6 @@
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
-#include <array>
-#include <memory>
-#include <vector>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -49,6 +45,8 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
 
   ExactJointSolver();
   ~ExactJointSolver() override;
+  ExactJointSolver(const ExactJointSolver&) = delete;
+  ExactJointSolver& operator=(const ExactJointSolver&) = delete;
 
   /// How often (>= 0) a step corrects its velocities by what the joints would lack in position at its
   /// end. Default 1. With 0 joints hold in velocity, and drift is taken away as ERP says. A correction
@@ -89,8 +87,9 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   bool stiffen(const btContactSolverInfo& info);
   template <class Pass>
   int solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass);
+  struct Pools;
   /// Of joints, and of contacts.
-  std::array<btConstraintArray*, 4> allRows();
+  Pools allRows();
   void resetVelocities();
   void restart();
   void forgetUnruly();
@@ -106,9 +105,10 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   void balance(const btContactSolverInfo& info);
   void calm(const btContactSolverInfo& info);
   bool iteratePositions(const btContactSolverInfo& info);
-  void lookAhead(const btContactSolverInfo& info, std::vector<double>& largest);
+  template <class Vector>
+  void lookAhead(const btContactSolverInfo& info, Vector& largest);
 
-  std::unique_ptr<Island> m_island;
+  Island* m_island;
   int m_position_iterations = 1;
   btScalar m_complementarity_residual = 0;
 };

@@ -4,7 +4,7 @@
 // the load is that of the whole step.
 #pragma once
 
-#include <pintle/precision.h>
+#include <pintle/vectors.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

@@ -10,12 +10,12 @@ inline namespace PINTLE_PRECISION {
 
 CrossProductHinge::CrossProductHinge(btRigidBody& rbA, btRigidBody& rbB,
                                      const btTransform& frameInA, const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
 }
 
 CrossProductHinge::CrossProductHinge(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 
@@ -26,7 +26,7 @@ void CrossProductHinge::addRows(const BodyPair& pair, Rows& rows) const {
   // Also a frame that its owner has spoiled.
   if (!BodyPair::is_finite(d.sum() + row.J_b.sum())) return;
   addSingleRow(row, getMaxCorrectionSpeed(), rows);
-  addPivotRows(pair, a.r(), b.r(), d, rows);
+  addPivotRows(pair, {a.r(), b.r(), d}, rows);
 }
 
 }  // namespace PINTLE_PRECISION

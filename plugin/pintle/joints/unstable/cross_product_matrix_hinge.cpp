@@ -3,6 +3,7 @@
 #include <pintle/body_pair.h>
 #include <pintle/equations/unstable.h>
 #include <pintle/frame.h>
+#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -10,13 +11,13 @@ inline namespace PINTLE_PRECISION {
 CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, btRigidBody& rbB,
                                                  const btTransform& frameInA,
                                                  const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   m_starts_warm = false;  // three rows for two freedoms
 }
 
 CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
   m_starts_warm = false;
 }
@@ -35,7 +36,7 @@ void CrossProductMatrixHinge::addRows(const BodyPair& pair, Rows& rows) const {
     const auto row = equations::cross_product_matrix_row<Scalar>(Vec3::Unit(i), c_a, c_b);
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).max_speed = most * std::abs(row.C);
   }
-  addPivotRows(pair, a.r(), b.r(), d, rows);
+  addPivotRows(pair, {a.r(), b.r(), d}, rows);
 }
 
 }  // namespace PINTLE_PRECISION

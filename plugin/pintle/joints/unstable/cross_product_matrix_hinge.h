@@ -24,7 +24,7 @@ class CrossProductMatrixHinge : public FrameJoint {
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  private:
-  RowMemory<6> m_row_memory;
+  static constexpr RowCount row_count{6};
 };
 
 }  // namespace PINTLE_PRECISION

@@ -23,7 +23,7 @@ class SingleRowLock : public FrameJoint {
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  private:
-  RowMemory<4> m_row_memory;
+  static constexpr RowCount row_count{4};
 };
 
 }  // namespace PINTLE_PRECISION

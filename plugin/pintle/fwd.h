@@ -1,0 +1,37 @@
+// Purpose: the names of all joints, for headers that only point to them.
+#pragma once
+
+#include <pintle/precision.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class AngularLimit;
+class BallJoint;
+class ConeTwistJoint;
+class ConstantVelocityJoint;
+class ContactJoint;
+class DistanceJoint;
+class DotHinge;
+class FixedJoint;
+class QuaternionHinge;
+class SliderJoint;
+class TwoPointHinge;
+class UniversalJoint;
+class WedgeJoint;
+
+// Their bases.
+class FrameJoint;
+class HingeBase;
+class Joint;
+
+// unstable/: for comparison only.
+class CrossProductHinge;
+class CrossProductMatrixHinge;
+class SingleRowLock;
+
+// solver/
+class ExactJointSolver;
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,91 @@
+// Purpose: what a joint keeps of its settings: of its equalities, and of what can act along a free coordinate.
+// What a step makes of them is in axis.h and row.h.
+#pragma once
+
+#include <pintle/precision.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// A parameter as Bullet's constraints have it, >= 0: one that is set overrides a general one.
+class Parameter {
+ public:
+  Parameter() = default;
+  Parameter(Scalar value) : m_value(value) {}
+  bool isSet() const { return m_value >= 0; }
+  Scalar orElse(Scalar other) const { return isSet() ? m_value : other; }
+
+ private:
+  Scalar m_value = -1;
+};
+
+/// Bullet's, of one axis.
+struct AxisParameters {
+  Parameter limit_erp, limit_cfm, motor_cfm;
+};
+
+/// ERP and CFM of a group of equalities: the part of C that a step takes away, and Bullet's softness.
+struct Firmness {
+  Parameter erp, cfm;
+  Scalar factor = 1;  ///< of the ERP
+};
+
+struct Spring {
+  Scalar angular_frequency = 0;  ///< rad/s; 0: not a spring
+  Scalar damping_ratio = 0;
+};
+
+/// Settings along a coordinate. Units are those of the coordinate: rad, rad/s, N m s for an angle.
+struct Axis {
+  enum class Drive : unsigned char {
+    off,
+    velocity,
+    pose,  ///< to coordinate 0, in parts
+    rate,  ///< at the speed that stands in the place of the coordinate
+    servo
+  };
+  enum Part { motor, friction, limit, parts };
+
+  Scalar low = 1, high = -1;  ///< low > high: free
+  Scalar bias = Scalar(0.3);
+  Scalar relaxation = 1;
+  Spring limit_spring;
+
+  Drive drive = Drive::off;
+  Drive chosen = Drive::velocity;  ///< what enable turns on
+  /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
+  bool normalized_motor = false;
+  Scalar motor_velocity = 0;
+  Scalar max_motor_impulse = 0;  ///< N m s, a step
+  Scalar max_motor_force = 0;  ///< N m, added to it: what Bullet bounds differs from joint to joint
+  Scalar motor_gain = 0;       ///< of a drive to a pose: the part of the way to 0 that a step goes
+  Scalar servo_target = 0;
+  Spring servo_spring;
+  Scalar max_servo_force = 0;  ///< N m
+  Scalar max_friction = 0;     ///< N m
+
+  const AxisParameters* own = nullptr;  ///< before the joint's
+
+  void choose(Drive how) {
+    chosen = how;
+    enable(drive != Drive::off);
+  }
+  void enable(bool on) { drive = on ? chosen : Drive::off; }
+
+  bool limited() const { return low <= high; }
+  bool locked() const { return low == high; }
+  /// Motor, servo or friction: a row in every step, whatever the coordinate.
+  bool driven() const { return drive != Drive::off || max_friction > 0; }
+  /// Whether a single rigid part acts, which is a row as it stands.
+  bool isSimple(bool limit_acts) const {
+    if (limit_acts) return !driven() && !(limit_spring.angular_frequency > 0);
+    return drive == Drive::off || (drive != Drive::servo && !(max_friction > 0));
+  }
+  /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
+  Scalar distance(Scalar position) const {
+    return position - low < high - position ? position - low : high - position;
+  }
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
