@@ -49,7 +49,10 @@ void set(BallJoint& ball, int variant) {
 
 void set(FrameJoint& joint, int variant) {
   if (variant == 1) joint.setAngularOnly(true);
-  if (variant == 2) joint.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
+  if (variant == 2) {
+    joint.setParam(BT_CONSTRAINT_CFM, scalar(0.01));
+    joint.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.01), 0);  // which some have in its place
+  }
 }
 
 void set(HingeBase& hinge, int variant) {

@@ -30,24 +30,26 @@ BallJoint::BallJoint(btRigidBody& rbA, const btTransform& frameInA)
       m_pivot_b(rbA.getCenterOfMassTransform()(frameInA.getOrigin())) {}
 
 void BallJoint::setParam(int num, btScalar value, int axis) {
-  if (axis != -1) reject("parameter axis", axis, "a ball joint has none (-1)");
+  const char* const field = parameterName(num);
+  finite(field, value);
+  if (axis != -1) return;
   switch (num) {
     case BT_CONSTRAINT_ERP:
-    case BT_CONSTRAINT_STOP_ERP: m_erp = notNegative("ERP", value); break;
+    case BT_CONSTRAINT_STOP_ERP: m_erp = notNegative(field, value); break;
     case BT_CONSTRAINT_CFM:
-    case BT_CONSTRAINT_STOP_CFM: m_cfm = notNegative("CFM", value); break;
-    default: reject("parameter", num, "no such parameter");
+    case BT_CONSTRAINT_STOP_CFM: m_cfm = notNegative(field, value); break;
+    default: break;
   }
 }
 
 btScalar BallJoint::getParam(int num, int axis) const {
-  if (axis != -1) reject("parameter axis", axis, "a ball joint has none (-1)");
+  if (axis != -1) return infinity;
   switch (num) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP: return m_erp.orElse(0);
     case BT_CONSTRAINT_CFM:
     case BT_CONSTRAINT_STOP_CFM: return m_cfm.orElse(0);
-    default: reject("parameter", num, "no such parameter");
+    default: return infinity;
   }
 }
 

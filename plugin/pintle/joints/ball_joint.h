@@ -36,13 +36,22 @@ class BallJoint : public Joint {
   /// As Bullet's: m_damping is the part of the velocity that the joint takes away (1: all of it),
   /// m_impulseClamp > 0 the most that each world axis may apply in a step (N s), m_tau is not used.
   btConstraintSetting m_setting;
+  /// As in Bullet without effect.
+  bool m_useSolveConstraintObsolete = false;
 
-  /// ERP (and STOP_ERP), CFM (and STOP_CFM): both >= 0. Axis -1.
+  /// ERP (and STOP_ERP), CFM (and STOP_CFM): both >= 0. Axis -1. As in Bullet other axes and
+  /// parameters are ignored, and read as SIMD_INFINITY. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_P2P_FLAGS_* of the parameters that were set.
-  int getFlags() const {
+  virtual int getFlags() const {
     return (m_erp.isSet() ? BT_P2P_FLAGS_ERP : 0) | (m_cfm.isSet() ? BT_P2P_FLAGS_CFM : 0);
+  }
+
+  /// The rows at other poses of the bodies; no more than getInfo1 announced.
+  void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& body0_trans,
+                          const btTransform& body1_trans) {
+    getInfo2At(info, body0_trans, body1_trans);
   }
 
   /// The two pivots.

@@ -249,33 +249,40 @@ void ConeTwistJoint::limitsChanged() {
 }
 
 void ConeTwistJoint::setParam(int num, btScalar value, int axis) {
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  const char* const field = parameterName(num);
+  finite(field, value);
   const bool linear = axis >= 0 && axis < 3;
   switch (num) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP:
-      (linear ? m_erp : m_limit_erp) = notNegative("ERP", value);
+      (linear ? m_erp : m_limit_erp) = notNegative(field, value);
       limitsChanged();
       break;
     case BT_CONSTRAINT_CFM:
     case BT_CONSTRAINT_STOP_CFM:
-      (linear ? m_cfm : m_limit_cfm) = notNegative("CFM", value);
+      (linear ? m_cfm : m_limit_cfm) = notNegative(field, value);
       if (!linear) m_motor_cfm = m_limit_cfm;
       break;
-    default: reject("parameter", num, "no such parameter");
+    default: break;
   }
 }
 
 btScalar ConeTwistJoint::getParam(int num, int axis) const {
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  if (axis < 0 || axis > 5) return 0;
   const bool linear = axis >= 0 && axis < 3;
   switch (num) {
     case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP: return linear ? m_erp.orElse(Scalar(0.7f)) : m_limit_erp.orElse(0);
     case BT_CONSTRAINT_CFM:
     case BT_CONSTRAINT_STOP_CFM: return linear ? m_cfm.orElse(0) : m_limit_cfm.orElse(0);
-    default: reject("parameter", num, "no such parameter");
+    default: return 0;
   }
+}
+
+void ConeTwistJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                                        const btTransform& transB, const btMatrix3x3&,
+                                        const btMatrix3x3&) {
+  getInfo2At(info, transA, transB);
 }
 
 int ConeTwistJoint::getFlags() const {
@@ -412,8 +419,13 @@ inline ConeTwistJoint::At ConeTwistJoint::at(const BodyPair& pair) const {
   return {pair, {pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
 }
 
+void ConeTwistJoint::calcAngleInfo2(const btTransform& transA, const btTransform& transB,
+                                    const btMatrix3x3&, const btMatrix3x3&) {
+  calculateTransforms(transA, transB);
+}
+
 btScalar ConeTwistJoint::getTwist() const {
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair = seenPair();
   return -equations::twist_angle(at(pair).twist());
 }
 
@@ -422,13 +434,13 @@ btScalar ConeTwistJoint::getTwistAngle() const {
 }
 
 btScalar ConeTwistJoint::getSwing1() const {
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair = seenPair();
   const At now = at(pair);
   return now.swing().sigma.dot(now.b.c());
 }
 
 btScalar ConeTwistJoint::getSwing2() const {
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair = seenPair();
   const At now = at(pair);
   return now.swing().sigma.dot(now.b.b());
 }
@@ -440,7 +452,7 @@ bool ConeTwistJoint::isPastTwistLimit() const {
 bool ConeTwistJoint::isPastSwingLimit() {
   if (m_swings != Swings::cone) return true;
   if (!m_swing.limited()) return false;
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair = seenPair();
   const At now = at(pair);
   return coneRow(now, now.swing()).C > 0;
 }

@@ -67,6 +67,12 @@ class ConeTwistJoint : public FrameJoint {
   btScalar getFixThresh() { return m_fix_threshold; }
   void setFixThresh(btScalar fixThresh);
 
+  /// What the joint says of itself is what holds now,
+  void calcAngleInfo() { forgetPoses(); }
+  /// or at these poses of the bodies (world), until the next step or new frames. The inertias are not
+  /// needed here.
+  void calcAngleInfo2(const btTransform& transA, const btTransform& transB,
+                      const btMatrix3x3& invInertiaWorldA, const btMatrix3x3& invInertiaWorldB);
   /// The size of the twist (rad, >= 0) now; as in Bullet 0 if it is free by a span below 0.
   btScalar getTwistAngle() const;
   /// As in Bullet always 0.
@@ -103,12 +109,18 @@ class ConeTwistJoint : public FrameJoint {
   /// after the largest swing about (0, cos(angle), -sin(angle)).
   btVector3 GetPointForAngle(btScalar angleInRadians, btScalar length) const;
 
-  /// As in Bullet, axis 0 to 2 is the position, 3 to 5 or -1 limits and motor: ERP (or STOP_ERP) is
-  /// that of the position, or the bias factor; CFM (or STOP_CFM). All >= 0.
+  /// As in Bullet, axis 0 to 2 is the position, every other one limits and motor: ERP (or STOP_ERP) is
+  /// that of the position, or the bias factor; CFM (or STOP_CFM). All >= 0. Other parameters are
+  /// ignored, and read as 0, as do axes beyond 0 to 5, -1 too. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_CONETWIST_FLAGS_* of the parameters that were set.
   int getFlags() const;
+  /// The rows at other poses of the bodies; no more than getInfo1 announced. The inertias are the
+  /// bodies' own, whatever is given.
+  void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                          const btTransform& transB, const btMatrix3x3& invInertiaWorldA,
+                          const btMatrix3x3& invInertiaWorldB);
 
   // --- beyond Bullet -----------------------------------------------------------------------------
   /// Spans that differ on both sides: min <= 0 <= max (rad) for each swing, the cone's edge made of
@@ -144,6 +156,9 @@ class ConeTwistJoint : public FrameJoint {
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "ConeTwistJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ protected:
+  void updateState(const BodyPair&) override { forgetPoses(); }
 
  private:
   enum AxisIndex {

@@ -24,16 +24,49 @@ FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA)
 }
 
 void FixedJoint::setParam(int num, btScalar value, int axis) {
-  if (num == BT_CONSTRAINT_STOP_ERP) num = BT_CONSTRAINT_ERP;
-  if (num == BT_CONSTRAINT_STOP_CFM) num = BT_CONSTRAINT_CFM;
-  FrameJoint::setParam(num, value, axis);
+  const char* const field = parameterName(num);
+  finite(field, value);
+  if (axis < 0 || axis > 5) return;
+  switch (num) {
+    case BT_CONSTRAINT_STOP_ERP: m_erp = notNegative(field, value); break;
+    case BT_CONSTRAINT_STOP_CFM: m_cfm = notNegative(field, value); break;
+    case BT_CONSTRAINT_ERP: m_motor_parameters[axis].erp = value; break;
+    case BT_CONSTRAINT_CFM: m_motor_parameters[axis].cfm = value; break;
+    default: break;
+  }
 }
 
 btScalar FixedJoint::getParam(int num, int axis) const {
-  if (num == BT_CONSTRAINT_STOP_ERP) num = BT_CONSTRAINT_ERP;
-  if (num == BT_CONSTRAINT_STOP_CFM) num = BT_CONSTRAINT_CFM;
-  const btScalar value = FrameJoint::getParam(num, axis);
-  return num == BT_CONSTRAINT_ERP && !m_erp.isSet() ? btScalar(0.2f) : value;
+  if (axis < 0 || axis > 5) return 0;
+  switch (num) {
+    case BT_CONSTRAINT_STOP_ERP: return m_erp.orElse(btScalar(0.2f));
+    case BT_CONSTRAINT_STOP_CFM: return m_cfm.orElse(0);
+    case BT_CONSTRAINT_ERP: return m_motor_parameters[axis].erp;
+    case BT_CONSTRAINT_CFM: return m_motor_parameters[axis].cfm;
+    default: return 0;
+  }
+}
+
+void FixedJoint::setLimit(int axis, btScalar lo, btScalar hi) {
+  if (axis < 0 || axis > 5) reject("axis", axis, "must be 0 to 5");
+  held("lower limit", lo);
+  held("upper limit", hi);
+}
+
+void FixedJoint::setLinearLowerLimit(const btVector3& linearLower) {
+  held("linear lower limit", linearLower);
+}
+
+void FixedJoint::setLinearUpperLimit(const btVector3& linearUpper) {
+  held("linear upper limit", linearUpper);
+}
+
+void FixedJoint::setAngularLowerLimit(const btVector3& angularLower) {
+  held("angular lower limit", angularLower);
+}
+
+void FixedJoint::setAngularUpperLimit(const btVector3& angularUpper) {
+  held("angular upper limit", angularUpper);
 }
 
 // --- readings ------------------------------------------------------------------------------------

@@ -15,8 +15,8 @@ class Frame;
 /// frame. The document's formulation has its quaternion rows (3.24), which correct nothing at
 /// exactly 180 degrees.
 ///
-/// What btFixedConstraint has, under the same name. Not the setters that would free an axis, drive
-/// it or put a spring on it, which it inherits from btGeneric6DofSpring2Constraint.
+/// What btFixedConstraint has, under the same name. Not the setters that would drive an axis or put a
+/// spring on it, which it inherits from btGeneric6DofSpring2Constraint.
 class FixedJoint : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -27,13 +27,19 @@ class FixedJoint : public FrameJoint {
   /// To the world, where the frame is now.
   FixedJoint(btRigidBody& rbA, const btTransform& frameInA);
 
-  /// STOP_ERP and STOP_CFM, as for Bullet, or ERP and CFM, which mean the same here: of all rows,
-  /// >= 0. Axis -1, or 0 to 5: one value for all. Unset, the world's; ERP then reads as Bullet's 0.2.
+  /// STOP_ERP and STOP_CFM of axis 0 to 5: one value for all rows, >= 0. Unset, the world's; STOP_ERP
+  /// then reads as Bullet's 0.2. As in Bullet ERP and CFM of axis 0 to 5 are those of motors, kept to
+  /// be read (at first 0.9 and 0), and other axes (-1 too) and parameters are ignored, and read as 0.
+  /// NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
   btScalar getParam(int num, int axis = -1) const override;
 
   // --- how far off it is, of the bodies as they are now -------------------------------------------
-  void calculateTransforms() {}  ///< not needed here
+  /// At these poses of the bodies (world), until the next step or new frames.
+  void calculateTransforms(const btTransform& transA, const btTransform& transB) {
+    FrameJoint::calculateTransforms(transA, transB);
+  }
+  void calculateTransforms() { forgetPoses(); }  ///< as they are now
   /// Origin of b's frame along axis 0 to 2 of a's (m).
   btScalar getRelativePivotPosition(int axis_index) const;
   /// Euler angle 0 to 2 (x, y, z) of the frames (rad), in Bullet's sense: positive where a is turned
@@ -41,14 +47,31 @@ class FixedJoint : public FrameJoint {
   btScalar getAngle(int axis_index) const;
   btVector3 getAxis(int axis_index) const;
   bool isLimited(int) const { return true; }
+  /// All limits are 0, and can be set to nothing else.
+  void setLimit(int axis, btScalar lo, btScalar hi);
+  void setLinearLowerLimit(const btVector3& linearLower);
+  void setLinearUpperLimit(const btVector3& linearUpper);
+  void setAngularLowerLimit(const btVector3& angularLower);
+  void setAngularUpperLimit(const btVector3& angularUpper);
+  void getLinearLowerLimit(btVector3& linearLower) const { linearLower.setZero(); }
+  void getLinearUpperLimit(btVector3& linearUpper) const { linearUpper.setZero(); }
+  void getAngularLowerLimit(btVector3& angularLower) const { angularLower.setZero(); }
+  void getAngularUpperLimit(btVector3& angularUpper) const { angularUpper.setZero(); }
 
   const char* name() const override { return "FixedJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
+
+ protected:
+  void updateState(const BodyPair&) override { forgetPoses(); }
 
  private:
   void addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b, Rows& rows) const;
   void addDocumentRows(const Frame& a, const Frame& b, Rows& rows) const;
 
+  struct MotorParameters {
+    Scalar erp = Scalar(0.9f), cfm = 0;
+  };
+  MotorParameters m_motor_parameters[6];  ///< to be read
   static constexpr RowCount row_count{6};
 };
 

@@ -1,5 +1,6 @@
 #include <pintle/joints/frame_joint.h>
 
+#include <pintle/body_pair.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/position_rows.h>
 
@@ -9,29 +10,49 @@ inline namespace PINTLE_PRECISION {
 void FrameJoint::setFrames(const btTransform& frameInA, const btTransform& frameInB) {
   frame("frameInA", frameInA);
   m_frame_b = frame("frameInB", frameInB);
+  forgetPoses();
   m_frame_a = frameInA;
   framesChanged();
 }
 
+void FrameJoint::held(const char* field, Scalar limit) const {
+  if (limit != 0) reject(field, limit, "must be 0: the axis is held");
+}
+
+void FrameJoint::held(const char* field, const btVector3& limits) const {
+  for (int i = 0; i < 3; ++i) held(field, limits[i]);
+}
+
+void FrameJoint::calculateTransforms(const btTransform& transA, const btTransform& transB) {
+  if (!m_poses) m_poses = std::make_unique<Poses>();
+  m_poses->a = transA;
+  m_poses->b = transB;
+  m_reads_poses = true;
+}
+
+BodyPair FrameJoint::seenPair() const { return {m_rbA, seenPoseOfA(), m_rbB, seenPoseOfB()}; }
+
 void FrameJoint::setParam(int num, btScalar value, int axis) {
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  const char* const field = parameterName(num);
+  finite(field, value);
+  if (axis < -1 || axis > 5) return;
   switch (num) {
-    case BT_CONSTRAINT_ERP: m_erp = notNegative("ERP", value); break;
-    case BT_CONSTRAINT_CFM: m_cfm = notNegative("CFM", value); break;
-    case BT_CONSTRAINT_STOP_ERP: m_limit_erp = notNegative("STOP_ERP", value); break;
-    case BT_CONSTRAINT_STOP_CFM: m_limit_cfm = notNegative("STOP_CFM", value); break;
-    default: reject("parameter", num, "no such parameter");
+    case BT_CONSTRAINT_ERP: m_erp = notNegative(field, value); break;
+    case BT_CONSTRAINT_CFM: m_cfm = notNegative(field, value); break;
+    case BT_CONSTRAINT_STOP_ERP: m_limit_erp = notNegative(field, value); break;
+    case BT_CONSTRAINT_STOP_CFM: m_limit_cfm = notNegative(field, value); break;
+    default: break;
   }
 }
 
 btScalar FrameJoint::getParam(int num, int axis) const {
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  if (axis < -1 || axis > 5) return 0;
   switch (num) {
     case BT_CONSTRAINT_ERP: return m_erp.orElse(0);
     case BT_CONSTRAINT_CFM: return m_cfm.orElse(0);
     case BT_CONSTRAINT_STOP_ERP: return m_limit_erp.orElse(0);
     case BT_CONSTRAINT_STOP_CFM: return m_limit_cfm.orElse(0);
-    default: reject("parameter", num, "no such parameter");
+    default: return 0;
   }
 }
 

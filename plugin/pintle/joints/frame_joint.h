@@ -5,6 +5,8 @@
 
 #include <LinearMath/btTransform.h>
 
+#include <memory>
+
 namespace pintle {
 namespace equations {
 template <class T>
@@ -26,21 +28,18 @@ class FrameJoint : public Joint {
   const btTransform& getFrameOffsetA() const { return m_frame_a; }
   const btTransform& getFrameOffsetB() const { return m_frame_b; }
   /// The joint frames in the world, at the bodies' poses of now.
-  btTransform getCalculatedTransformA() const {
-    return m_rbA.getCenterOfMassTransform() * m_frame_a;
-  }
-  btTransform getCalculatedTransformB() const {
-    return m_rbB.getCenterOfMassTransform() * m_frame_b;
-  }
+  btTransform getCalculatedTransformA() const { return seenPoseOfA() * m_frame_a; }
+  btTransform getCalculatedTransformB() const { return seenPoseOfB() * m_frame_b; }
   /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
-  void setFrames(const btTransform& frameInA, const btTransform& frameInB);
+  virtual void setFrames(const btTransform& frameInA, const btTransform& frameInB);
 
   /// No position rows: the bodies share directions only.
   void setAngularOnly(bool angularOnly) { m_angular_only = angularOnly; }
   bool getAngularOnly() const { return m_angular_only; }
 
   /// ERP and CFM: the equalities; STOP_ERP, STOP_CFM: the limits. >= 0. Axis -1, or 0 to 5: one value
-  /// for all.
+  /// for all. Other axes and parameters are ignored, and read as 0. NaN and infinity are refused for
+  /// all.
   void setParam(int num, btScalar value, int axis = -1) override;
   btScalar getParam(int num, int axis = -1) const override;
 
@@ -60,14 +59,38 @@ class FrameJoint : public Joint {
   btTransform coincident(const btTransform& frameInA) const {
     return m_rbB.getCenterOfMassTransform().inverse() * m_rbA.getCenterOfMassTransform() * frameInA;
   }
+  // Throw if the limit of a held axis is not 0.
+  void held(const char* field, Scalar limit) const;
+  void held(const char* field, const btVector3& limits) const;
   /// What a joint remembers of its frames starts anew.
   virtual void framesChanged() {}
+
+  // What a subclass with a stock counterpart that has calculateTransforms offers: readings at poses of
+  // the bodies (world) that are given, until the next step, new frames or forgetPoses.
+  void calculateTransforms(const btTransform& transA, const btTransform& transB);
+  void forgetPoses() { m_reads_poses = false; }
+  bool readsPoses() const { return m_reads_poses; }
+  const btTransform& seenPoseOfA() const {
+    return m_reads_poses ? m_poses->a : m_rbA.getCenterOfMassTransform();
+  }
+  const btTransform& seenPoseOfB() const {
+    return m_reads_poses ? m_poses->b : m_rbB.getCenterOfMassTransform();
+  }
+  BodyPair seenPair() const;
 
   /// The three rows of the pivot, in the joint's formulation; none if the joint is angular only.
   void addPivotRows(const BodyPair& pair, const equations::Anchors<Scalar>& at, Rows& rows) const;
 
   btTransform m_frame_a = btTransform::getIdentity(), m_frame_b = btTransform::getIdentity();
   bool m_angular_only = false;
+
+ private:
+  struct Poses {
+    BT_DECLARE_ALIGNED_ALLOCATOR();
+    btTransform a, b;
+  };
+  bool m_reads_poses = false;
+  std::unique_ptr<Poses> m_poses;  ///< made when they are first given
 };
 
 }  // namespace PINTLE_PRECISION

@@ -199,7 +199,8 @@ void HingeBase::setMotorServo(btScalar target_angle, btScalar frequency_hz, btSc
 void HingeBase::setFriction(btScalar max_torque) { setAxisFriction(m_axis, max_torque); }
 
 void HingeBase::setParam(int num, btScalar value, int axis) {
-  if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
+  finite(parameterName(num), value);
+  if (axis != -1 && axis != 5) return;
   if (num == BT_CONSTRAINT_CFM)
     m_motor_cfm = notNegative("CFM", value);
   else
@@ -207,7 +208,7 @@ void HingeBase::setParam(int num, btScalar value, int axis) {
 }
 
 btScalar HingeBase::getParam(int num, int axis) const {
-  if (axis != -1 && axis != 5) reject("parameter axis", axis, "a hinge has axis 5 (or -1)");
+  if (axis != -1 && axis != 5) return 0;
   return num == BT_CONSTRAINT_CFM ? m_motor_cfm.orElse(0) : FrameJoint::getParam(num, axis);
 }
 
@@ -216,6 +217,22 @@ int HingeBase::getFlags() const {
          (m_motor_cfm.isSet() ? BT_HINGE_FLAGS_CFM_NORM : 0) |
          (m_limit_erp.isSet() ? BT_HINGE_FLAGS_ERP_STOP : 0) |
          (m_limit_cfm.isSet() ? BT_HINGE_FLAGS_CFM_STOP : 0);
+}
+
+void HingeBase::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                                   const btTransform& transB, const btVector3&, const btVector3&) {
+  getInfo2At(info, transA, transB);
+}
+
+void HingeBase::getInfo2Internal(btConstraintInfo2* info, const btTransform& transA,
+                                 const btTransform& transB, const btVector3&, const btVector3&) {
+  getInfo2At(info, transA, transB);
+}
+
+void HingeBase::getInfo2InternalUsingFrameOffset(btConstraintInfo2* info, const btTransform& transA,
+                                                 const btTransform& transB, const btVector3&,
+                                                 const btVector3&) {
+  getInfo2At(info, transA, transB);
 }
 
 void HingeBase::drawJoint(btIDebugDraw& drawer) const {

@@ -82,11 +82,24 @@ class HingeBase : public FrameJoint {
   void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
 
   /// ERP: position and axis rows, and the limit unless it has its own; CFM: the motor; STOP_ERP,
-  /// STOP_CFM: the limit. >= 0. Axis -1 or 5.
+  /// STOP_CFM: the limit. >= 0. Axis -1 or 5. As in Bullet other axes and parameters are ignored, and
+  /// read as 0. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_HINGE_FLAGS_* of the parameters that were set.
-  int getFlags() const;
+  virtual int getFlags() const;
+
+  /// The rows at other poses of the bodies; no more than getInfo1 announced. The velocities are the
+  /// bodies' own, whatever is given. (Bullet has two more names for it.)
+  void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                          const btTransform& transB, const btVector3& angVelA,
+                          const btVector3& angVelB);
+  void getInfo2Internal(btConstraintInfo2* info, const btTransform& transA,
+                        const btTransform& transB, const btVector3& angVelA,
+                        const btVector3& angVelB);
+  void getInfo2InternalUsingFrameOffset(btConstraintInfo2* info, const btTransform& transA,
+                                        const btTransform& transB, const btVector3& angVelA,
+                                        const btVector3& angVelB);
 
   // --- btHingeAccumulatedAngleConstraint ---------------------------------------------------------
   /// rad, with all turns since the joint was made: exact while no more than half a turn passes

@@ -77,11 +77,15 @@ class Joint : public btTypedConstraint {
   /// Draws the joint as Bullet draws its own: frames, axes and limits, of the size getDbgDrawSize().
   virtual void drawJoint(btIDebugDraw& drawer) const = 0;
 
-  // Bullet's solver calls these.
-  void buildJacobian() final;
-  void getInfo1(btConstraintInfo1* info) final;
-  void getInfo2(btConstraintInfo2* info) final;
-  void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) final;
+  // Bullet's solver calls these. A subclass that overrides one calls it, too, once a step.
+  void buildJacobian() override;
+  void getInfo1(btConstraintInfo1* info) override;
+  void getInfo2(btConstraintInfo2* info) override;
+  void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) override;
+  /// As Bullet has it: getInfo1 of the joint itself, whatever a subclass makes of it.
+  void getInfo1NonVirtual(btConstraintInfo1* info) { Joint::getInfo1(info); }
+  /// As in Bullet nothing to do.
+  void updateRHS(btScalar) {}
 
  protected:
   /// Memory for the rows is taken here, and kept as long as the joint.
@@ -128,6 +132,10 @@ class Joint : public btTypedConstraint {
     const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
     return part * (next * next);
   }
+  /// getInfo2 of the joint itself, of its rows at other poses of the bodies, as Bullet's
+  /// getInfo2NonVirtual has it. As many rows as getInfo1 announced at the most: a limit that acts at
+  /// these poses only has none. Velocities and inertias are the bodies' own.
+  void getInfo2At(btConstraintInfo2* info, const btTransform& pose_a, const btTransform& pose_b);
   bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
 
   /// The length of the last step; before the first one, Bullet's default.
@@ -161,6 +169,8 @@ class Joint : public btTypedConstraint {
   const btVector3& point(const char* field, const btVector3& value) const;
   btVector3 direction(const char* field, const btVector3& value) const;  ///< made unit
   const btTransform& frame(const char* field, const btTransform& value) const;
+  /// How errors name the value of a parameter of setParam.
+  static const char* parameterName(int num);
   // What a setter of an axis does, checks included.
   void setAxisLimit(Axis& axis, Scalar low, Scalar high) const;
   void setAxisSpring(Axis& axis, Scalar frequency_hz, Scalar damping_ratio) const;

@@ -65,6 +65,16 @@ const btTransform& Joint::frame(const char* field, const btTransform& value) con
   return value;
 }
 
+const char* Joint::parameterName(int num) {
+  switch (num) {
+    case BT_CONSTRAINT_ERP: return "ERP";
+    case BT_CONSTRAINT_STOP_ERP: return "STOP_ERP";
+    case BT_CONSTRAINT_CFM: return "CFM";
+    case BT_CONSTRAINT_STOP_CFM: return "STOP_CFM";
+    default: return "unknown parameter";
+  }
+}
+
 void Joint::setAxisLimit(Axis& axis, Scalar low, Scalar high) const {
   if (low != low) reject("lower limit", low, "must be a number");
   if (high != high) reject("upper limit", high, "must be a number");

@@ -102,8 +102,9 @@ void SliderJoint::updateState(const BodyPair& pair) { look(frames(pair), m_twist
 void SliderJoint::testLinLimits() { m_seen_position = getLinearPos(); }
 
 void SliderJoint::testAngLimits() {
-  updateState({m_rbA, m_rbB});
+  if (!readsPoses()) updateState({m_rbA, m_rbB});
   m_seen = m_twist;
+  if (readsPoses()) look(frames(seenPair()), m_seen);
 }
 
 btVector3 SliderJoint::getAncorInA() const {
@@ -113,14 +114,14 @@ btVector3 SliderJoint::getAncorInA() const {
 }
 
 btScalar SliderJoint::getLinearPos() const {
-  const Frames at = frames({m_rbA, m_rbB});
+  const Frames at = frames(seenPair());
   return m_sign * at.offset[0];
 }
 
 btScalar SliderJoint::getAngularPos() const {
   if (m_angular.limited() && (m_angular.low < -SIMD_PI || m_angular.high > SIMD_PI)) {
     UnwrappedAngle now = m_twist;
-    look(frames({m_rbA, m_rbB}), now);
+    look(frames(seenPair()), now);
     return now.value();
   }
   // By the y axis of b, as Bullet measures it also while the axes are apart.
@@ -248,16 +249,16 @@ void SliderJoint::setLinFriction(btScalar max_force) {
 }
 void SliderJoint::setAngFriction(btScalar max_torque) { setAxisFriction(m_angular, max_torque); }
 
-// Which of the numbers a parameter is.
+// Which of the numbers a parameter is, if any.
 struct SliderJoint::Slot {
-  Feel SliderJoint::*feel;
-  Scalar Feel::*number;
-  int flag;
+  Feel SliderJoint::*feel = nullptr;
+  Scalar Feel::*number = nullptr;
+  int flag = 0;
 };
 
-SliderJoint::Slot SliderJoint::slot(int num, int axis) const {
+SliderJoint::Slot SliderJoint::slot(int num, int axis) {
   using J = SliderJoint;
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  if (axis > 5) return {};
   // 0: along, 1: across, 2: about, 3: the directions.
   const int group = axis < 1 ? 0 : axis < 3 ? 1 : axis == 3 ? 2 : 3;
   Feel J::*const stops[] = {&J::m_lim_lin, &J::m_ortho_lin, &J::m_lim_ang, &J::m_ortho_ang};
@@ -271,27 +272,29 @@ SliderJoint::Slot SliderJoint::slot(int num, int axis) const {
     case BT_CONSTRAINT_CFM:
       if (group == 0) return {&J::m_dir_lin, &Feel::cfm, BT_SLIDER_FLAGS_CFM_DIRLIN};
       if (group == 2) return {&J::m_dir_ang, &Feel::cfm, BT_SLIDER_FLAGS_CFM_DIRANG};
-      reject("parameter axis", axis, "only motors have a CFM: -1, 0 or 3");
-    default: reject("parameter", num, "no such parameter");
+      return {};
+    default: return {};
   }
 }
 
 void SliderJoint::setParam(int num, btScalar value, int axis) {
-  if (num == BT_CONSTRAINT_ERP) {
-    notNegative("ERP", value);
-    return;
-  }
+  finite(parameterName(num), value);
   const Slot to = slot(num, axis);
-  (this->*to.feel).*to.number =
-      notNegative(num == BT_CONSTRAINT_STOP_ERP ? "STOP_ERP" : "CFM", value);
+  if (to.feel == nullptr) return;
+  (this->*to.feel).*to.number = notNegative(parameterName(num), value);
   m_flags |= to.flag;
   feelChanged();
 }
 
 btScalar SliderJoint::getParam(int num, int axis) const {
-  if (num == BT_CONSTRAINT_ERP) return infinity;
   const Slot of = slot(num, axis);
-  return (this->*of.feel).*of.number;
+  return of.feel == nullptr ? infinity : (this->*of.feel).*of.number;
+}
+
+void SliderJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                                     const btTransform& transB, const btVector3&, const btVector3&,
+                                     btScalar, btScalar) {
+  getInfo2At(info, transA, transB);
 }
 
 void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
@@ -310,6 +313,7 @@ void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
 // --- rows ----------------------------------------------------------------------------------------
 
 PINTLE_FLATTEN void SliderJoint::prepare(const BodyPair& pair, Rows& rows) {
+  forgetPoses();
   const Frames at = frames(pair);
   look(at, m_twist);
   m_seen = m_twist;

@@ -126,6 +126,12 @@ class SliderJoint : public FrameJoint {
   /// more, on the side of the nearer one. With a limit beyond half a turn the accumulated angle.
   btScalar getAngularPos() const;
 
+  /// What the joint says of itself is from here on what holds at these poses of the bodies (world):
+  /// frames, position, angle (of the turn that is nearest), and what the next two look at. Until the
+  /// next step, or new frames: else it is what holds now.
+  void calculateTransforms(const btTransform& transA, const btTransform& transB) {
+    FrameJoint::calculateTransforms(transA, transB);
+  }
   /// Look at the bodies; the next four say what was seen then, or in the last step.
   void testLinLimits();
   void testAngLimits();
@@ -143,11 +149,17 @@ class SliderJoint : public FrameJoint {
   ///   STOP_ERP, STOP_CFM   0 (or -1): linear limit; 1, 2: rows across the axis; 3: angular limit and
   ///                        locked angle; 4, 5: the axes' directions
   ///   CFM                  0 (or -1): linear motor; 3: angular motor
-  ///   ERP                  accepted, and as in Bullet without effect; read as SIMD_INFINITY
+  /// As in Bullet an axis below 0 is 0, and other parameters (ERP) and axes are ignored, and read as
+  /// SIMD_INFINITY. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_SLIDER_FLAGS_* of the parameters that were set.
-  int getFlags() const { return m_flags; }
+  virtual int getFlags() const { return m_flags; }
+  /// The rows at other poses of the bodies; no more than getInfo1 announced. Velocities and masses are
+  /// the bodies' own, whatever is given.
+  void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                          const btTransform& transB, const btVector3& linVelA,
+                          const btVector3& linVelB, btScalar rbAinvMass, btScalar rbBinvMass);
 
   // --- beyond Bullet -----------------------------------------------------------------------------
   /// rad, with all turns since the joint was made: exact while no more than half a turn passes
@@ -233,7 +245,7 @@ class SliderJoint : public FrameJoint {
   void setDamping(Feel& feel, Scalar damping);
   void feelChanged();
   struct Slot;
-  Slot slot(int num, int axis) const;
+  static Slot slot(int num, int axis);
 
   Axis m_linear, m_angular;
   AxisParameters m_linear_parameters, m_angular_parameters;

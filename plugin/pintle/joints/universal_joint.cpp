@@ -9,8 +9,6 @@
 #include <pintle/rows/row.h>
 #include <pintle/rows/turn_of_step.h>
 
-#include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -28,6 +26,7 @@ constexpr Scalar most_cosine2 = Scalar(0.75);
 
 // Bullet's, short of where its angles are singular.
 constexpr Scalar limit_margin = Scalar(0.01);
+constexpr Scalar default_motor_torque = 6;  // N m
 
 }  // namespace
 
@@ -132,7 +131,7 @@ int UniversalJoint::indexOf(int axis) const {
 
 btScalar UniversalJoint::getAngle(int axis_index) const {
   if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
-  const Frames at = frames({m_rbA, m_rbB});
+  const Frames at = frames(seenPair());
   if (axis_index == 0) return sign * equations::universal_row(at.z, at.y).C;
   Angles now = m_angles;
   look(at, now);
@@ -142,7 +141,7 @@ btScalar UniversalJoint::getAngle(int axis_index) const {
 btScalar UniversalJoint::getAccumulatedAngle(int axis) const {
   const int index = indexOf(axis);
   Angles now = m_angles;
-  look(frames({m_rbA, m_rbB}), now);
+  look(frames(seenPair()), now);
   return sign * (index == 1 ? now.alpha : now.beta).value();
 }
 
@@ -158,7 +157,7 @@ btVector3 UniversalJoint::getAxis(int axis_index) const {
   if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
   const btMatrix3x3 b = getCalculatedTransformB().getBasis();
   if (axis_index != 0) return b.getColumn(axis_index);
-  const Frames at = frames({m_rbA, m_rbB});
+  const Frames at = frames(seenPair());
   const Vec3 normal = equations::universal_row(at.z, at.y).J_b;
   return {normal.x(), normal.y(), normal.z()};
 }
@@ -181,7 +180,7 @@ void UniversalJoint::setDefaults() {
     // Bullet's limits: no part of a correction is held back, and none rebounds.
     axis.bias = 1;
     axis.relaxation = 0;
-    axis.max_motor_force = 6;
+    axis.max_motor_force = default_motor_torque;
   }
 }
 
@@ -194,7 +193,22 @@ void UniversalJoint::setHingeLimit(int index, Scalar low, Scalar high) {
 }
 
 void UniversalJoint::setLimit(int axis, btScalar lo, btScalar hi) {
+  if (axis >= 0 && axis < 4) {
+    held("lower limit", lo);
+    held("upper limit", hi);
+    return;
+  }
+  takeLimitMotors();
   setHingeLimit(indexOf(axis), lo, hi);
+  showLimitMotors();
+}
+
+void UniversalJoint::setLinearLowerLimit(const btVector3& linearLower) {
+  held("linear lower limit", linearLower);
+}
+
+void UniversalJoint::setLinearUpperLimit(const btVector3& linearUpper) {
+  held("linear upper limit", linearUpper);
 }
 
 void UniversalJoint::setUpperLimit(btScalar ang1max, btScalar ang2max) {
@@ -206,43 +220,53 @@ void UniversalJoint::setLowerLimit(btScalar ang1min, btScalar ang2min) {
 }
 
 void UniversalJoint::setAngularLowerLimit(const btVector3& angularLower) {
-  if (angularLower.x() != 0) reject("lower limit of axis 3", angularLower.x(), "must be 0: held");
+  held("lower limit of axis 3", angularLower.x());
+  takeLimitMotors();
   Axis tried = m_hinges[1].axis;
   setAxisLimit(tried, angularLower.z(), tried.high);
   setHingeLimit(0, angularLower.y(), m_hinges[0].axis.high);
   setHingeLimit(1, angularLower.z(), m_hinges[1].axis.high);
+  showLimitMotors();
 }
 
 void UniversalJoint::setAngularUpperLimit(const btVector3& angularUpper) {
-  if (angularUpper.x() != 0) reject("upper limit of axis 3", angularUpper.x(), "must be 0: held");
+  held("upper limit of axis 3", angularUpper.x());
+  takeLimitMotors();
   Axis tried = m_hinges[1].axis;
   setAxisLimit(tried, tried.low, angularUpper.z());
   setHingeLimit(0, m_hinges[0].axis.low, angularUpper.y());
   setHingeLimit(1, m_hinges[1].axis.low, angularUpper.z());
+  showLimitMotors();
 }
 
 void UniversalJoint::getAngularLowerLimit(btVector3& angularLower) const {
-  angularLower.setValue(0, m_hinges[0].axis.low, m_hinges[1].axis.low);
+  angularLower.setValue(0, limitOf(0).low, limitOf(1).low);
 }
 
 void UniversalJoint::getAngularUpperLimit(btVector3& angularUpper) const {
-  angularUpper.setValue(0, m_hinges[0].axis.high, m_hinges[1].axis.high);
+  angularUpper.setValue(0, limitOf(0).high, limitOf(1).high);
 }
 
 bool UniversalJoint::isLimited(int limitIndex) const {
   if (limitIndex >= 0 && limitIndex <= 3) return true;
-  return hinge(limitIndex).axis.limited();
+  const Limit limit = limitOf(indexOf(limitIndex));
+  return limit.low <= limit.high;
 }
 
 void UniversalJoint::enableMotor(int axis, bool on, btScalar velocity, btScalar max_torque) {
   setAxisForceMotor(hinge(axis).axis, on, velocity, max_torque);
+  showLimitMotors();
 }
 
-void UniversalJoint::enableMotor(int axis, bool on) { hinge(axis).axis.enable(on); }
+void UniversalJoint::enableMotor(int axis, bool on) {
+  hinge(axis).axis.enable(on);
+  showLimitMotors();
+}
 
 void UniversalJoint::setMotorServo(int axis, btScalar target_angle, btScalar frequency_hz,
                                    btScalar damping_ratio, btScalar max_torque) {
   setAxisServo(hinge(axis).axis, target_angle, frequency_hz, damping_ratio, max_torque);
+  showLimitMotors();
 }
 
 void UniversalJoint::setLimitSpring(int axis, btScalar frequency_hz, btScalar damping_ratio) {
@@ -251,6 +275,7 @@ void UniversalJoint::setLimitSpring(int axis, btScalar frequency_hz, btScalar da
 
 void UniversalJoint::setLimitBounce(int axis, btScalar bounce) {
   hinge(axis).axis.relaxation = notNegative("limit bounce", bounce);
+  showLimitMotors();
 }
 
 void UniversalJoint::setFriction(int axis, btScalar max_torque) {
@@ -258,49 +283,141 @@ void UniversalJoint::setFriction(int axis, btScalar max_torque) {
 }
 
 void UniversalJoint::setParam(int num, btScalar value, int axis) {
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
-  if (axis == -1) {
-    for (int i = 0; i < 6; ++i)
-      if (num != BT_CONSTRAINT_ERP || i < 4) setParam(num, value, i);
-    return;
-  }
+  const char* const field = parameterName(num);
+  finite(field, value);
+  if (axis < 0 || axis > 5) return;
+  takeLimitMotors();
   const bool held = axis < 4;
-  if (num == BT_CONSTRAINT_ERP && !held) reject("parameter axis", axis, "ERP: must be 0 to 3");
   int flag = 0;
   switch (num) {
-    case BT_CONSTRAINT_ERP:
     case BT_CONSTRAINT_STOP_ERP:
-      notNegative(num == BT_CONSTRAINT_ERP ? "ERP" : "STOP_ERP", value);
+      notNegative(field, value);
       (held ? m_erp : hinge(axis).parameters.limit_erp) = value;
       flag = BT_6DOF_FLAGS_ERP_STOP;
       break;
     case BT_CONSTRAINT_STOP_CFM:
-      notNegative("STOP_CFM", value);
+      notNegative(field, value);
       (held ? m_cfm : hinge(axis).parameters.limit_cfm) = value;
       flag = BT_6DOF_FLAGS_CFM_STOP;
       break;
     case BT_CONSTRAINT_CFM:
-      notNegative("CFM", value);
+      notNegative(field, value);
       (held ? m_held_motor_cfm : hinge(axis).parameters.motor_cfm) = value;
       flag = BT_6DOF_FLAGS_CFM_NORM;
       break;
-    default: reject("parameter", num, "no such parameter");
+    default: return;
   }
   m_flags |= flag << (axis * BT_6DOF_FLAGS_AXIS_SHIFT);
+  showLimitMotors();
 }
 
 btScalar UniversalJoint::getParam(int num, int axis) const {
-  if (axis < -1 || axis > 5) reject("parameter axis", axis, "must be -1 or 0 to 5");
+  if (axis < 0 || axis > 5) return 0;
   const bool held = axis < 4;
   switch (num) {
-    case BT_CONSTRAINT_ERP:
-      if (!held) reject("parameter axis", axis, "ERP: must be -1 or 0 to 3");
-      return m_erp.orElse(0);
     case BT_CONSTRAINT_STOP_ERP: return (held ? m_erp : hinge(axis).parameters.limit_erp).orElse(0);
     case BT_CONSTRAINT_STOP_CFM: return (held ? m_cfm : hinge(axis).parameters.limit_cfm).orElse(0);
     case BT_CONSTRAINT_CFM:
       return (held ? m_held_motor_cfm : hinge(axis).parameters.motor_cfm).orElse(0);
-    default: reject("parameter", num, "no such parameter");
+    default: return 0;
+  }
+}
+
+void UniversalJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                                        const btTransform& transB, const btVector3&,
+                                        const btVector3&, const btVector3&, const btVector3&) {
+  getInfo2At(info, transA, transB);
+}
+
+// --- Bullet's structs of settings ----------------------------------------------------------------
+
+btRotationalLimitMotor* UniversalJoint::getRotationalLimitMotor(int index) {
+  if (index < 0 || index > 2) reject("limit motor index", index, "must be 0 to 2");
+  if (!m_limit_motors) {
+    m_limit_motors = std::make_unique<LimitMotors>();
+    showLimitMotors();
+  } else {
+    takeLimitMotors();
+  }
+  return &m_limit_motors->fields[index];
+}
+
+bool UniversalJoint::testAngularLimitMotor(int axis_index) {
+  btRotationalLimitMotor& motor = *getRotationalLimitMotor(axis_index);
+  motor.m_currentPosition =
+      btAdjustAngleToLimits(getAngle(axis_index), motor.m_loLimit, motor.m_hiLimit);
+  motor.testLimitValue(motor.m_currentPosition);
+  return motor.needApplyTorques();
+}
+
+UniversalJoint::Limit UniversalJoint::limitOf(int index) const {
+  if (m_limit_motors) {
+    const btRotationalLimitMotor& fields = m_limit_motors->fields[index + 1];
+    return {fields.m_loLimit, fields.m_hiLimit};
+  }
+  return {m_hinges[index].axis.low, m_hinges[index].axis.high};
+}
+
+// Called in a step: what is no setting is left as it was, and shown to be.
+void UniversalJoint::takeLimitMotors() {
+  if (!m_limit_motors) return;
+  for (int index = 0; index < 2; ++index) {
+    const btRotationalLimitMotor &fields = m_limit_motors->fields[index + 1],
+                                 &shown = m_limit_motors->shown[index + 1];
+    Axis& axis = m_hinges[index].axis;
+    const Scalar low = fields.m_loLimit, high = fields.m_hiLimit;
+    const bool leaves_an_angle = low > high || (low <= high && low < infinity && high > -infinity);
+    if ((low != shown.m_loLimit || high != shown.m_hiLimit) && leaves_an_angle)
+      setHingeLimit(index, low, high);
+    if (fields.m_maxMotorForce != shown.m_maxMotorForce && fields.m_maxMotorForce >= 0)
+      axis.max_motor_force = btMin(Scalar(fields.m_maxMotorForce), infinity);
+    if (fields.m_targetVelocity != shown.m_targetVelocity &&
+        BodyPair::is_finite(fields.m_targetVelocity)) {
+      axis.motor_velocity = fields.m_targetVelocity;
+      axis.choose(Axis::Drive::velocity);
+    }
+    if (fields.m_enableMotor != shown.m_enableMotor) axis.enable(fields.m_enableMotor);
+    if (fields.m_bounce != shown.m_bounce && fields.m_bounce >= 0 && fields.m_bounce < infinity)
+      axis.relaxation = fields.m_bounce;
+  }
+  for (int i = 0; i < 3; ++i) takeParameters(i);
+  showLimitMotors();
+}
+
+// Bullet writes over the fields in each step, unless setParam has set them.
+void UniversalJoint::takeParameters(int i) {
+  const btRotationalLimitMotor &fields = m_limit_motors->fields[i],
+                               &shown = m_limit_motors->shown[i];
+  const int flags = m_flags >> ((i + 3) * BT_6DOF_FLAGS_AXIS_SHIFT);
+  const auto take = [flags](Parameter& to, btScalar value, btScalar last, int flag) {
+    if ((flags & flag) != 0 && value != last && value >= 0 && value < infinity) to = value;
+  };
+  AxisParameters* const own = i > 0 ? &m_hinges[i - 1].parameters : nullptr;
+  take(own ? own->limit_erp : m_erp, fields.m_stopERP, shown.m_stopERP, BT_6DOF_FLAGS_ERP_STOP);
+  take(own ? own->limit_cfm : m_cfm, fields.m_stopCFM, shown.m_stopCFM, BT_6DOF_FLAGS_CFM_STOP);
+  take(own ? own->motor_cfm : m_held_motor_cfm, fields.m_normalCFM, shown.m_normalCFM,
+       BT_6DOF_FLAGS_CFM_NORM);
+}
+
+void UniversalJoint::showLimitMotors() {
+  if (!m_limit_motors) return;
+  for (int i = 0; i < 3; ++i) {
+    btRotationalLimitMotor& fields = m_limit_motors->fields[i];
+    const bool held = i == 0;
+    Axis axis;
+    axis.low = axis.high = axis.relaxation = 0;
+    axis.max_motor_force = default_motor_torque;
+    if (!held) axis = m_hinges[i - 1].axis;
+    fields.m_loLimit = axis.low;
+    fields.m_hiLimit = axis.high;
+    fields.m_enableMotor = axis.drive != Axis::Drive::off;
+    fields.m_targetVelocity = axis.motor_velocity;
+    fields.m_maxMotorForce = axis.max_motor_force;
+    fields.m_bounce = axis.relaxation;
+    fields.m_stopERP = (held ? m_erp : m_hinges[i - 1].parameters.limit_erp).orElse(Scalar(0.2f));
+    fields.m_stopCFM = (held ? m_cfm : m_hinges[i - 1].parameters.limit_cfm).orElse(0);
+    fields.m_normalCFM = (held ? m_held_motor_cfm : m_hinges[i - 1].parameters.motor_cfm).orElse(0);
+    m_limit_motors->shown[i] = fields;
   }
 }
 
@@ -325,8 +442,12 @@ inline bool UniversalJoint::rightWayUp() const {
 }
 
 PINTLE_FLATTEN void UniversalJoint::prepare(const BodyPair& pair, Rows& rows) {
+  forgetPoses();
+  takeLimitMotors();
   const Frames at = frames(pair);
   look(at, m_angles);
+  if (m_limit_motors)
+    for (int i = 0; i < 3; ++i) testAngularLimitMotor(i);
   addRows(pair, at, m_angles, rows);
 }
 

@@ -4,6 +4,10 @@
 #include <pintle/joints/frame_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
+
+#include <memory>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -21,11 +25,7 @@ class AngularReach;
 /// bent shaft has no lever to turn the other one there.
 ///
 /// Everything that btUniversalConstraint has, under the same name, with the same signs and
-/// defaults, but getRotationalLimitMotor(i): its fields are
-///   m_enableMotor, m_targetVelocity, m_maxMotorForce   enableMotor(i + 3, on, velocity, torque)
-///   m_loLimit, m_hiLimit                               setLimit(i + 3, low, high), getLowerLimit..
-///   m_bounce                                           setLimitBounce(i + 3, bounce)
-///   m_stopERP, m_stopCFM, m_normalCFM                  setParam(.., i + 3)
+/// defaults, but what would free the position or drive it (getTranslationalLimitMotor).
 class UniversalJoint : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -59,8 +59,14 @@ class UniversalJoint : public FrameJoint {
   void setAxis(const btVector3& axis1, const btVector3& axis2);
 
   // --- btGeneric6DofConstraint -------------------------------------------------------------------
-  /// Nothing to do: readings are always those of now.
-  void calculateTransforms() {}
+  /// What the joint says of itself is what holds now,
+  void calculateTransforms() { forgetPoses(); }
+  /// or at these poses of the bodies (world), until the next step or new frames.
+  void calculateTransforms(const btTransform& transA, const btTransform& transB) {
+    FrameJoint::calculateTransforms(transA, transB);
+  }
+  /// Called by nothing, and nothing to do.
+  virtual void calcAnchorPos() {}
   /// rad: 2 angle 1, 1 angle 2, in [-pi, pi]; 0 the error by which the axes are off their right
   /// angle.
   btScalar getAngle(int axis_index) const;
@@ -71,8 +77,13 @@ class UniversalJoint : public FrameJoint {
   /// low <= angle <= high (rad) of axis 5 (angle 1) or 4 (angle 2), over any number of turns. low =
   /// high locks, low > high frees, an infinite side is free. A new limit of less than a turn holds
   /// in the turn that the joint is in, unless setAccumulatedAngle said which that is. Defaults:
-  /// +-(pi - 0.01) and +-(pi/2 - 0.01).
+  /// +-(pi - 0.01) and +-(pi/2 - 0.01). Axes 0 to 3 are held: 0 and 0 only.
   void setLimit(int axis, btScalar lo, btScalar hi);
+  /// All 0, and can be set to nothing else.
+  void setLinearLowerLimit(const btVector3& linearLower);
+  void setLinearUpperLimit(const btVector3& linearUpper);
+  void getLinearLowerLimit(btVector3& linearLower) const { linearLower.setZero(); }
+  void getLinearUpperLimit(btVector3& linearUpper) const { linearUpper.setZero(); }
   /// Of (nothing: 0, angle 2, angle 1).
   void setAngularLowerLimit(const btVector3& angularLower);
   void setAngularUpperLimit(const btVector3& angularUpper);
@@ -80,23 +91,50 @@ class UniversalJoint : public FrameJoint {
   void getAngularUpperLimit(btVector3& angularUpper) const;
   /// Axes 0 to 3 are held: limited.
   bool isLimited(int limitIndex) const;
+  /// Limit and motor of angle 1 (index 2), angle 2 (1) and of the axis that is held (0), as Bullet has
+  /// them, for as long as the joint lives. Written to, the fields have effect from the next step, call
+  /// of a setter or of this on; they show what the setters do.
+  ///   m_loLimit, m_hiLimit   rad: setLimit
+  ///   m_enableMotor, m_targetVelocity (rad/s), m_maxMotorForce (N m, >= 0): enableMotor
+  ///   m_bounce               >= 0: setLimitBounce
+  ///   m_stopERP, m_stopCFM, m_normalCFM   >= 0; as in Bullet without effect before setParam of them
+  ///   m_currentPosition, m_currentLimit, m_currentLimitError   as the last step found them
+  ///   the others             as in Bullet without effect
+  /// What is no setting (NaN, a bound below 0) goes back to what it was. Index 0 has the three
+  /// parameters only.
+  btRotationalLimitMotor* getRotationalLimitMotor(int index);
+  /// Looks at the angle and its limit now (fields m_current..): whether limit or motor acts.
+  bool testAngularLimitMotor(int axis_index);
+  /// Kept, and without effect.
+  bool getUseLinearReferenceFrameA() const { return m_use_linear_reference_frame_a; }
+  void setUseLinearReferenceFrameA(bool linearReferenceFrameA) {
+    m_use_linear_reference_frame_a = linearReferenceFrameA;
+  }
+  /// As in Bullet without effect.
+  bool m_useSolveConstraintObsolete = false;
   /// Bullet's way to rows that converge; here it is setBlockRows.
   bool getUseFrameOffset() const { return getBlockRows(); }
   void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
 
   /// STOP_ERP and STOP_CFM of axis 4 or 5: its limit; of 0 to 3: all that is held, one value for
-  /// them. CFM of axis 4 or 5: its motor; of 0 to 3: no effect, as in Bullet. ERP of axis 0 to 3:
-  /// as STOP_ERP. Axis -1: all of them. >= 0.
+  /// them. CFM of axis 4 or 5: its motor; of 0 to 3: no effect, as in Bullet. >= 0. As in Bullet
+  /// other axes (-1, too) and parameters (ERP) are ignored, and read as 0. NaN and infinity are
+  /// refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
-  /// Of axis -1: of what is held.
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_6DOF_FLAGS_* of the parameters that were set, three bits an axis.
-  int getFlags() const { return m_flags; }
+  virtual int getFlags() const { return m_flags; }
+  /// The rows at other poses of the bodies; no more than getInfo1 announced. The velocities are the
+  /// bodies' own, whatever is given.
+  void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
+                          const btTransform& transB, const btVector3& linVelA,
+                          const btVector3& linVelB, const btVector3& angVelA,
+                          const btVector3& angVelB);
 
   // --- beyond Bullet -----------------------------------------------------------------------------
   // `axis` is 5 (angle 1) or 4 (angle 2).
-  btScalar getLowerLimit(int axis) const { return hinge(axis).axis.low; }
-  btScalar getUpperLimit(int axis) const { return hinge(axis).axis.high; }
+  btScalar getLowerLimit(int axis) const { return limitOf(indexOf(axis)).low; }
+  btScalar getUpperLimit(int axis) const { return limitOf(indexOf(axis)).high; }
   /// rad, with all turns since the joint was made.
   btScalar getAccumulatedAngle(int axis) const;
   /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest
@@ -159,10 +197,22 @@ class UniversalJoint : public FrameJoint {
   /// Whether beta stays within a quarter of a turn: only then is turned_over an error.
   bool rightWayUp() const;
   int indexOf(int axis) const;
-  Hinge& hinge(int axis) { return m_hinges[indexOf(axis)]; }
+  Hinge& hinge(int axis) {
+    takeLimitMotors();
+    return m_hinges[indexOf(axis)];
+  }
   const Hinge& hinge(int axis) const { return m_hinges[indexOf(axis)]; }
   UnwrappedAngle& angle(int index) { return index == 1 ? m_angles.alpha : m_angles.beta; }
   void setHingeLimit(int index, Scalar low, Scalar high);
+  // The two ways between a client's fields and the settings.
+  void takeLimitMotors();
+  void showLimitMotors();
+  void takeParameters(int index);
+  /// As the client sees it.
+  struct Limit {
+    Scalar low, high;
+  };
+  Limit limitOf(int index) const;
   void setDefaults();
   btTransform frameOf(const btVector3& anchor, const btVector3& axis1,
                       const btVector3& axis2) const;
@@ -172,6 +222,11 @@ class UniversalJoint : public FrameJoint {
   btVector3 m_anchor, m_axis1, m_axis2;  ///< world, as given
   int m_flags = 0;
   Parameter m_held_motor_cfm;  ///< of the axes 0 to 3, which have no motor
+  bool m_use_linear_reference_frame_a = true;
+  struct LimitMotors {
+    btRotationalLimitMotor fields[3], shown[3];  ///< as they are, and as they were shown
+  };
+  std::unique_ptr<LimitMotors> m_limit_motors;  ///< made when they are first asked for
   static constexpr RowCount row_count{6, 2};
 };
 

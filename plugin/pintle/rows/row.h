@@ -90,6 +90,13 @@ class Rows {
   AxisState& axis(int i) { return m_axes[i]; }
   const AxisState& axis(int i) const { return m_axes[i]; }
   void clear() { m_size = m_axis_rows = 0; }
+  /// Leaves out what comes after the first n.
+  void truncate(int n) {
+    if (m_size <= n) return;
+    const int left = equalities() < n ? equalities() : n;
+    m_size = n;
+    m_axis_rows = static_cast<signed char>(n - left);
+  }
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,
                    Scalar curvature = 0) {

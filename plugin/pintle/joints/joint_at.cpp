@@ -1,0 +1,22 @@
+#include <pintle/joints/joint.h>
+
+#include <pintle/body_pair.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
+                       const btTransform& pose_b) {
+  const int announced = m_rows.size();
+  if (pose_a == m_rbA.getCenterOfMassTransform() && pose_b == m_rbB.getCenterOfMassTransform())
+    return Joint::getInfo2(info);
+  m_rows.clear();
+  const BodyPair pair(m_rbA, pose_a, m_rbB, pose_b);
+  if (pair.finite()) addRows(pair, m_rows);
+  // Bullet has no room for more.
+  m_rows.truncate(announced);
+  Joint::getInfo2(info);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
