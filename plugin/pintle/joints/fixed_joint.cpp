@@ -4,6 +4,7 @@
 #include <pintle/equations/orientation_lock.h>
 #include <pintle/equations/position.h>
 #include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 
@@ -57,6 +58,12 @@ btVector3 FixedJoint::getAxis(int axis_index) const {
   // Half-way round y, x of b is along z of a: any axis is as good.
   return length > SIMD_EPSILON ? axis / length
                                : getCalculatedTransformA().getBasis().getColumn(axis_index);
+}
+
+void FixedJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (drawsLimits(drawer))
+    drawPatch(drawer, getCalculatedTransformA(), getCalculatedTransformB(), m_dbgDrawSize, 0, 0, 0, 0);
 }
 
 // --- rows ----------------------------------------------------------------------------------------

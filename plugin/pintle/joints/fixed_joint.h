@@ -42,6 +42,8 @@ class FixedJoint : public FrameJoint {
   btVector3 getAxis(int axis_index) const;
   bool isLimited(int) const { return true; }
 
+  /// The frames, and what Bullet draws of limits that are 0.
+  void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "FixedJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
 

@@ -289,14 +289,12 @@ btScalar SliderJoint::getParam(int num, int axis) const {
 void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
-  const btTransform A = getCalculatedTransformA(), B = getCalculatedTransformB();
-  const btTransform& rail = m_sign > 0 ? A : B;
+  const btTransform B = getCalculatedTransformB(), rail = m_sign > 0 ? getCalculatedTransformA() : B;
   const Scalar low = m_linear.low, high = m_linear.high;
-  if (low < high && low > -infinity && high < infinity)
+  if (low <= high && low > -infinity && high < infinity)
     drawer.drawLine(rail(btVector3(low, 0, 0)), rail(btVector3(high, 0, 0)), limitColor());
-  if (!m_angular.locked())
-    drawRange(drawer, B.getOrigin(), A.getBasis().getColumn(0), A.getBasis().getColumn(1),
-              m_dbgDrawSize, m_angular.low, m_angular.high);
+  drawRange(drawer, B.getOrigin(), rail.getBasis().getColumn(0), rail.getBasis().getColumn(1),
+            m_dbgDrawSize, m_angular.low, m_angular.high);
 }
 
 // --- rows ----------------------------------------------------------------------------------------
