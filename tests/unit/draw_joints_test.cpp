@@ -90,8 +90,8 @@ void expectDrawnAsStock(Add add, const Poses& poses = {}) {
     SCOPED_TRACE(testing::Message() << "mode " << mode);
     const auto stock = lines(
         mode, [&](auto&... all) { add(std::common_type<Stock>(), all...); }, poses);
-    if (mode & (frames_mode | limits_mode)) {
-      EXPECT_FALSE(stock.empty());
+    if (mode & frames_mode) {
+      EXPECT_GE(stock.size(), 6u);
     }
     expectSame(lines(mode, [&](auto&... all) { add(std::common_type<Ours>(), all...); }, poses), stock);
   }
@@ -117,8 +117,7 @@ TEST(DrawJoints, AHingeDrawsTheLinesOfStocks) {
     SCOPED_TRACE(testing::Message() << "limit " << limit[0]);
     const auto add = [&](auto type, auto& world, auto& a, auto& b) {
       using Hinge = typename decltype(type)::type;
-      auto& hinge = world.template add_joint<Hinge>(a, b, vec(0.5, 0, 0), vec(-0.5, 0, 0),
-                                                    vec(0, 0, 1), vec(0, 0, 1));
+      auto& hinge = world.template add_joint<Hinge>(a, b, frame_a, frame_b);
       hinge.setLimit(scalar(limit[0]), scalar(limit[1]));
       hinge.setDbgDrawSize(scalar(0.7));
     };
@@ -499,17 +498,17 @@ class Log : public btIDebugDraw {
   template <class... T>
   void write(const char* name, const T&... what) {
     text << name;
-    (write(what), ...);
+    (put(what), ...);
     text << '\n';
   }
   template <class T>
-  void write(const T& what) {
+  void put(const T& what) {
     text << ' ' << what;
   }
-  void write(const btVector3& v) { text << ' ' << v.x() << ' ' << v.y() << ' ' << v.z(); }
-  void write(const btTransform& t) {
-    for (int i = 0; i < 3; ++i) write(t.getBasis()[i]);
-    write(t.getOrigin());
+  void put(const btVector3& v) { text << ' ' << v.x() << ' ' << v.y() << ' ' << v.z(); }
+  void put(const btTransform& t) {
+    for (int i = 0; i < 3; ++i) put(t.getBasis()[i]);
+    put(t.getOrigin());
   }
 
   int m_mode = 0;

@@ -355,12 +355,13 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   };
   add(at.a.b(), 1);
   add(at.a.c(), 2);
-  add_turn();
-  if (!limit && !driven) return;
-  const auto J = equations::contact_row(at.a.a(), anchors).J;
-  rows.addAxis(linear, J.L, J.A_a, J.A_b, m_sign * at.offset[0], m_linear, limit,
-               m_sign > 0 ? 1 : -1)
-      .curvature = m_sign * bend[0];
+  if (limit || driven) {
+    const auto J = equations::contact_row(at.a.a(), anchors).J;
+    rows.addAxis(linear, J.L, J.A_a, J.A_b, m_sign * at.offset[0], m_linear, limit,
+                 m_sign > 0 ? 1 : -1)
+        .curvature = m_sign * bend[0];
+  }
+  add_turn();  // the last one, which getAppliedImpulse tells of, as in Bullet
 }
 
 // About the axes of a, so that the angle has a row of its own.
