@@ -16,6 +16,9 @@ inline namespace PINTLE_PRECISION {
 ///
 ///   pintle::JointDrawing drawing(world);
 ///
+/// The lines are those of the stock joints in the same pose, but for limits that these do not have or draw wrong: one
+/// of a turn or more is drawn as a free one; a free slide has no line; the range of a twist stays where it is in frame b.
+///
 /// It sets a drawer of its own in the world, which hands everything on to the one that was there (every draw...,
 /// text, colours, debug mode, clearLines, flushLines), and draws the joints when Bullet's debugDrawWorld flushes the
 /// lines. getDebugDrawer() is not the drawer that was set, then: cast that one. The destructor puts it back,
