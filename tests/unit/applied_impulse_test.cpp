@@ -41,9 +41,11 @@ Load torque(const btVector3& torque) { return {vec(0, 0, 0), vec(0, 0, 0), torqu
 template <class Joint, class... More>
 Joint& makeJoint(scenes::World& world, btRigidBody& a, btRigidBody& b, const btTransform& frame_a,
                  const btTransform& frame_b, More... more) {
-  if constexpr (std::is_constructible_v<Joint, btRigidBody&, btRigidBody&, btTransform, btTransform, More...>)
+  if constexpr (std::is_constructible_v<Joint, btRigidBody&, btRigidBody&, btTransform, btTransform,
+                                        More...>)
     return world.add_joint<Joint>(a, b, frame_a, frame_b, more...);
-  else if constexpr (std::is_constructible_v<Joint, btRigidBody&, btRigidBody&, btVector3, btVector3>)
+  else if constexpr (std::is_constructible_v<Joint, btRigidBody&, btRigidBody&, btVector3,
+                                             btVector3>)
     return world.add_joint<Joint>(a, b, frame_a.getOrigin(), frame_b.getOrigin());
   else
     return world.add_joint<Joint>(a, b, vec(0, 0, 0), vec(0, 0, 1), vec(0, 1, 0));
@@ -89,17 +91,18 @@ const auto as_made = [](auto&) {};
 
 TEST(AppliedImpulse, OfABallIsStocks) {
   for (const double g : {-10, 10})
-    expectAsStock<pintle::BallJoint, btPoint2PointConstraint>("pivot", weight * dt,
-                                                              gravity(vec(0, 0, 0), vec(1, 2, g)), as_made);
+    expectAsStock<pintle::BallJoint, btPoint2PointConstraint>(
+        "pivot", weight * dt, gravity(vec(0, 0, 0), vec(1, 2, g)), as_made);
 }
 
 TEST(AppliedImpulse, OfAHingeIsStocks) {
   const auto expectSame = [](const char* what, double moment, auto set) {
-    expectAsStock<pintle::QuaternionHinge, btHingeConstraint>(what, std::abs(moment) * dt,
-                                                              torque(vec(1, 2, moment)), set, false);
+    expectAsStock<pintle::QuaternionHinge, btHingeConstraint>(
+        what, std::abs(moment) * dt, torque(vec(1, 2, moment)), set, false);
   };
   for (const double moment : {-8, 8}) {  // onto the low limit, and the high one
-    expectSame("limit", moment, [](auto& j) { j.setLimit(scalar(-0.1), scalar(0.1), 1, scalar(0.3), 0); });
+    expectSame("limit", moment,
+               [](auto& j) { j.setLimit(scalar(-0.1), scalar(0.1), 1, scalar(0.3), 0); });
     expectSame("motor", moment, [](auto& j) { j.enableAngularMotor(true, 0, 100); });
     expectSame("weak motor, on a limit", moment, [](auto& j) {
       j.setLimit(scalar(-0.1), scalar(0.1), 1, scalar(0.3), 0);
@@ -163,7 +166,8 @@ TEST(AppliedImpulse, OfAConeTwistJointIsStocks) {
                [](auto& j) { j.setLimit(scalar(0.1), 0, 3); });
     expectSame("swing 2, the other one locked", moment, swing_2,
                [](auto& j) { j.setLimit(0, scalar(0.1), 3); });
-    expectSame("twist", moment, gravity(y, vec(0, 0, g)), [](auto& j) { j.setLimit(1, 1, scalar(0.1)); });
+    expectSame("twist", moment, gravity(y, vec(0, 0, g)),
+               [](auto& j) { j.setLimit(1, 1, scalar(0.1)); });
     expectSame("a motor that cannot lift", 0.05, swing_1, [&](auto& j) {
       j.enableMotor(true);
       j.setMaxMotorImpulse(scalar(0.05));
@@ -195,8 +199,8 @@ TEST(AppliedImpulse, OfAUniversalJointIsStocks) {
 
 TEST(AppliedImpulse, OfAFixedJointIsStocks) {
   for (const double g : {-10, 10})
-    expectAsStock<pintle::FixedJoint, btFixedConstraint>("pivot", weight * dt,
-                                                         gravity(vec(arm, 0.1, 0.2), vec(1, 2, g)), as_made);
+    expectAsStock<pintle::FixedJoint, btFixedConstraint>(
+        "pivot", weight * dt, gravity(vec(arm, 0.1, 0.2), vec(1, 2, g)), as_made);
 }
 
 }  // namespace applied_impulse_test

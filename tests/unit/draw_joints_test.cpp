@@ -37,8 +37,8 @@ using support::vec;
 constexpr int frames_mode = btIDebugDraw::DBG_DrawConstraints;
 constexpr int limits_mode = btIDebugDraw::DBG_DrawConstraintLimits;
 // Every mode in which Bullet draws joints or nothing, beside each other and beside one that draws bodies.
-constexpr int modes[] = {btIDebugDraw::DBG_NoDebug, frames_mode, limits_mode, frames_mode | limits_mode,
-                         btIDebugDraw::DBG_DrawAabb | frames_mode};
+constexpr int modes[] = {btIDebugDraw::DBG_NoDebug, frames_mode, limits_mode,
+                         frames_mode | limits_mode, btIDebugDraw::DBG_DrawAabb | frames_mode};
 
 // Two boxes, or a box and one that does not move.
 struct Poses {
@@ -63,7 +63,9 @@ std::vector<Line> lines(int mode, Add add, const Poses& poses = {}) {
 
 bool isSame(const Line& l, const Line& m) {
   const btScalar tolerance = support::is_double ? scalar(1e-9) : scalar(1e-5);
-  const auto near = [&](const btVector3& x, const btVector3& y) { return (x - y).length() <= tolerance; };
+  const auto near = [&](const btVector3& x, const btVector3& y) {
+    return (x - y).length() <= tolerance;
+  };
   return near(l.color, m.color) &&
          ((near(l.from, m.from) && near(l.to, m.to)) || (near(l.from, m.to) && near(l.to, m.from)));
 }
@@ -75,8 +77,9 @@ void expectSame(const std::vector<Line>& ours, std::vector<Line> stock) {
     const auto found =
         std::find_if(stock.begin(), stock.end(), [&](const Line& l) { return isSame(l, line); });
     if (found == stock.end()) {
-      ADD_FAILURE() << "not of stock: " << line.from.x() << ' ' << line.from.y() << ' ' << line.from.z()
-                    << " to " << line.to.x() << ' ' << line.to.y() << ' ' << line.to.z();
+      ADD_FAILURE() << "not of stock: " << line.from.x() << ' ' << line.from.y() << ' '
+                    << line.from.z() << " to " << line.to.x() << ' ' << line.to.y() << ' '
+                    << line.to.z();
       return;
     }
     stock.erase(found);
@@ -93,7 +96,9 @@ void expectDrawnAsStock(Add add, const Poses& poses = {}) {
     if (mode & frames_mode) {
       EXPECT_GE(stock.size(), 6u);
     }
-    expectSame(lines(mode, [&](auto&... all) { add(std::common_type<Ours>(), all...); }, poses), stock);
+    expectSame(lines(
+                   mode, [&](auto&... all) { add(std::common_type<Ours>(), all...); }, poses),
+               stock);
   }
 }
 
@@ -142,8 +147,8 @@ TEST(DrawJoints, ASliderDrawsTheLinesOfStocks) {
       SCOPED_TRACE(testing::Message() << "frame a " << reference_a << ", angle " << angle[1]);
       expectDrawnAsStock<pintle::SliderJoint, btSliderConstraint>(
           [&](auto type, auto& world, auto& a, auto& b) {
-            auto& slider = world.template add_joint<typename decltype(type)::type>(a, b, frame_a, frame_b,
-                                                                                   reference_a);
+            auto& slider = world.template add_joint<typename decltype(type)::type>(
+                a, b, frame_a, frame_b, reference_a);
             slider.setLowerLinLimit(scalar(-0.5));
             slider.setUpperLinLimit(2);
             slider.setLowerAngLimit(scalar(angle[0]));
@@ -170,11 +175,12 @@ TEST(DrawJoints, AConeTwistJointDrawsTheLinesOfStocks) {
   // Where b moves stock's range of the twist goes back by the twist, which is not that of frame b.
   const Poses poses[] = {apart(none, vec(0, 0, 0)), apart(swing, vec(0.1, 0, 0)),
                          apart(none, vec(0, 0.1, 0), 0), apart(swing * twist, vec(0, 0, 0), 0)};
-  const double spans[][3] = {{0.5, 0.5, 0.3}, {0.4, 1.2, 2}, {1.1, 0.3, 0}, {0.6, 0.01, 0.5},
+  const double spans[][3] = {{0.5, 0.5, 0.3},  {0.4, 1.2, 2},   {1.1, 0.3, 0}, {0.6, 0.01, 0.5},
                              {0.01, 0.6, 0.5}, {0.02, 0.01, 1}, {2.5, 1.8, 3}};
   for (const Poses& pose : poses) {
     for (const auto& span : spans) {
-      SCOPED_TRACE(testing::Message() << "pose " << &pose - poses << ", spans " << span[0] << ' ' << span[1]);
+      SCOPED_TRACE(testing::Message()
+                   << "pose " << &pose - poses << ", spans " << span[0] << ' ' << span[1]);
       expectDrawnAsStock<pintle::ConeTwistJoint, btConeTwistConstraint>(
           [&](auto type, auto& world, auto& a, auto& b) {
             auto& joint =
@@ -190,7 +196,7 @@ TEST(DrawJoints, AConeTwistJointDrawsTheLinesOfStocks) {
 
 TEST(DrawJoints, AUniversalJointDrawsTheLinesOfStocks) {
   // Of angle 2, and of angle 1.
-  const double limits[][4] = {{-0.5, 0.8, -1, 2},  {-1.5, 1.5, -3, 3}, {-0.5, 0.8, 1, -1},
+  const double limits[][4] = {{-0.5, 0.8, -1, 2}, {-1.5, 1.5, -3, 3}, {-0.5, 0.8, 1, -1},
                               {0.5, -0.5, -1, 1}, {0, 0, -1, 1},      {-0.4, 0.4, 0, 0}};
   for (const auto& limit : limits) {
     SCOPED_TRACE(testing::Message() << "limit " << limit[0] << ", " << limit[2]);
@@ -202,8 +208,10 @@ TEST(DrawJoints, AUniversalJointDrawsTheLinesOfStocks) {
           joint.setUpperLimit(scalar(limit[1]), scalar(limit[3]));
           joint.setDbgDrawSize(scalar(0.7));
           // Bullet's draws where it was last asked to look.
-          a.setCenterOfMassTransform(btTransform(btQuaternion(vec(0, 0.6, 0.8), scalar(0.5)), vec(0, 0, 1)));
-          b.setCenterOfMassTransform(btTransform(btQuaternion(vec(1, 0, 0), scalar(0.3)), vec(1, 0, 1)));
+          a.setCenterOfMassTransform(
+              btTransform(btQuaternion(vec(0, 0.6, 0.8), scalar(0.5)), vec(0, 0, 1)));
+          b.setCenterOfMassTransform(
+              btTransform(btQuaternion(vec(1, 0, 0), scalar(0.3)), vec(1, 0, 1)));
           joint.calculateTransforms();
         });
   }
@@ -225,7 +233,8 @@ TEST(DrawJoints, AFixedJointDrawsTheLinesOfStocks) {
 TEST(DrawJoints, LimitsOfSeveralTurnsAreDrawnAsFreeOnes) {
   const auto hinge = [](double low, double high) {
     return lines(limits_mode, [=](auto& world, auto& a, auto& b) {
-      world.template add_joint<pintle::QuaternionHinge>(a, b, frame_a, frame_b).setLimit(scalar(low), scalar(high));
+      world.template add_joint<pintle::QuaternionHinge>(a, b, frame_a, frame_b)
+          .setLimit(scalar(low), scalar(high));
     });
   };
   EXPECT_FALSE(hinge(1, -1).empty());
@@ -446,8 +455,8 @@ class Log : public btIDebugDraw {
                     btScalar alpha) override {
     write("smooth triangle", a, b, c, l, m, n, color, alpha);
   }
-  void drawTriangle(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& color,
-                    btScalar alpha) override {
+  void drawTriangle(const btVector3& a, const btVector3& b, const btVector3& c,
+                    const btVector3& color, btScalar alpha) override {
     write("triangle", a, b, c, color, alpha);
   }
   void drawContactPoint(const btVector3& p, const btVector3& n, btScalar d, int life,
@@ -463,12 +472,13 @@ class Log : public btIDebugDraw {
   }
   void drawTransform(const btTransform& t, btScalar size) override { write("transform", t, size); }
   void drawArc(const btVector3& p, const btVector3& n, const btVector3& a, btScalar r, btScalar s,
-               btScalar low, btScalar high, const btVector3& c, bool sector, btScalar step) override {
+               btScalar low, btScalar high, const btVector3& c, bool sector,
+               btScalar step) override {
     write("arc", p, n, a, r, s, low, high, c, sector, step);
   }
   void drawSpherePatch(const btVector3& p, const btVector3& u, const btVector3& a, btScalar r,
-                       btScalar low, btScalar high, btScalar left, btScalar right, const btVector3& c,
-                       btScalar step, bool center) override {
+                       btScalar low, btScalar high, btScalar left, btScalar right,
+                       const btVector3& c, btScalar step, bool center) override {
     write("patch", p, u, a, r, low, high, left, right, c, step, center);
   }
   void drawBox(const btVector3& a, const btVector3& b, const btVector3& c) override {
@@ -478,7 +488,8 @@ class Log : public btIDebugDraw {
                const btVector3& c) override {
     write("turned box", a, b, t, c);
   }
-  void drawCapsule(btScalar r, btScalar h, int up, const btTransform& t, const btVector3& c) override {
+  void drawCapsule(btScalar r, btScalar h, int up, const btTransform& t,
+                   const btVector3& c) override {
     write("capsule", r, h, up, t, c);
   }
   void drawCylinder(btScalar r, btScalar h, int up, const btTransform& t,
@@ -488,7 +499,8 @@ class Log : public btIDebugDraw {
   void drawCone(btScalar r, btScalar h, int up, const btTransform& t, const btVector3& c) override {
     write("cone", r, h, up, t, c);
   }
-  void drawPlane(const btVector3& n, btScalar d, const btTransform& t, const btVector3& c) override {
+  void drawPlane(const btVector3& n, btScalar d, const btTransform& t,
+                 const btVector3& c) override {
     write("plane", n, d, t, c);
   }
   void clearLines() override { write("clear"); }

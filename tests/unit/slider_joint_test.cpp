@@ -1263,7 +1263,7 @@ TEST(Slider, DrawsItsFramesAndLimits) {
   const int limits = btIDebugDraw::DBG_DrawConstraintLimits;
   EXPECT_EQ(lines(0), 0);
   EXPECT_EQ(lines(frames), 6);
-  const int locked = 3;  // a sector of no width, as Bullet draws it
+  const int locked = 3;              // a sector of no width, as Bullet draws it
   EXPECT_EQ(lines(limits), locked);  // free along
   rig.joint->setLowerLinLimit(-1);
   rig.joint->setUpperLinLimit(1);

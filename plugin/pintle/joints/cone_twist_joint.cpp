@@ -444,8 +444,8 @@ void ConeTwistJoint::drawJoint(btIDebugDraw& drawer) const {
   const btTransform tr = in_b ? B : getCalculatedTransformA();
   const Scalar twist = in_b ? Scalar(0) : getTwist();
   const bool held = m_twist.limited();
-  drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(0), tr.getBasis().getColumn(1), m_dbgDrawSize,
-            held ? m_twist_low - twist : 1, held ? m_twist_high - twist : -1);
+  drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(0), tr.getBasis().getColumn(1),
+            m_dbgDrawSize, held ? m_twist_low - twist : 1, held ? m_twist_high - twist : -1);
 }
 
 // --- rows ----------------------------------------------------------------------------------------
@@ -577,8 +577,7 @@ void ConeTwistJoint::addOneSwingLimit(const At& at, const Turning& turning, Rows
   const Scalar angle = inTurnOf(m_swing, -to.angle());
   const Reach reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()),
                     turning.gained() * J_b.norm()};
-  if (reach.of(m_swing).reaches(m_swing, angle))
-    addRange(rows, swing_axis, J_b, angle, m_swing);
+  if (reach.of(m_swing).reaches(m_swing, angle)) addRange(rows, swing_axis, J_b, angle, m_swing);
 }
 
 inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, Rows& rows) const {

@@ -64,17 +64,17 @@ class JointDrawing::Drawer : public btIDebugDraw {
   void drawSphere(const btVector3& p, btScalar radius, const btVector3& color) override {
     m_to.drawSphere(p, radius, color);
   }
-  void drawTriangle(const btVector3& v0, const btVector3& v1, const btVector3& v2, const btVector3& n0,
-                    const btVector3& n1, const btVector3& n2, const btVector3& color,
-                    btScalar alpha) override {
+  void drawTriangle(const btVector3& v0, const btVector3& v1, const btVector3& v2,
+                    const btVector3& n0, const btVector3& n1, const btVector3& n2,
+                    const btVector3& color, btScalar alpha) override {
     m_to.drawTriangle(v0, v1, v2, n0, n1, n2, color, alpha);
   }
   void drawTriangle(const btVector3& v0, const btVector3& v1, const btVector3& v2,
                     const btVector3& color, btScalar alpha) override {
     m_to.drawTriangle(v0, v1, v2, color, alpha);
   }
-  void drawContactPoint(const btVector3& point_on_b, const btVector3& normal_on_b, btScalar distance,
-                        int life_time, const btVector3& color) override {
+  void drawContactPoint(const btVector3& point_on_b, const btVector3& normal_on_b,
+                        btScalar distance, int life_time, const btVector3& color) override {
     m_to.drawContactPoint(point_on_b, normal_on_b, distance, life_time, color);
   }
   void drawAabb(const btVector3& from, const btVector3& to, const btVector3& color) override {
@@ -107,8 +107,8 @@ class JointDrawing::Drawer : public btIDebugDraw {
                    const btVector3& color) override {
     m_to.drawCapsule(radius, half_height, up_axis, transform, color);
   }
-  void drawCylinder(btScalar radius, btScalar half_height, int up_axis, const btTransform& transform,
-                    const btVector3& color) override {
+  void drawCylinder(btScalar radius, btScalar half_height, int up_axis,
+                    const btTransform& transform, const btVector3& color) override {
     m_to.drawCylinder(radius, half_height, up_axis, transform, color);
   }
   void drawCone(btScalar radius, btScalar height, int up_axis, const btTransform& transform,
@@ -142,7 +142,8 @@ JointDrawing::~JointDrawing() {
 
 void drawJoints(btDynamicsWorld& world) {
   btIDebugDraw* const drawer = world.getDebugDrawer();
-  if (drawer != nullptr && dynamic_cast<JointDrawing::Drawer*>(drawer) == nullptr) draw(world, *drawer);
+  if (drawer != nullptr && dynamic_cast<JointDrawing::Drawer*>(drawer) == nullptr)
+    draw(world, *drawer);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -10,19 +10,21 @@ class btDynamicsWorld;
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// While it lives, the world's debugDrawWorld() draws the world's Pintle joints as it draws Bullet's own: those
-/// that are in the world then, each once, in the debug modes btIDebugDraw::DBG_DrawConstraints (frames) and
-/// DBG_DrawConstraintLimits. One line after world.setDebugDrawer(&drawer):
+/// While it lives, the world's debugDrawWorld() draws the world's Pintle joints as it draws Bullet's own:
+/// those that are in the world then, each once, in the debug modes btIDebugDraw::DBG_DrawConstraints
+/// (frames) and DBG_DrawConstraintLimits. One line after world.setDebugDrawer(&drawer):
 ///
 ///   pintle::JointDrawing drawing(world);
 ///
-/// The lines are those of the stock joints in the same pose, but for limits that these do not have or draw wrong: one
-/// of a turn or more is drawn as a free one; a free slide has no line; the range of a twist stays where it is in frame b.
+/// The lines are those of the stock joints in the same pose, but for limits that these do not have or draw
+/// wrong: one of a turn or more is drawn as a free one, a free slide has no line, and the range of a twist
+/// stays where it is in frame b.
 ///
-/// It sets a drawer of its own in the world, which hands everything on to the one that was there (every draw...,
-/// text, colours, debug mode, clearLines, flushLines), and draws the joints when Bullet's debugDrawWorld flushes the
-/// lines. getDebugDrawer() is not the drawer that was set, then: cast that one. The destructor puts it back,
-/// unless another one has been set since, which draws no joints. Both the world and its drawer outlive this.
+/// It sets a drawer of its own in the world. That one hands everything on to the one that was there (every
+/// draw..., text, colours, debug mode, clearLines, flushLines), and draws the joints when debugDrawWorld()
+/// flushes the lines. getDebugDrawer() then is not the drawer that was set: do not cast it. The destructor
+/// puts the old one back, unless another one has been set since, which draws no joints. Both the world and
+/// its drawer outlive this.
 class JointDrawing {
  public:
   /// Throws std::invalid_argument if the world has no drawer, or has a JointDrawing.

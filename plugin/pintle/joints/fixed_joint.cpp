@@ -62,8 +62,9 @@ btVector3 FixedJoint::getAxis(int axis_index) const {
 
 void FixedJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
-  if (drawsLimits(drawer))
-    drawPatch(drawer, getCalculatedTransformA(), getCalculatedTransformB(), m_dbgDrawSize, 0, 0, 0, 0);
+  if (!drawsLimits(drawer)) return;
+  const btTransform a = getCalculatedTransformA(), b = getCalculatedTransformB();
+  drawPatch(drawer, a, b, m_dbgDrawSize, 0, 0, 0, 0);
 }
 
 // --- rows ----------------------------------------------------------------------------------------

@@ -289,7 +289,8 @@ btScalar SliderJoint::getParam(int num, int axis) const {
 void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
-  const btTransform B = getCalculatedTransformB(), rail = m_sign > 0 ? getCalculatedTransformA() : B;
+  const btTransform B = getCalculatedTransformB();
+  const btTransform rail = m_sign > 0 ? getCalculatedTransformA() : B;
   const Scalar low = m_linear.low, high = m_linear.high;
   if (low <= high && low > -infinity && high < infinity)
     drawer.drawLine(rail(btVector3(low, 0, 0)), rail(btVector3(high, 0, 0)), limitColor());

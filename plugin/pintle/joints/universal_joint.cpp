@@ -307,8 +307,8 @@ void UniversalJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
   const Axis &angle_2 = m_hinges[0].axis, &angle_1 = m_hinges[1].axis;
-  drawPatch(drawer, getCalculatedTransformA(), getCalculatedTransformB(), m_dbgDrawSize, angle_2.low,
-            angle_2.high, angle_1.low, angle_1.high);
+  drawPatch(drawer, getCalculatedTransformA(), getCalculatedTransformB(), m_dbgDrawSize,
+            angle_2.low, angle_2.high, angle_1.low, angle_1.high);
 }
 
 // --- rows ----------------------------------------------------------------------------------------
