@@ -902,8 +902,8 @@ TEST(Slider, TheImpulsesOfBothAxesAreKnownApart) {
       EXPECT_NEAR(ang, -10 * dt, 5e-3 * 10 * dt);
       EXPECT_GT(slider.getLinLimitImpulse(), 0);
       EXPECT_LT(slider.getAngLimitImpulse(), 0);
-      // Bullet's own reading is the last row's: the linear axis, a positive.
-      EXPECT_NEAR(-sign * double(slider.getAppliedImpulse()), lin, near);
+      // Bullet's own reading is the last row's: the angle, a positive.
+      EXPECT_NEAR(-double(slider.getAppliedImpulse()), ang, near);
       // Off, and away from the limits: nothing.
       slider.setPoweredLinMotor(false);
       slider.setPoweredAngMotor(false);
