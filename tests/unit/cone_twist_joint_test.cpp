@@ -1114,8 +1114,9 @@ TEST(ConeTwistImpulses, AddUpToTheJointsTorque) {
     pintle::Rows rows(memory);
     limb.joint->addRows(pintle::BodyPair(*limb.a, *limb.b), rows);
     ASSERT_EQ(rows.size(), 5);
+    // In which a turns as the coordinate grows.
     const auto direction = [&](int i) {
-      const pintle::Vec3& J = rows[i].A_b;
+      const pintle::Vec3 J = -pintle::Scalar(rows.axis(rows[i].axis).sign) * rows[i].A_b;
       return btVector3(J.x(), J.y(), J.z());
     };
     limb.step();

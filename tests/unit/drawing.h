@@ -12,15 +12,15 @@
 namespace drawing {
 
 struct Line {
-  btVector3 from, to;
+  btVector3 from, to, color;
 };
 
 class Recorder : public btIDebugDraw {
  public:
   explicit Recorder(int mode = DBG_DrawConstraints | DBG_DrawConstraintLimits) : m_mode(mode) {}
   using btIDebugDraw::drawLine;
-  void drawLine(const btVector3& from, const btVector3& to, const btVector3&) override {
-    lines.push_back({from, to});
+  void drawLine(const btVector3& from, const btVector3& to, const btVector3& color) override {
+    lines.push_back({from, to, color});
   }
   void drawContactPoint(const btVector3&, const btVector3&, btScalar, int,
                         const btVector3&) override {}

@@ -46,6 +46,12 @@ void setRange(Axis& axis, Scalar low, Scalar high) {
   axis.high = held ? high : Scalar(-1);
 }
 
+// The row of a limit at both ends, whose angle moves with -J_b. As in Bullet its impulse is positive at either.
+void addRange(Rows& rows, int index, const Vec3& J_b, Scalar angle, const Axis& axis) {
+  const int sign = !axis.locked() && axis.high - angle < angle - axis.low ? 1 : -1;
+  rows.addAngularAxis(index, -Scalar(sign) * J_b, angle, axis, true, sign);
+}
+
 Quaternion<Scalar> fromBullet(const btQuaternion& q) { return {q.w(), Vec3(q.x(), q.y(), q.z())}; }
 btQuaternion toBullet(const Quaternion<Scalar>& q) { return {q.v.x(), q.v.y(), q.v.z(), q.w}; }
 
@@ -467,16 +473,20 @@ btVector3 ConeTwistJoint::GetPointForAngle(btScalar angleInRadians, btScalar len
 void ConeTwistJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
-  const btTransform tr = m_rbB.getCenterOfMassTransform() * m_frame_b;
-  if (m_swing.limited()) {
+  const btTransform B = getCalculatedTransformB();
+  if (m_swing.limited() || m_swings == Swings::locked) {
     constexpr int segments = 32;
-    drawCone(drawer, tr.getOrigin(), segments, [&](int i) {
-      return tr * GetPointForAngle(SIMD_2_PI * Scalar(i) / segments, m_dbgDrawSize);
+    drawCone(drawer, B.getOrigin(), segments, [&](int i) {
+      return B * GetPointForAngle(SIMD_2_PI * Scalar(i) / segments, m_dbgDrawSize);
     });
   }
-  if (!m_twist.locked())
-    drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(0), tr.getBasis().getColumn(1),
-              m_dbgDrawSize, m_twist.low, m_twist.high);
+  // As Bullet has it: in a where b does not move. There the range of a's own y goes back by the twist.
+  const bool in_b = m_rbB.getInvMass() > 0;
+  const btTransform tr = in_b ? B : getCalculatedTransformA();
+  const Scalar twist = in_b ? Scalar(0) : getTwist();
+  const bool held = m_twist.limited();
+  drawRange(drawer, tr.getOrigin(), tr.getBasis().getColumn(0), tr.getBasis().getColumn(1),
+            m_dbgDrawSize, held ? m_twist_low - twist : 1, held ? m_twist_high - twist : -1);
 }
 
 // --- rows ----------------------------------------------------------------------------------------
@@ -596,7 +606,7 @@ void ConeTwistJoint::addNearConeLimit(const At& at, Scalar gained, Rows& rows) c
   }
   const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
   if (reach.of(m_swing).reaches(m_swing, row.C))
-    rows.addAngularAxis(swing_axis, row.J_b, row.C, m_swing, true, -1);
+    rows.addAngularAxis(swing_axis, -row.J_b, row.C, m_swing, true);
 }
 
 // The one swing that is not locked, as body a sees it.
@@ -608,8 +618,7 @@ void ConeTwistJoint::addOneSwingLimit(const At& at, const Turning& turning, Rows
   const Scalar angle = inTurnOf(m_swing, -to.angle());
   const Reach reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()),
                     turning.gained() * J_b.norm()};
-  if (reach.of(m_swing).reaches(m_swing, angle))
-    rows.addAngularAxis(swing_axis, J_b, angle, m_swing, true, -1);
+  if (reach.of(m_swing).reaches(m_swing, angle)) addRange(rows, swing_axis, J_b, angle, m_swing);
 }
 
 inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, Rows& rows) const {
@@ -627,7 +636,7 @@ void ConeTwistJoint::addNearTwistLimit(const At& at, Scalar gained, Rows& rows) 
   const Reach reach =
       Reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained}.of(m_twist);
   const Scalar angle = inTurnOf(m_twist, -arctangent(to.y, to.x));
-  if (reach.reaches(m_twist, angle)) rows.addAngularAxis(twist_axis, J_b, angle, m_twist, true, -1);
+  if (reach.reaches(m_twist, angle)) addRange(rows, twist_axis, J_b, angle, m_twist);
 }
 
 }  // namespace PINTLE_PRECISION

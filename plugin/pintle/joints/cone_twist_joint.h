@@ -152,7 +152,8 @@ class ConeTwistJoint : public FrameJoint {
   btVector3 getMotorImpulse() const { return rotationImpulse(Axis::motor); }
   btVector3 getFrictionImpulse() const { return rotationImpulse(Axis::friction); }
 
-  /// The frames, the cone, and the range of the twist about x of b.
+  /// The frames, the cone, and the range of the twist about x of b: as in Bullet with no softness, and about x
+  /// of a where b does not move.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "ConeTwistJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;

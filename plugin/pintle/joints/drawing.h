@@ -27,6 +27,20 @@ inline void drawRange(btIDebugDraw& drawer, const btVector3& centre, const btVec
                  limitColor(), sector);
 }
 
+/// The limits of a joint of six degrees of freedom whose position and turn about x are held, as Bullet draws
+/// them: where x of frame a may go in angle 1 (about y, within a quarter of a turn) and angle 2 (about z)
+/// of Bullet's, drawn at frame b, and the box, which is a point. low > high, or a turn or more: free.
+inline void drawPatch(btIDebugDraw& drawer, const btTransform& a, const btTransform& b,
+                      btScalar size, Scalar low_1, Scalar high_1, Scalar low_2, Scalar high_2) {
+  // Bullet's own buffers hold two turns.
+  const bool free = !(low_2 <= high_2 && high_2 - low_2 < SIMD_2_PI);
+  drawer.drawSpherePatch(b.getOrigin(), a.getBasis().getColumn(2), a.getBasis().getColumn(0),
+                         size * btScalar(0.9f), low_1, high_1, free ? 1 : low_2, free ? -1 : high_2,
+                         limitColor());
+  const btVector3 origin(0, 0, 0);
+  drawer.drawBox(origin, origin, a, limitColor());
+}
+
 /// A closed curve of directions with its cone's edges: point(i) for i in [0, segments).
 template <class Point>
 void drawCone(btIDebugDraw& drawer, const btVector3& apex, int segments, Point point) {

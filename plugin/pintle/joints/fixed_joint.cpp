@@ -4,6 +4,7 @@
 #include <pintle/equations/orientation_lock.h>
 #include <pintle/equations/position.h>
 #include <pintle/frame.h>
+#include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
 #include <pintle/rows/row.h>
 
@@ -92,6 +93,13 @@ btVector3 FixedJoint::getAxis(int axis_index) const {
   // Half-way round y, x of b is along z of a: any axis is as good.
   return length > SIMD_EPSILON ? axis / length
                                : getCalculatedTransformA().getBasis().getColumn(axis_index);
+}
+
+void FixedJoint::drawJoint(btIDebugDraw& drawer) const {
+  FrameJoint::drawJoint(drawer);
+  if (!drawsLimits(drawer)) return;
+  const btTransform a = getCalculatedTransformA(), b = getCalculatedTransformB();
+  drawPatch(drawer, a, b, m_dbgDrawSize, 0, 0, 0, 0);
 }
 
 // --- rows ----------------------------------------------------------------------------------------

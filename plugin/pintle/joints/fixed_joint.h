@@ -58,6 +58,8 @@ class FixedJoint : public FrameJoint {
   void getAngularLowerLimit(btVector3& angularLower) const { angularLower.setZero(); }
   void getAngularUpperLimit(btVector3& angularUpper) const { angularUpper.setZero(); }
 
+  /// The frames, and what Bullet draws of limits that are 0.
+  void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "FixedJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
 

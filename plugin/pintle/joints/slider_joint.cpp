@@ -300,14 +300,13 @@ void SliderJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform&
 void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
-  const btTransform A = getCalculatedTransformA(), B = getCalculatedTransformB();
-  const btTransform& rail = m_sign > 0 ? A : B;
+  const btTransform B = getCalculatedTransformB();
+  const btTransform rail = m_sign > 0 ? getCalculatedTransformA() : B;
   const Scalar low = m_linear.low, high = m_linear.high;
-  if (low < high && low > -infinity && high < infinity)
+  if (low <= high && low > -infinity && high < infinity)
     drawer.drawLine(rail(btVector3(low, 0, 0)), rail(btVector3(high, 0, 0)), limitColor());
-  if (!m_angular.locked())
-    drawRange(drawer, B.getOrigin(), A.getBasis().getColumn(0), A.getBasis().getColumn(1),
-              m_dbgDrawSize, m_angular.low, m_angular.high);
+  drawRange(drawer, B.getOrigin(), rail.getBasis().getColumn(0), rail.getBasis().getColumn(1),
+            m_dbgDrawSize, m_angular.low, m_angular.high);
 }
 
 // --- rows ----------------------------------------------------------------------------------------
@@ -369,12 +368,13 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   };
   add(at.a.b(), 1);
   add(at.a.c(), 2);
-  add_turn();
-  if (!limit && !driven) return;
-  const auto J = equations::contact_row(at.a.a(), anchors).J;
-  rows.addAxis(linear, J.L, J.A_a, J.A_b, m_sign * at.offset[0], m_linear, limit,
-               m_sign > 0 ? 1 : -1)
-      .curvature = m_sign * bend[0];
+  if (limit || driven) {
+    const auto J = equations::contact_row(at.a.a(), anchors).J;
+    rows.addAxis(linear, J.L, J.A_a, J.A_b, m_sign * at.offset[0], m_linear, limit,
+                 m_sign > 0 ? 1 : -1)
+        .curvature = m_sign * bend[0];
+  }
+  add_turn();  // the last one, which getAppliedImpulse tells of, as in Bullet
 }
 
 // About the axes of a, so that the angle has a row of its own.

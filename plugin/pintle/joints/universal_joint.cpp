@@ -424,14 +424,9 @@ void UniversalJoint::showLimitMotors() {
 void UniversalJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
   if (!drawsLimits(drawer)) return;
-  const btTransform a = getCalculatedTransformA(), b = getCalculatedTransformB();
-  const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
-  if (!first.locked())
-    drawRange(drawer, a.getOrigin(), -a.getBasis().getColumn(2), a.getBasis().getColumn(0),
-              m_dbgDrawSize, first.low, first.high);
-  if (!second.locked())
-    drawRange(drawer, b.getOrigin(), b.getBasis().getColumn(1), b.getBasis().getColumn(2),
-              m_dbgDrawSize, second.low, second.high);
+  const Axis &angle_2 = m_hinges[0].axis, &angle_1 = m_hinges[1].axis;
+  drawPatch(drawer, getCalculatedTransformA(), getCalculatedTransformB(), m_dbgDrawSize,
+            angle_2.low, angle_2.high, angle_1.low, angle_1.high);
 }
 
 // --- rows ----------------------------------------------------------------------------------------

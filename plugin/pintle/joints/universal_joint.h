@@ -163,7 +163,8 @@ class UniversalJoint : public FrameJoint {
   btScalar getLimitImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::limit); }
   btScalar getFrictionImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::friction); }
 
-  /// The frames, and the range of angle 1 about axis 1 and of angle 2 about axis 2.
+  /// The frames, and as Bullet draws it the patch of a sphere in both ranges: all round where angle 1 has a
+  /// turn or more, and angle 2 within a quarter of a turn.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "UniversalJoint"; }
   void addRows(const BodyPair& pair, Rows& rows) const override;
