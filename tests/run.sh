@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds and runs all tests in both precisions.
-# Usage: run.sh [--preset release|debug|sanitizers] [ctest options]
+# Usage: run.sh [--preset release|debug|clang-debug|sanitizers] [ctest options]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -11,7 +11,9 @@ if [ "${1-}" = --preset ]; then
 fi
 
 source tests/setup.sh
-pintle_install_packages
+packages=()
+[ "$preset" != clang-debug ] || packages+=(clang)
+pintle_install_packages ${packages[@]+"${packages[@]}"}
 
 cmake --preset "$preset"
 cmake --build --preset "$preset" --parallel "$(nproc)" --target pintle_tests

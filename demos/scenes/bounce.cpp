@@ -18,8 +18,8 @@ Scene bounce_scene(double restitution) {
   scene.probe_body = ball;
   scene.horizon = scene.seconds;
   scene.closed_form = [=](double time) -> Vector3d {
-    const double g = standard_gravity, speed = std::sqrt(2 * g * height);
-    return {0, 0, bouncing(time + speed / g, speed, g, restitution)};  // as if it was thrown up
+    const double g = standard_gravity, impact = std::sqrt(2 * g * height);
+    return {0, 0, bouncing(time + impact / g, impact, g, restitution)};  // as if it was thrown up
   };
   return scene;
 }

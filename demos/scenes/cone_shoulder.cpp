@@ -6,9 +6,9 @@
 namespace scenes {
 
 Scene cone_shoulder_scene(const Spans& spans, const Vector3d& throw_spin) {
-  const double arm = 0.3;
+  const double half_length = 0.3;
   Scene scene{"cone_shoulder", "limb thrown at an elliptic cone and a twist limit"};
-  Body limb = box(3, {arm, 0.06, 0.08}, {arm, 0, 0});
+  Body limb = box(3, {half_length, 0.06, 0.08}, {half_length, 0, 0});
   limb.damping = 0.6;
   spin(limb, throw_spin, {0, 0, 0});
   const int moving = scene.add(limb);

@@ -87,6 +87,7 @@ TEST_P(BulletNumbers, ARigidRowsImpulseIsTheDocuments) {
     const Scalar erp = scalar(0.35);
     auto& row = world.add_joint<OneRow>(a, b, J, scalar(C));
     row.soften(erp, 0);
+    row.enableFeedback(true);
     world.step(h);
     const Scalar bias = equations::baumgarte(scalar(C), erp, scalar(h));
     const Scalar lambda = equations::impulse(K, Jv, bias);

@@ -1,5 +1,6 @@
 // What ExactJointSolver promises beside its figures (exact_scenes_test.cpp): it takes Bullet's place in
 // all that a world, a joint and a body can see of a solver.
+#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/fixed_joint.h>
@@ -417,6 +418,7 @@ struct Driven {
     hinge = &world.add_joint<QuaternionHinge>(*arm, vec(-0.5, 0, 0), vec(0, 1, 0));
     world.add_joint<FixedJoint>(*arm, end, at(0.5, 0, 0), at(-0.1, 0, 0));
     hinge->enableAngularMotor(true, scalar(speed), scalar(torque / 60));
+    hinge->enableFeedback(true);
     // About the hinge: the boxes' own, and what they have off it.
     inertia = 1.04 / 12 + 0.25 + 10 * (0.08 / 12 + 1.1 * 1.1);
   }
@@ -453,6 +455,29 @@ TEST(ExactJointSolver, AWeakMotorGivesItsTorque) {
     ASSERT_NEAR(speed, of, 1e-3) << i;
     const double impulse = std::abs(double(driven.hinge->getAppliedImpulse()));
     ASSERT_NEAR(impulse, i < steps ? torque / 60 : std::min(impulse, torque / 60), 1e-6) << i;
+  }
+}
+
+// Its bounds then take all rows of the AngularLimit out of the system: a block without rows among those
+// that are factorised anew for the end of the step. (A step turns by a third of a rad: the closed form is
+// that of short steps.)
+TEST(ExactJointSolver, AMotorAtItsBoundBesideAHingeThatSpinsGivesItsImpulse) {
+  constexpr double radius = 0.5, speed = 20, impulse = 0.05;
+  World world(0, 10, exact);
+  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), at(0, 0, 0));
+  btRigidBody& arm = world.add_box(1, vec(radius, 0.05, 0.05), at(radius, 0, 0));
+  world.add_joint<QuaternionHinge>(post, arm, at(0, 0, 0), at(-radius, 0, 0));
+  auto& motor = world.add_joint<pintle::AngularLimit>(post, arm, at(0, 0, 0), at(-radius, 0, 0));
+  motor.enableAngularMotor(true, -100, scalar(impulse));
+  arm.setAngularVelocity(vec(0, 0, speed));
+  arm.setLinearVelocity(vec(0, radius * speed, 0));
+  const double inertia = 1 / double(arm.getInvInertiaTensorWorld()[2][2]) + radius * radius;
+  for (int i = 1; i <= 60; ++i) {
+    world.step(1. / 60);
+    ASSERT_NEAR(double(motor.getMotorImpulse()), -impulse, 1e-6) << i;
+    ASSERT_LT(double((arm.getCenterOfMassTransform() * vec(-radius, 0, 0)).length()), 1e-5) << i;
+    const double expected = speed - i * impulse / inertia;
+    ASSERT_NEAR(double(arm.getAngularVelocity().z()), expected, 0.02 * expected) << i;
   }
 }
 

@@ -303,6 +303,7 @@ TEST_P(Motor, MotorFrictionAndLimitEachReportTheirImpulse) {
     rig.hinge().setLimit(-1, 1);
     rig.hinge().enableAngularMotor(true, btScalar(way * 100), btScalar(motor_impulse));
     rig.hinge().setFriction(btScalar(friction_torque));
+    rig.hinge().enableFeedback(true);
     Momentum momentum(rig);
     bool free_run = false, pressed = false;
     for (int step = 0; step < 600; ++step) {

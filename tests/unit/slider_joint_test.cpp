@@ -882,6 +882,7 @@ TEST(Slider, TheImpulsesOfBothAxesAreKnownApart) {
       slider.setTargetAngMotorVelocity(1);  // the angle down, out of its limit, and too weak
       slider.setMaxAngMotorForce(2);
       slider.setPoweredAngMotor(true);
+      slider.enableFeedback(true);
       const double dt = 1.0 / 60, sign = use ? 1 : -1;
       for (int i = 0; i < 20; ++i) {
         rig.b->applyCentralForce(rig.axis() * scalar(-30 * sign));
