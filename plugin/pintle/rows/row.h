@@ -80,8 +80,7 @@ inline const AxisState& RowList::axis(int i) const { return m_axes[i]; }
 class Rows : public RowList {
  public:
   template <int N, int Axes>
-  Rows(RowMemory<N, Axes>& memory)
-      : RowList(memory.rows, memory.axes.data(), {N, Axes}) {}
+  Rows(RowMemory<N, Axes>& memory) : RowList(memory.rows, memory.axes.data(), {N, Axes}) {}
   explicit Rows(const RowList& empty) : RowList(empty) {}
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,
