@@ -30,7 +30,8 @@ class Rod : public pintle::Joint {
 }  // namespace
 
 int main() {
-  btRigidBody a(1, nullptr, nullptr, btVector3(1, 1, 1)), b(1, nullptr, nullptr, btVector3(1, 1, 1));
+  btRigidBody a(1, nullptr, nullptr, btVector3(1, 1, 1)),
+      b(1, nullptr, nullptr, btVector3(1, 1, 1));
   b.setCenterOfMassTransform(btTransform(btQuaternion::getIdentity(), btVector3(2, 0, 0)));
   Rod rod(a, b, 2);
   rod.buildJacobian();

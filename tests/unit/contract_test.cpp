@@ -28,9 +28,11 @@
 
 namespace contract_test {
 thread_local long allocations = 0;
+thread_local long allocated_bytes = 0;  // size_test.cpp looks at it
 
 void* allocate(std::size_t size, std::size_t alignment) {
   ++allocations;
+  allocated_bytes += long(size);
   const std::size_t rounded =
       (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
   if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;

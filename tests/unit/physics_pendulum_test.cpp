@@ -230,7 +230,8 @@ double late_energy(double rate) {
   const double arm = 0.5, amplitude = scenes::radians(120);
   scenes::World world;
   const Eigen::Matrix3d turn =
-      Eigen::AngleAxisd(pintle::pi / 2 - amplitude, Eigen::Vector3d(0, 1, 0)).toRotationMatrix();
+      Eigen::AngleAxisd(scenes::radians(90) - amplitude, Eigen::Vector3d(0, 1, 0))
+          .toRotationMatrix();
   btRigidBody& box = world.add_box(
       1, vector(arm, 0.1, 0.1),
       btTransform(scenes::matrix_to_bullet(turn), scenes::to_bullet(turn.col(0) * arm)));

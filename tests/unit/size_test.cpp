@@ -1,4 +1,4 @@
-// A joint takes at most one and a half times the memory of its stock counterpart.
+// A joint takes at most one and a half times the memory of its stock counterpart, that of its rows counted.
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
@@ -14,6 +14,12 @@
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/two_point_hinge.h>
 #include <pintle/joints/universal_joint.h>
+
+#include "support.h"
+
+namespace contract_test {
+extern thread_local long allocated_bytes;  // by operator new
+}
 
 namespace size_test {
 
@@ -36,7 +42,14 @@ using Pairs = testing::Types<
 TYPED_TEST_SUITE(Size, Pairs);
 
 TYPED_TEST(Size, IsAtMostHalfMoreThanStock) {
-  EXPECT_LE(2 * sizeof(typename TypeParam::joint), 3 * sizeof(typename TypeParam::stock));
+  using Joint = typename TypeParam::joint;
+  btRigidBody a(1, nullptr, nullptr), b(1, nullptr, nullptr);
+  const btTransform frame = btTransform::getIdentity();
+  const long before = contract_test::allocated_bytes;
+  const Joint joint(a, b, frame, frame);
+  const long rows = contract_test::allocated_bytes - before;
+  EXPECT_GT(rows, 0);
+  EXPECT_LE(2 * (long(sizeof(Joint)) + rows), 3 * long(sizeof(typename TypeParam::stock)));
 }
 
 }  // namespace size_test

@@ -95,7 +95,6 @@ struct ConeTwistJoint::Rotation {
   btVector3 velocity = {0, 0, 0};
   btQuaternion target = btQuaternion::getIdentity();
   btQuaternion reachable_target = btQuaternion::getIdentity();  ///< where the limits really are
-  RowMemory<8, axis_count> memory;
 };
 
 ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
@@ -310,10 +309,10 @@ void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
 // The settings of motor and friction.
 Axis& ConeTwistJoint::rotation() {
   if (!m_rotation) {
+    setRowCount({8, axis_count});
     m_rotation = new Rotation;
     m_rotation->axis.chosen = Axis::Drive::pose;
     m_rotation->axis.max_motor_impulse = infinity;
-    setRows(m_rotation->memory);
     limitsChanged();
   }
   return m_rotation->axis;
@@ -412,7 +411,7 @@ btVector3 ConeTwistJoint::rotationImpulse(Axis::Part part) const {
     const Scalar impulse = axisImpulse(i, part);
     if (impulse == 0) continue;
     // Rows of older steps may lie behind those of this one.
-    const Row* row = m_rotation->memory.rows;
+    const Row* row = &rows()[0];
     while (row->axis != i) ++row;
     sum -= impulse * row->A_b;
   }

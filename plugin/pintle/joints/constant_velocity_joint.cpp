@@ -191,8 +191,9 @@ void ConstantVelocityJoint::addRows(const BodyPair& pair, Rows& rows) const {
 }
 
 // By the chord between the shafts' ends, 2 sin(bend/2), which moves no faster than the bend.
-inline bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair, const Frames& at,
-                                                     Scalar cosine) const {
+PINTLE_NOINLINE bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair,
+                                                              const Frames& at,
+                                                              Scalar cosine) const {
   const AngularReach reach(pair, timeStep());
   if (m_bend_look.isFarInside(cosine, reach.most())) return false;
   const Vec3 now = at.x_b - at.x_a;

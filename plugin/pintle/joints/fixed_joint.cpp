@@ -19,8 +19,7 @@ FixedJoint::FixedJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& fr
   setFrames(frameInA, frameInB);
 }
 
-FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, row_count) {
+FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA) : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 

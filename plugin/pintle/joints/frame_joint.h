@@ -48,8 +48,8 @@ class FrameJoint : public Joint {
 
  protected:
   /// The constructor of the joint sets the frames: only there errors know its name.
-  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount count) : Joint(a, b, count) {}
-  FrameJoint(btRigidBody& a, RowCount count) : Joint(a, count) {}
+  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount most) : Joint(a, b, most) {}
+  FrameJoint(btRigidBody& a, RowCount most) : Joint(a, most) {}
 
   /// A right-handed basis of two unit vectors at right angles.
   static btMatrix3x3 basisOf(const btVector3& x, const btVector3& y) {

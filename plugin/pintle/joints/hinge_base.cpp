@@ -35,13 +35,13 @@ btVector3 zeroDirection(const btRigidBody& a, const btVector3& axis) {
 
 }  // namespace
 
-HingeBase::HingeBase(btRigidBody& a, btRigidBody& b, RowCount count, bool useReferenceFrameA)
-    : FrameJoint(a, b, count),
+HingeBase::HingeBase(btRigidBody& a, btRigidBody& b, RowCount most, bool useReferenceFrameA)
+    : FrameJoint(a, b, most),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {}
 
-HingeBase::HingeBase(btRigidBody& a, RowCount count, bool useReferenceFrameA)
-    : FrameJoint(a, count),
+HingeBase::HingeBase(btRigidBody& a, RowCount most, bool useReferenceFrameA)
+    : FrameJoint(a, most),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {}
 

@@ -120,7 +120,7 @@ struct Joint::Step {
   }
 };
 
-Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount count)
+Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount most)
     : btTypedConstraint(pintle_type, a, b),
       m_firmness_differs(false),
       m_foresees_curvature(false),
@@ -133,13 +133,17 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount count)
       m_formulation(Formulation::conditioned),
       m_looks_ahead(false),
       m_passes_done(0),
-      m_rows(makeRows(count.rows, count.axes)) {}
+      m_rows(makeRows(most)) {}
 
-Joint::Joint(btRigidBody& a, RowCount count) : Joint(a, getFixedBody(), count) {}
+Joint::Joint(btRigidBody& a, RowCount most) : Joint(a, getFixedBody(), most) {}
 
 Joint::~Joint() { deleteRows(m_rows); }
 
-void Joint::setRows(const Rows& rows) { m_rows = rows; }
+void Joint::setRowCount(RowCount most) {
+  const RowList old = m_rows;
+  m_rows = makeRows(most);
+  deleteRows(old);
+}
 
 void Joint::buildJacobian() {
   m_last_angular_speed = m_angular_speed;
@@ -164,7 +168,9 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   const int before = m_rows.size();
   m_rows.clear();
   const BodyPair pair(m_rbA, m_rbB);
-  if (pair.finite()) prepare(pair, m_rows);
+  Rows rows(m_rows);
+  if (pair.finite()) prepare(pair, rows);
+  m_rows = rows;
   // Other rows: what is remembered is not theirs.
   if (m_rows.size() != before) forget();
   info->m_numConstraintRows = m_rows.size();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/rows/axis_settings.h>
+#include <pintle/rows/row_list.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 
@@ -21,7 +22,6 @@ class Rows;
 struct AxisMotion;
 struct AxisRow;
 struct BlockRow;
-struct Row;
 
 /// Which form of its equations a joint solves.
 enum class Formulation : unsigned char {
@@ -33,11 +33,6 @@ enum class Formulation : unsigned char {
 struct ImpulseSetting {
   Scalar damping = 1;             ///< the part of the velocity that the rows take away
   Scalar max_impulse = infinity;  ///< N s, of each equality; with a bound they are not mixed
-};
-
-/// How many rows a joint may have, and how many of its axes: its free coordinates along which something can act.
-struct RowCount {
-  int rows, axes = 0;
 };
 
 /// A `btTypedConstraint` made of rows. Joints are added to a world, enabled, broken and read as any
@@ -88,11 +83,13 @@ class Joint : public btTypedConstraint {
   void updateRHS(btScalar) {}
 
  protected:
-  /// Memory for the rows is taken here, and kept as long as the joint.
-  Joint(btRigidBody& a, btRigidBody& b, RowCount count);
-  Joint(btRigidBody& a, RowCount count);  ///< b is Bullet's fixed body
-  /// Other memory for the rows, from the next step on: made of a RowMemory (rows/row.h) that lasts as the joint does.
-  void setRows(const Rows& rows);
+  /// The most rows that it has. Memory for them is taken here, and kept as long as the joint.
+  Joint(btRigidBody& a, btRigidBody& b, RowCount most);
+  Joint(btRigidBody& a, RowCount most);  ///< b is Bullet's fixed body
+  /// Another number, from the next step on. Those of the last one are forgotten.
+  void setRowCount(RowCount most);
+  /// Those of the last step.
+  const RowList& rows() const { return m_rows; }
 
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
   virtual void updateState(const BodyPair&) {}
@@ -221,7 +218,7 @@ class Joint : public btTypedConstraint {
   AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
                         AxisMotion& motion);
 
-  Rows& m_rows;
+  RowList m_rows;
   btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;

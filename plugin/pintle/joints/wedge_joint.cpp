@@ -77,8 +77,7 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& fr
   setDefaults();
 }
 
-WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, row_count) {
+WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA) : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   setDefaults();
 }

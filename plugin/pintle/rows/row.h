@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/rows/axis.h>
+#include <pintle/rows/row_list.h>
 #include <pintle/vectors.h>
 
 namespace pintle {
@@ -70,33 +71,17 @@ struct RowMemory {
   std::array<AxisState, Axes> axes;
 };
 
-/// The rows of one joint. Equalities come first.
-class Rows {
+inline Row& RowList::operator[](int i) { return m_rows[i]; }
+inline const Row& RowList::operator[](int i) const { return m_rows[i]; }
+inline AxisState& RowList::axis(int i) { return m_axes[i]; }
+inline const AxisState& RowList::axis(int i) const { return m_axes[i]; }
+
+/// What a joint adds its rows to.
+class Rows : public RowList {
  public:
   template <int N, int Axes>
-  Rows(RowMemory<N, Axes>& memory)
-      : Rows(memory.rows, N, memory.axes.data(), Axes) {}
-  Rows(Row* rows, int capacity, AxisState* axes, int axis_count)
-      : m_rows(rows),
-        m_axes(axes),
-        m_capacity(static_cast<signed char>(capacity)),
-        m_axis_count(static_cast<signed char>(axis_count)) {}
-
-  int size() const { return m_size; }
-  int equalities() const { return m_size - m_axis_rows; }
-  Row& operator[](int i) { return m_rows[i]; }
-  const Row& operator[](int i) const { return m_rows[i]; }
-  int axisCount() const { return m_axis_count; }
-  AxisState& axis(int i) { return m_axes[i]; }
-  const AxisState& axis(int i) const { return m_axes[i]; }
-  void clear() { m_size = m_axis_rows = 0; }
-  /// Leaves out what comes after the first n.
-  void truncate(int n) {
-    if (m_size <= n) return;
-    const int left = equalities() < n ? equalities() : n;
-    m_size = n;
-    m_axis_rows = static_cast<signed char>(n - left);
-  }
+  Rows(RowMemory<N, Axes>& memory) : RowList(memory.rows, memory.axes.data(), {N, Axes}) {}
+  explicit Rows(const RowList& empty) : RowList(empty) {}
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,
                    Scalar curvature = 0) {
@@ -146,18 +131,7 @@ class Rows {
     row.angular = row.limit = false;
     return row;
   }
-
-  Row* m_rows;
-  AxisState* m_axes;
-  int m_size = 0;
-  signed char m_axis_rows = 0;
-  [[maybe_unused]] signed char m_capacity;  ///< only assertions look at it
-  signed char m_axis_count;
 };
-
-/// Rows with memory of their own, all of it in one piece.
-Rows& makeRows(int rows, int axes);
-void deleteRows(Rows& rows);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

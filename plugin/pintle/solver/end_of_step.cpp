@@ -139,7 +139,7 @@ Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
 // A row that is not the one of its number at the start may be along what as many hold there: directions in a plane, or
 // in all of space, are chosen anew.
 inline EndOfStep::Match EndOfStep::match(const Joint& joint, const Rows& end, int i) {
-  const Rows& start = joint.m_rows;
+  const RowList& start = joint.m_rows;
   if (i >= start.equalities() || i >= end.equalities()) return Match::none;
   if (isSameRow(end[i], start[i])) return Match::same;
   if (end.equalities() != start.equalities()) return Match::none;
@@ -265,7 +265,7 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
       prefetch(&joint.getRigidBodyA().getLinearVelocity());
       prefetch(&joint.getRigidBodyB().getLinearVelocity());
       const Joint* ours = blocks[c + bodies_ahead].ours;
-      if (ours != nullptr) prefetch(&ours->m_rows, bytes_of_rows);
+      if (ours != nullptr) prefetch(&ours->m_rows[0], bytes_of_rows);
     }
     double* of = &error[block_rows * c];
     errors(blocks[c], rows, of, m_far[c], m_turned[c]);
