@@ -12,12 +12,12 @@ inline namespace PINTLE_PRECISION {
 
 FixedJoint::FixedJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                        const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : PosedJoint(rbA, rbB, m_row_memory) {
   setFrames(frameInA, frameInB);
 }
 
 FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : PosedJoint(rbA, m_row_memory) {
   setFrames(frameInA, coincident(frameInA));
 }
 

@@ -41,7 +41,7 @@ inline UniversalJoint::Frames UniversalJoint::frames(const BodyPair& pair) const
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
                                const btVector3& axis1, const btVector3& axis2)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : PosedJoint(rbA, rbB, m_row_memory) {
   setDefaults();
   const btTransform world = frameOf(point("anchor", anchor), axis1, axis2);
   m_anchor = anchor;
@@ -53,7 +53,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVecto
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                                const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, m_row_memory) {
+    : PosedJoint(rbA, rbB, m_row_memory) {
   setDefaults();
   setFrames(frameInA, frameInB);
   m_anchor = getAnchor();
@@ -62,7 +62,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTrans
 }
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, m_row_memory) {
+    : PosedJoint(rbA, m_row_memory) {
   setDefaults();
   setFrames(frameInA, coincident(frameInA));
   m_anchor = getAnchor();
@@ -116,6 +116,7 @@ inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
 void UniversalJoint::updateState(const BodyPair& pair) { look(frames(pair), m_angles); }
 
 void UniversalJoint::framesChanged() {
+  forgetPoses();
   m_angles = {};
   for (Hinge& hinge : m_hinges) hinge.turn_given = false;
   const Frames at = frames({m_rbA, m_rbB});
