@@ -564,7 +564,7 @@ TEST(ConstantVelocity, RefusesBadSettingsAndStaysAsItWas) {
                         {"velocity", "nan", [](J& j) { j.enableBendMotor(true, nan_value, 1); }},
                         {"velocity", "nan", [](J& j) { j.enableMotor(true, nan_value, 1); }},
                         {"torque", "-1", [](J& j) { j.enableMotor(true, 1, -1); }},
-                        {"parameter", "99", [](J& j) { j.setParam(99, 1); }}}) {
+                        {"parameter", "nan", [](J& j) { j.setParam(99, nan_value); }}}) {
     SCOPED_TRACE(testing::Message() << bad_call.field << " = " << bad_call.value);
     const auto joint = fresh(), twin = fresh();
     std::string message = "accepted";

@@ -287,7 +287,10 @@ TYPED_TEST(DropInClient, ASubclassThatCallsItsBaseIsTheSameJoint) {
                 EXPECT_EQ(joint.infos_1, 60);
                 EXPECT_GE(joint.infos_2,
                           59);  // some of Bullet's have no row while they hold exactly
-                EXPECT_GE(joint.solves, 60);
+                // The exact solver does so only where it iterates.
+                if (!onExactSolver()) {
+                  EXPECT_GE(joint.solves, 60);
+                }
               }));
     // Bullet's may announce a row more by that name.
     if constexpr (std::is_same_v<J, typename TypeParam::ours>)
@@ -295,7 +298,6 @@ TYPED_TEST(DropInClient, ASubclassThatCallsItsBaseIsTheSameJoint) {
     else
       swing<NonVirtual<J>>([](auto&) {});
   };
-  PINTLE_SKIP_ON_EXACT_SOLVER("it does not call solveConstraintObsolete");
   check(static_cast<typename TypeParam::ours*>(nullptr));
   check(static_cast<typename TypeParam::stock*>(nullptr));
 }
@@ -488,9 +490,9 @@ TEST(DropInClients, CalcAngleInfoAndCalculateTransformsGoBackToWhereTheBodiesAre
   const btMatrix3x3& I = a->getInvInertiaTensorWorld();
   pintle::ConeTwistJoint cone(*a, *b, frame, frame);
   cone.calcAngleInfo2(turned, frame, I, I);
-  EXPECT_NEAR(cone.getTwist(), 0.25, 10 * rounding);
+  EXPECT_NEAR(cone.getTwistAngle(), 0.25, 10 * rounding);
   cone.calcAngleInfo();
-  EXPECT_EQ(cone.getTwist(), 0);
+  EXPECT_EQ(cone.getTwistAngle(), 0);
   pintle::FixedJoint fixed(*a, *b, frame, frame);
   fixed.calculateTransforms(frame, turned);
   EXPECT_NEAR(std::abs(fixed.getAngle(0)), 0.25, 10 * rounding);

@@ -111,6 +111,7 @@ ConeTwistJoint::ConeTwistJoint(btRigidBody& rbA, const btTransform& rbAFrame)
 ConeTwistJoint::~ConeTwistJoint() { delete m_rotation; }
 
 void ConeTwistJoint::setUp(const btTransform& frame_a, const btTransform& frame_b) {
+  m_seen_past_twist = m_seen_past_swing = false;
   setFrames(frame_a, frame_b);
   m_swing.relaxation = m_twist.relaxation = 0;  // no rebound
   m_limit_erp = Scalar(0.3f);
@@ -426,38 +427,46 @@ inline ConeTwistJoint::At ConeTwistJoint::at(const BodyPair& pair) const {
 
 void ConeTwistJoint::calcAngleInfo2(const btTransform& transA, const btTransform& transB,
                                     const btMatrix3x3&, const btMatrix3x3&) {
-  calculateTransforms(transA, transB);
+  const BodyPair pair(m_rbA, transA, m_rbB, transB);
+  m_seen_twist = twistAt(pair);
+  m_seen_past_twist = isPastTwistLimit(m_seen_twist);
+  m_seen_past_swing = isPastSwingLimit(pair);
+  m_seen = true;
 }
 
-btScalar ConeTwistJoint::getTwist() const {
-  const BodyPair pair = seenPair();
+Scalar ConeTwistJoint::twistAt(const BodyPair& pair) const {
   return -equations::twist_angle(at(pair).twist());
 }
 
+btScalar ConeTwistJoint::getTwist() const { return twistAt({m_rbA, m_rbB}); }
+
 btScalar ConeTwistJoint::getTwistAngle() const {
-  return getTwistSpan() < 0 ? Scalar(0) : btFabs(getTwist());
+  return getTwistSpan() < 0 ? Scalar(0) : btFabs(m_seen ? m_seen_twist : getTwist());
 }
 
 btScalar ConeTwistJoint::getSwing1() const {
-  const BodyPair pair = seenPair();
+  const BodyPair pair(m_rbA, m_rbB);
   const At now = at(pair);
   return now.swing().sigma.dot(now.b.c());
 }
 
 btScalar ConeTwistJoint::getSwing2() const {
-  const BodyPair pair = seenPair();
+  const BodyPair pair(m_rbA, m_rbB);
   const At now = at(pair);
   return now.swing().sigma.dot(now.b.b());
 }
 
-bool ConeTwistJoint::isPastTwistLimit() const {
-  return m_twist.limited() && m_twist.distance(inTurnOf(m_twist, getTwist())) < 0;
+bool ConeTwistJoint::isPastTwistLimit(Scalar twist) const {
+  return m_twist.limited() && m_twist.distance(inTurnOf(m_twist, twist)) < 0;
 }
 
 bool ConeTwistJoint::isPastSwingLimit() {
+  return m_seen ? m_seen_past_swing : isPastSwingLimit({m_rbA, m_rbB});
+}
+
+bool ConeTwistJoint::isPastSwingLimit(const BodyPair& pair) const {
   if (m_swings != Swings::cone) return true;
   if (!m_swing.limited()) return false;
-  const BodyPair pair = seenPair();
   const At now = at(pair);
   return coneRow(now, now.swing()).C > 0;
 }

@@ -67,8 +67,8 @@ class ConeTwistJoint : public FrameJoint {
   btScalar getFixThresh() { return m_fix_threshold; }
   void setFixThresh(btScalar fixThresh);
 
-  /// What the joint says of itself is what holds now,
-  void calcAngleInfo() { forgetPoses(); }
+  /// The next five say what holds now,
+  void calcAngleInfo() { m_seen = false; }
   /// or at these poses of the bodies (world), until the next step or new frames. The inertias are not
   /// needed here.
   void calcAngleInfo2(const btTransform& transA, const btTransform& transB,
@@ -78,7 +78,7 @@ class ConeTwistJoint : public FrameJoint {
   /// As in Bullet always 0.
   btScalar getTwistLimitSign() { return 0; }
   /// Whether the twist, the swing is beyond its limit now. As in Bullet a locked swing always is.
-  int getSolveTwistLimit() { return isPastTwistLimit(); }
+  int getSolveTwistLimit() { return m_seen ? m_seen_past_twist : isPastTwistLimit(getTwist()); }
   int getSolveSwingLimit() { return isPastSwingLimit(); }
   bool isPastSwingLimit();
 
@@ -159,7 +159,8 @@ class ConeTwistJoint : public FrameJoint {
   void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair&) override { forgetPoses(); }
+  void updateState(const BodyPair&) override { m_seen = false; }
+  void framesChanged() override { m_seen = false; }
 
  private:
   enum AxisIndex {
@@ -186,7 +187,9 @@ class ConeTwistJoint : public FrameJoint {
   Scalar swingRadius(Scalar about_1, Scalar about_2, Scalar softness) const;
   btQuaternion limited(const btQuaternion& q, Scalar softness) const;
   At at(const BodyPair& pair) const;
-  bool isPastTwistLimit() const;
+  bool isPastTwistLimit(Scalar twist) const;
+  bool isPastSwingLimit(const BodyPair& pair) const;
+  Scalar twistAt(const BodyPair& pair) const;
   btVector3 rotationImpulse(Axis::Part part) const;
 
   Locks addLocks(const At& at, Rows& rows) const;
@@ -200,7 +203,9 @@ class ConeTwistJoint : public FrameJoint {
 
   Swings m_swings = Swings::cone;
   bool m_circular = true;
+  bool m_seen : 1, m_seen_past_twist : 1, m_seen_past_swing : 1;  ///< by calcAngleInfo2
   Scalar m_fix_threshold = Scalar(0.05f);
+  Scalar m_seen_twist = 0;
   Rotation* m_rotation = nullptr;  ///< of motor and friction; made when one of them is first set
   Axis m_swing;  ///< the limit; its coordinate is the distance out of the cone, or the one swing
   Axis m_twist;  ///< the limit, of a against b

@@ -15,11 +15,11 @@ inline namespace PINTLE_PRECISION {
 
 FixedJoint::FixedJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                        const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, row_count) {
+    : PosedJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
 }
 
-FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA) : FrameJoint(rbA, row_count) {
+FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA) : PosedJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 

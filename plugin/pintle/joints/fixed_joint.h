@@ -1,7 +1,7 @@
 // Purpose: the fixed joint (document, 3.1.3 + 3.2.3), in the place of btFixedConstraint.
 #pragma once
 
-#include <pintle/joints/frame_joint.h>
+#include <pintle/joints/posed_joint.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -17,7 +17,7 @@ class Frame;
 ///
 /// What btFixedConstraint has, under the same name. Not the setters that would drive an axis or put a
 /// spring on it, which it inherits from btGeneric6DofSpring2Constraint.
-class FixedJoint : public FrameJoint {
+class FixedJoint : public PosedJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -35,10 +35,7 @@ class FixedJoint : public FrameJoint {
   btScalar getParam(int num, int axis = -1) const override;
 
   // --- how far off it is, of the bodies as they are now -------------------------------------------
-  /// At these poses of the bodies (world), until the next step or new frames.
-  void calculateTransforms(const btTransform& transA, const btTransform& transB) {
-    FrameJoint::calculateTransforms(transA, transB);
-  }
+  using PosedJoint::calculateTransforms;
   void calculateTransforms() { forgetPoses(); }  ///< as they are now
   /// Origin of b's frame along axis 0 to 2 of a's (m).
   btScalar getRelativePivotPosition(int axis_index) const;
@@ -65,6 +62,7 @@ class FixedJoint : public FrameJoint {
 
  protected:
   void updateState(const BodyPair&) override { forgetPoses(); }
+  void framesChanged() override { forgetPoses(); }
 
  private:
   void addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b, Rows& rows) const;

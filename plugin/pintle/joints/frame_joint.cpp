@@ -1,6 +1,5 @@
 #include <pintle/joints/frame_joint.h>
 
-#include <pintle/body_pair.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/position_rows.h>
 
@@ -10,7 +9,6 @@ inline namespace PINTLE_PRECISION {
 void FrameJoint::setFrames(const btTransform& frameInA, const btTransform& frameInB) {
   frame("frameInA", frameInA);
   m_frame_b = frame("frameInB", frameInB);
-  forgetPoses();
   m_frame_a = frameInA;
   framesChanged();
 }
@@ -22,15 +20,6 @@ void FrameJoint::held(const char* field, Scalar limit) const {
 void FrameJoint::held(const char* field, const btVector3& limits) const {
   for (int i = 0; i < 3; ++i) held(field, limits[i]);
 }
-
-void FrameJoint::calculateTransforms(const btTransform& transA, const btTransform& transB) {
-  if (!m_poses) m_poses = std::make_unique<Poses>();
-  m_poses->a = transA;
-  m_poses->b = transB;
-  m_reads_poses = true;
-}
-
-BodyPair FrameJoint::seenPair() const { return {m_rbA, seenPoseOfA(), m_rbB, seenPoseOfB()}; }
 
 void FrameJoint::setParam(int num, btScalar value, int axis) {
   const char* const field = parameterName(num);

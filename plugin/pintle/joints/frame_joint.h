@@ -5,8 +5,6 @@
 
 #include <LinearMath/btTransform.h>
 
-#include <memory>
-
 namespace pintle {
 namespace equations {
 template <class T>
@@ -28,8 +26,12 @@ class FrameJoint : public Joint {
   const btTransform& getFrameOffsetA() const { return m_frame_a; }
   const btTransform& getFrameOffsetB() const { return m_frame_b; }
   /// The joint frames in the world, at the bodies' poses of now.
-  btTransform getCalculatedTransformA() const { return seenPoseOfA() * m_frame_a; }
-  btTransform getCalculatedTransformB() const { return seenPoseOfB() * m_frame_b; }
+  btTransform getCalculatedTransformA() const {
+    return m_rbA.getCenterOfMassTransform() * m_frame_a;
+  }
+  btTransform getCalculatedTransformB() const {
+    return m_rbB.getCenterOfMassTransform() * m_frame_b;
+  }
   /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
   virtual void setFrames(const btTransform& frameInA, const btTransform& frameInB);
 
@@ -65,32 +67,11 @@ class FrameJoint : public Joint {
   /// What a joint remembers of its frames starts anew.
   virtual void framesChanged() {}
 
-  // What a subclass with a stock counterpart that has calculateTransforms offers: readings at poses of
-  // the bodies (world) that are given, until the next step, new frames or forgetPoses.
-  void calculateTransforms(const btTransform& transA, const btTransform& transB);
-  void forgetPoses() { m_reads_poses = false; }
-  bool readsPoses() const { return m_reads_poses; }
-  const btTransform& seenPoseOfA() const {
-    return m_reads_poses ? m_poses->a : m_rbA.getCenterOfMassTransform();
-  }
-  const btTransform& seenPoseOfB() const {
-    return m_reads_poses ? m_poses->b : m_rbB.getCenterOfMassTransform();
-  }
-  BodyPair seenPair() const;
-
   /// The three rows of the pivot, in the joint's formulation; none if the joint is angular only.
   void addPivotRows(const BodyPair& pair, const equations::Anchors<Scalar>& at, Rows& rows) const;
 
   btTransform m_frame_a = btTransform::getIdentity(), m_frame_b = btTransform::getIdentity();
   bool m_angular_only = false;
-
- private:
-  struct Poses {
-    BT_DECLARE_ALIGNED_ALLOCATOR();
-    btTransform a, b;
-  };
-  bool m_reads_poses = false;
-  std::unique_ptr<Poses> m_poses;  ///< made when they are first given
 };
 
 }  // namespace PINTLE_PRECISION

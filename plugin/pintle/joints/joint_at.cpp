@@ -1,6 +1,7 @@
 #include <pintle/joints/joint.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -12,7 +13,9 @@ void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
     return Joint::getInfo2(info);
   m_rows.clear();
   const BodyPair pair(m_rbA, pose_a, m_rbB, pose_b);
-  if (pair.finite()) addRows(pair, m_rows);
+  Rows rows(m_rows);
+  if (pair.finite()) addRows(pair, rows);
+  m_rows = rows;
   // Bullet has no room for more.
   m_rows.truncate(announced);
   Joint::getInfo2(info);

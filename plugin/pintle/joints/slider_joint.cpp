@@ -65,7 +65,7 @@ inline SliderJoint::Frames SliderJoint::frames(const BodyPair& pair) const {
 
 SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                          const btTransform& frameInB, bool useLinearReferenceFrameA)
-    : FrameJoint(rbA, rbB, row_count), m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
+    : PosedJoint(rbA, rbB, row_count), m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_linear.own = &m_linear_parameters;
   m_angular.own = &m_angular_parameters;
   m_angular.low = m_angular.high = 0;
@@ -83,6 +83,7 @@ SliderJoint::SliderJoint(btRigidBody& rbB, const btTransform& frameInB,
 }
 
 void SliderJoint::framesChanged() {
+  forgetPoses();
   // Another zero: the turns counted from the old one mean nothing.
   m_twist = {};
   m_turn_given = false;

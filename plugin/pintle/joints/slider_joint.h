@@ -1,7 +1,7 @@
 // Purpose: the slider (document, 3.1.4 + 3.2.3, 3.2.4), in the place of btSliderConstraint.
 #pragma once
 
-#include <pintle/joints/frame_joint.h>
+#include <pintle/joints/posed_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 namespace pintle {
@@ -24,7 +24,7 @@ inline namespace PINTLE_PRECISION {
 /// which it takes for granted, and the conditioned one if not.
 ///
 /// Everything that btSliderConstraint has, under the same name, with the same signs and defaults.
-class SliderJoint : public FrameJoint {
+class SliderJoint : public PosedJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -126,13 +126,8 @@ class SliderJoint : public FrameJoint {
   /// more, on the side of the nearer one. With a limit beyond half a turn the accumulated angle.
   btScalar getAngularPos() const;
 
-  /// What the joint says of itself is from here on what holds at these poses of the bodies (world):
-  /// frames, position, angle (of the turn that is nearest), and what the next two look at. Until the
-  /// next step, or new frames: else it is what holds now.
-  void calculateTransforms(const btTransform& transA, const btTransform& transB) {
-    FrameJoint::calculateTransforms(transA, transB);
-  }
-  /// Look at the bodies; the next four say what was seen then, or in the last step.
+  /// Look at the bodies, or where calculateTransforms says that they are; the next four say what was
+  /// seen then, or in the last step.
   void testLinLimits();
   void testAngLimits();
   /// Whether the limit was broken, and by how much (m, rad), above zero beyond the upper one.

@@ -42,7 +42,7 @@ inline UniversalJoint::Frames UniversalJoint::frames(const BodyPair& pair) const
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
                                const btVector3& axis1, const btVector3& axis2)
-    : FrameJoint(rbA, rbB, row_count) {
+    : PosedJoint(rbA, rbB, row_count) {
   setDefaults();
   const btTransform world = frameOf(point("anchor", anchor), axis1, axis2);
   m_anchor = anchor;
@@ -54,7 +54,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVecto
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                                const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, row_count) {
+    : PosedJoint(rbA, rbB, row_count) {
   setDefaults();
   setFrames(frameInA, frameInB);
   m_anchor = getAnchor();
@@ -63,7 +63,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTrans
 }
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, row_count) {
+    : PosedJoint(rbA, row_count) {
   setDefaults();
   setFrames(frameInA, coincident(frameInA));
   m_anchor = getAnchor();
@@ -117,6 +117,7 @@ inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
 void UniversalJoint::updateState(const BodyPair& pair) { look(frames(pair), m_angles); }
 
 void UniversalJoint::framesChanged() {
+  forgetPoses();
   m_angles = {};
   for (Hinge& hinge : m_hinges) hinge.turn_given = false;
   const Frames at = frames({m_rbA, m_rbB});

@@ -1,7 +1,7 @@
 // Purpose: the universal joint (document, 3.1.3 + 3.2.9), in the place of btUniversalConstraint.
 #pragma once
 
-#include <pintle/joints/frame_joint.h>
+#include <pintle/joints/posed_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
@@ -26,7 +26,7 @@ class AngularReach;
 ///
 /// Everything that btUniversalConstraint has, under the same name, with the same signs and
 /// defaults, but what would free the position or drive it (getTranslationalLimitMotor).
-class UniversalJoint : public FrameJoint {
+class UniversalJoint : public PosedJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -59,12 +59,9 @@ class UniversalJoint : public FrameJoint {
   void setAxis(const btVector3& axis1, const btVector3& axis2);
 
   // --- btGeneric6DofConstraint -------------------------------------------------------------------
-  /// What the joint says of itself is what holds now,
+  using PosedJoint::calculateTransforms;
+  /// What the joint says of itself is again what holds now.
   void calculateTransforms() { forgetPoses(); }
-  /// or at these poses of the bodies (world), until the next step or new frames.
-  void calculateTransforms(const btTransform& transA, const btTransform& transB) {
-    FrameJoint::calculateTransforms(transA, transB);
-  }
   /// Called by nothing, and nothing to do.
   virtual void calcAnchorPos() {}
   /// rad: 2 angle 1, 1 angle 2, in [-pi, pi]; 0 the error by which the axes are off their right

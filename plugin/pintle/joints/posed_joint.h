@@ -1,0 +1,46 @@
+// Purpose: the base of the joints whose readings Bullet's clients ask for at poses that the bodies are not at.
+#pragma once
+
+#include <pintle/joints/frame_joint.h>
+
+#include <memory>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class PosedJoint : public FrameJoint {
+ public:
+  /// What the joint says of itself (frames, position, angles) is from here on what holds at these poses
+  /// of the bodies (world), until the next step, new frames or the subclass's calculateTransforms():
+  /// else it is what holds now.
+  void calculateTransforms(const btTransform& transA, const btTransform& transB);
+  /// The joint frames in the world.
+  btTransform getCalculatedTransformA() const { return seenPoseOfA() * m_frame_a; }
+  btTransform getCalculatedTransformB() const { return seenPoseOfB() * m_frame_b; }
+
+ protected:
+  using FrameJoint::FrameJoint;
+
+  /// In each step, and with new frames.
+  void forgetPoses() { m_reads_poses = false; }
+  bool readsPoses() const { return m_reads_poses; }
+  BodyPair seenPair() const;
+
+ private:
+  const btTransform& seenPoseOfA() const {
+    return m_reads_poses ? m_poses->a : m_rbA.getCenterOfMassTransform();
+  }
+  const btTransform& seenPoseOfB() const {
+    return m_reads_poses ? m_poses->b : m_rbB.getCenterOfMassTransform();
+  }
+
+  struct Poses {
+    BT_DECLARE_ALIGNED_ALLOCATOR();
+    btTransform a, b;
+  };
+  std::unique_ptr<Poses> m_poses;  ///< made when they are first given
+  bool m_reads_poses = false;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
