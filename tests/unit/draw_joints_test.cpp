@@ -62,7 +62,8 @@ std::vector<Line> lines(int mode, Add add, const Poses& poses = {}) {
 }
 
 bool isSame(const Line& l, const Line& m) {
-  const btScalar tolerance = support::is_double ? scalar(1e-9) : scalar(1e-5);
+  // Bullet's cone is drawn with a pi of eight digits.
+  const btScalar tolerance = support::is_double ? scalar(1e-6) : scalar(1e-5);
   const auto near = [&](const btVector3& x, const btVector3& y) {
     return (x - y).length() <= tolerance;
   };
