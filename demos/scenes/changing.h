@@ -90,6 +90,7 @@ ChangingResult run_changing(unsigned seed, Kinds kinds = Kinds::common, int step
       result.step = step;
       result.kinds.clear();
       for (const Entry& entry : in) {
+        if (!entry.joint->isEnabled()) continue;
         for (const btRigidBody* body :
              {&entry.joint->getRigidBodyA(), &entry.joint->getRigidBodyB()})
           if (double(body->getLinearVelocity().length()) >= speed)

@@ -155,6 +155,39 @@ Bridges make_bridges(const PlaygroundSettings& settings, int count = 50) {
   return bridges;
 }
 
+struct BridgesResult {
+  double gains = 0;         // J: the sum of what each step gains of mechanical energy
+  double largest_gain = 0;  // J, in a step
+  double end_kinetic = 0;   // J
+  double mean_gap = 0;      // m, over joints and steps
+  double max_gap = 0;       // m
+  int thrown_off = 0;       // crates
+};
+
+template <class Family>
+BridgesResult run_bridges(int iterations, double hz, double seconds, int count) {
+  PlaygroundSettings settings;
+  settings.iterations = iterations;
+  const Bridges bridges = make_bridges<Family>(settings, count);
+  Playground& world = *bridges.world;
+  const int steps = int(std::lround(seconds * hz));
+  BridgesResult result;
+  double energy = world.energy();
+  for (int i = 0; i < steps; ++i) {
+    world.step(1 / hz);
+    const double energy_now = world.energy(), gain = energy_now - energy;
+    energy = energy_now;
+    result.gains += gain > 0 ? gain : 0;
+    result.largest_gain = std::max(result.largest_gain, gain);
+    const Playground::Gap gap = world.gap();
+    result.mean_gap += gap.mean / steps;
+    result.max_gap = std::max(result.max_gap, gap.largest);
+  }
+  result.end_kinetic = world.kinetic();
+  result.thrown_off = bridges.thrown_off();
+  return result;
+}
+
 // A square net of size x size plates, each tied to its neighbours by a ball joint, falls on a static ball.
 template <class Family>
 PlaygroundPtr make_net(const PlaygroundSettings& settings, int size = 15) {

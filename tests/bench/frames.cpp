@@ -167,49 +167,20 @@ void chains(const Options& options) {
 
 // --- bridges with crates ---------------------------------------------------------------------------
 
-struct Crates {
-  double gains = 0, largest_gain = 0, end_kinetic = 0, mean_gap = 0, worst_gap = 0;
-  int off = 0;
-};
-
-template <class Family>
-Crates runCrates(int iterations, double hz, double seconds) {
-  PlaygroundSettings settings;
-  settings.iterations = iterations;
-  const scenes::Bridges bridges = scenes::make_bridges<Family>(settings);
-  Playground& world = *bridges.world;
-  const int steps = int(std::lround(seconds * hz));
-  Crates result;
-  double energy = world.energy();
-  for (int i = 0; i < steps; ++i) {
-    world.step(1 / hz);
-    const double gain = world.energy() - energy;
-    energy += gain;
-    result.gains += std::max(0., gain);
-    result.largest_gain = std::max(result.largest_gain, gain);
-    const Playground::Gap gap = world.gap();
-    result.mean_gap += gap.mean / steps;
-    result.worst_gap = std::max(result.worst_gap, gap.largest);
-  }
-  result.end_kinetic = world.kinetic();
-  result.off = bridges.thrown_off();
-  return result;
-}
-
 void crates(const Options& options) {
   const double seconds = options.seconds > 0 ? options.seconds : 6;
   std::printf("\n%-26s %-8s %11s %11s %10s %10s %10s %4s\n", "50 bridges with crates", "",
               "gains J", "in a step J", "end J", "mean gap", "max gap", "off");
   for (const int iterations : {10, 100}) {
     for (const double hz : {60., 120., 240.}) {
-      const auto print = [&](const char* who, const Crates& r) {
+      const auto print = [&](const char* who, const scenes::BridgesResult& r) {
         std::printf("%3d iterations, %3.0f Hz     %-8s %11.4g %11.3g %10.3g %10.2e %10.2e %4d\n",
                     iterations, hz, who, r.gains, r.largest_gain, r.end_kinetic, r.mean_gap,
-                    r.worst_gap, r.off);
+                    r.max_gap, r.thrown_off);
         std::fflush(stdout);
       };
-      print("stock", runCrates<StockJoints>(iterations, hz, seconds));
-      print("Pintle", runCrates<PintleJoints>(iterations, hz, seconds));
+      print("stock", scenes::run_bridges<StockJoints>(iterations, hz, seconds, 50));
+      print("Pintle", scenes::run_bridges<PintleJoints>(iterations, hz, seconds, 50));
     }
   }
 }
