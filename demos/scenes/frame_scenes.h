@@ -46,13 +46,13 @@ void add_ragdoll(Playground& world, const Eigen::Vector3d& at, const Eigen::Angl
   }
 }
 
-// They fall from 1 to 2 m, each turned another way, on a floor.
+// They fall on a floor and on each other, five above each other, each turned another way.
 template <class Family>
 PlaygroundPtr make_ragdolls(const PlaygroundSettings& settings, int count = 20) {
   auto world = std::make_unique<Playground>(settings);
   world->ground();
   for (int n = 0; n < count; ++n) {
-    const Eigen::Vector3d at(2.2 * (n % 5), 2.2 * (n / 5), 1 + 0.05 * n);
+    const Eigen::Vector3d at(1.2 * (n / 5), 0.6 * (n / 5 % 2), 1 + 0.7 * (n % 5));
     add_ragdoll<Family>(*world, at,
                         Eigen::AngleAxisd(0.3 * n, Eigen::Vector3d(0.3, 0.2, 1).normalized()));
   }
@@ -96,7 +96,7 @@ PlaygroundPtr make_vehicles(const PlaygroundSettings& settings, int count = 20) 
                                           pose_at(to_bullet(hub)), 1);
         world->slider<Family>(chassis, knuckle, frame_along(hub - 0.15 * side * y, z, y), 0.05);
         auto& axle = world->hinge<Family>(knuckle, wheel, frame_along(hub, x, y));
-        axle.enableAngularMotor(true, btScalar(n % 2 ? 6 : -6), btScalar(1));
+        axle.enableAngularMotor(true, btScalar(n % 2 ? 4 : -4), btScalar(1));
       }
     }
   }

@@ -1,9 +1,11 @@
 // Pintle's joints beside Bullet's own in whole frames, both on btSequentialImpulseConstraintSolver, in the
 // same run: what a step costs and how far joints are apart, and what the two do among contacts, from bad
 // starts, in worlds that change, and under the mouse.
-// Usage: frames [--seconds N] [--repeats N] [ragdolls|doors|vehicles|bridges|net|chains|cost|crates|tutorial|starts|worlds|dragging]...
-//   --seconds  of each run, in place of the scene's own
-//   --repeats  of each timed run; a step counts with its shortest time
+// Usage: frames [--seconds N] [--repeats N] [--converged] [scene...]
+//   scenes      ragdolls doors vehicles bridges net chains (together: cost), crates tutorial starts worlds dragging
+//   --seconds   of each run, in place of the scene's own
+//   --repeats   of each timed run; a step counts with its shortest time
+//   --converged starts: also what stock joints do at 200 iterations
 
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/two_point_hinge.h>
@@ -36,6 +38,7 @@ using scenes::StockJoints;
 struct Options {
   double seconds = 0;  // 0: as the scene has it
   int repeats = 5;
+  bool converged = false;  // also stock's starts at 200 iterations
 };
 
 // Processor time of this thread, us: other programs do not count.
@@ -214,15 +217,20 @@ struct TwoPointHinges : PintleJoints {
 };
 
 template <class Family>
-void startsOf(const char* name, scenes::Kind kind, double seconds) {
+void startsOf(const char* name, scenes::Kind kind, double seconds, bool converged) {
   using scenes::Start;
   for (const Start start : {Start::overlapping, Start::apart, Start::turned, Start::all}) {
-    double energy[2] = {0, 0}, speed[2] = {0, 0}, spin[2] = {0, 0}, worst = 0;
+    double energy[2] = {0, 0}, speed[2] = {0, 0}, spin[2] = {0, 0}, worst = 0, limit = 0;
     int more_energy = 0, more_speed = 0;
     for (unsigned seed = 0; seed < start_seeds; ++seed) {
       const scenes::StartResult r[] = {
           scenes::run_start(*scenes::make_start<StockJoints>(kind, start, seed), seconds),
           scenes::run_start(*scenes::make_start<Family>(kind, start, seed), seconds)};
+      if (converged)
+        limit = std::max(
+            limit,
+            scenes::run_start(*scenes::make_start<StockJoints>(kind, start, seed, 200), seconds)
+                .energy);
       for (int i = 0; i < 2; ++i) {
         energy[i] = std::max(energy[i], r[i].energy);
         speed[i] = std::max(speed[i], r[i].speed);
@@ -232,9 +240,11 @@ void startsOf(const char* name, scenes::Kind kind, double seconds) {
       more_energy += r[1].energy > 1.05 * r[0].energy + 1e-3 ? 1 : 0;
       more_speed += r[1].speed > 1.05 * r[0].speed + 1e-2 ? 1 : 0;
     }
-    std::printf("%-18s %-12s %10.3g %10.3g %8.2f %8.3g %8.3g %8.3g %8.3g %6d %6d\n", name,
+    std::printf("%-18s %-12s %10.3g %10.3g %8.2f %8.3g %8.3g %8.3g %8.3g %6d %6d", name,
                 scenes::start_name(start), energy[0], energy[1], worst, speed[0], speed[1], spin[0],
                 spin[1], more_energy, more_speed);
+    if (converged) std::printf(" %10.3g", limit);
+    std::printf("\n");
     std::fflush(stdout);
   }
 }
@@ -247,11 +257,12 @@ void starts(const Options& options) {
       "times stock's; from the constant velocity joint on stock's is a stand-in)\n",
       "starts", "", "stock J", "Pintle J", "worst", "stock v", "Pintle v", "stock w", "Pintle w",
       "E >", "v >", start_seeds);
+  if (options.converged) std::printf("last column: stock J at 200 iterations\n");
   for (int k = 0; k <= int(Kind::contact); ++k) {
-    startsOf<PintleJoints>(scenes::kind_name(Kind(k)), Kind(k), seconds);
+    startsOf<PintleJoints>(scenes::kind_name(Kind(k)), Kind(k), seconds, options.converged);
     if (Kind(k) != Kind::hinge) continue;
-    startsOf<DotHinges>("dot hinge", Kind::hinge, seconds);
-    startsOf<TwoPointHinges>("two-point hinge", Kind::hinge, seconds);
+    startsOf<DotHinges>("dot hinge", Kind::hinge, seconds, options.converged);
+    startsOf<TwoPointHinges>("two-point hinge", Kind::hinge, seconds, options.converged);
   }
 }
 
@@ -344,6 +355,8 @@ int main(int argc, char** argv) {
       options.seconds = std::atof(argv[++i]);
     else if (std::strcmp(argv[i], "--repeats") == 0 && i + 1 < argc)
       options.repeats = std::max(1, std::atoi(argv[++i]));
+    else if (std::strcmp(argv[i], "--converged") == 0)
+      options.converged = true;
     else
       wanted.push_back(argv[i]);
   }
