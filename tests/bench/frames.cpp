@@ -5,7 +5,7 @@
 //   scenes      ragdolls doors vehicles bridges net chains (together: cost), crates tutorial starts worlds dragging
 //   --seconds   of each run, in place of the scene's own
 //   --repeats   of each timed run; a step counts with its shortest time
-//   --converged starts: also what stock joints do at 200 iterations
+//   --converged starts: also what stock joints do at 200 iterations; tutorial: also 1000 iterations
 
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/two_point_hinge.h>
@@ -194,12 +194,14 @@ void tutorial(const Options& options) {
   const double seconds = options.seconds > 0 ? options.seconds : 10;
   std::printf("\n%-26s %-8s %11s %9s %9s %9s\n", "tutorial's rope bridge", "", "gain J", "m/s",
               "rad/s", "end gap");
-  for (const int iterations : {10, 100}) {
+  std::vector<int> counts = {10, 100};
+  if (options.converged) counts.push_back(1000);
+  for (const int iterations : counts) {
     PlaygroundSettings settings;
     settings.iterations = iterations;
     const auto print = [&](const char* who, const PlaygroundPtr& world) {
       const scenes::StartResult r = scenes::run_start(*world, seconds);
-      std::printf("%3d iterations             %-8s %11.4g %9.3g %9.3g %9.2e\n", iterations, who,
+      std::printf("%4d iterations            %-8s %11.4g %9.3g %9.3g %9.2e\n", iterations, who,
                   r.energy, r.speed, r.spin, r.gap);
     };
     print("stock", scenes::make_tutorial_bridge<StockJoints>(settings));
