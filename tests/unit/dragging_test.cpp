@@ -36,6 +36,12 @@ TEST_P(Dragging, SpinsNothingThatIsPulledAtItsCentre) {
   EXPECT_LE(pintle.spin, stock.spin + 0.5) << "rad/s";
 }
 
+TEST_P(Dragging, DoesNotPassTheLimitsOfWhatIsDragged) {
+  const DragResult stock = scenes::drag_hung<StockJoints>(GetParam()),
+                   pintle = scenes::drag_hung<PintleJoints>(GetParam());
+  EXPECT_LE(pintle.past, stock.past + 5e-3) << "rad";
+}
+
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const DragCase& drag : scenes::drag_cases()) all.push_back({drag});

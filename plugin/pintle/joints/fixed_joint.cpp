@@ -19,7 +19,8 @@ FixedJoint::FixedJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& fr
   setFrames(frameInA, frameInB);
 }
 
-FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA) : PosedJoint(rbA, row_count) {
+FixedJoint::FixedJoint(btRigidBody& rbA, const btTransform& frameInA)
+    : PosedJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 

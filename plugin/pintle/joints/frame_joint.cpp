@@ -51,7 +51,7 @@ void FrameJoint::addPivotRows(const BodyPair& pair, const equations::Anchors<Sca
   if (getFormulation() == Formulation::document)
     addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
   else
-    addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLever(), rows);
+    addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLevers(), rows);
 }
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {

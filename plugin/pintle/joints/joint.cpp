@@ -8,6 +8,7 @@
 #include <pintle/rows/block.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -23,9 +24,16 @@ constexpr int max_firmness = 3;
 // in the step. They are going to do again what they did; half of what has changed is taken over in a
 // step, as springs that bear on each other would else answer each other for ever, and next to nothing
 // of what was not there before, which may be a blow.
-Scalar foresee(Scalar now, Scalar before) {
+Scalar carryOver(Scalar now, Scalar before) {
   return agree(now, before) ? (now + before) / 2 : now / 16;
 }
+
+// Of what a start from rest shows, relative to what is foreseen: a tenth of it, squared.
+constexpr Scalar rounding_of_start = Scalar(0.01);
+
+// A joint starts apart if it is to be corrected at more than this part of its largest speeds of correction. Until it has
+// come together it begins each step from nothing.
+constexpr Scalar apart = Scalar(0.1);
 
 // Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
 constexpr Scalar diverging_cfm = 1;
@@ -71,6 +79,10 @@ bool isRounding(const Row& row, const BodyPair& pair) {
   return !(K > 8 * SIMD_EPSILON * terms);
 }
 
+bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
+  return std::any_of(parts, parts + Axis::parts, [](const AxisRow& part) { return part.cfm > 0; });
+}
+
 }  // namespace
 
 // What all rows of a joint share in a step.
@@ -80,6 +92,8 @@ struct Joint::Step {
   Scalar rate[max_firmness], cfm[max_firmness];  ///< of equalities: erp / dt, and softness
   bool rigid;                                    ///< no equality is soft
   Scalar curved_time;                            ///< with the curvature, what it adds to a velocity
+  Scalar closing = 1;                            ///< part of a linear correction that is taken
+  Scalar foreseen[2] = {1, 1};                   ///< parts of the linear and the angular curvature
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
       : fps(info.fps), curved_time(joint.curvedTime()) {
@@ -110,13 +124,17 @@ struct Joint::Step {
   // What the curvature adds to the mean velocity of the row in this step.
   Scalar gain(const Row& row) const { return curved_time * row.curvature; }
 
-  // The velocity that takes away the part erp of C (2.3). J v says how C moves to first order;
-  // Bullet then turns the bodies by more than that, and the curvature is what it adds in a step:
-  // with it a turning joint does not drift.
-  Scalar target(const Row& row) const {
-    const Scalar away = -rate[row.firmness] * row.position;
+  // The velocity that takes away the part erp of C (2.3).
+  Scalar correction(const Row& row) const {
+    const Scalar away = -rate[row.firmness] * (row.angular ? Scalar(1) : closing) * row.position;
     const Scalar speed = btFabs(away) > least_speed ? away : Scalar(0);
-    return btMax(-row.max_speed, btMin(speed, row.max_speed)) - gain(row);
+    return btMax(-row.max_speed, btMin(speed, row.max_speed));
+  }
+
+  // J v says how C moves to first order; Bullet then turns the bodies by more than that, and the curvature is what
+  // it adds in a step: with it a turning joint does not drift.
+  Scalar target(const Row& row) const {
+    return correction(row) - foreseen[row.angular] * gain(row);
   }
 };
 
@@ -133,6 +151,9 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount most)
       m_formulation(Formulation::conditioned),
       m_looks_ahead(false),
       m_passes_done(0),
+      m_relaxed(false),
+      m_starts_apart(false),
+      m_shows_passes(false),
       m_rows(makeRows(most)) {}
 
 Joint::Joint(btRigidBody& a, RowCount most) : Joint(a, getFixedBody(), most) {}
@@ -153,12 +174,15 @@ void Joint::buildJacobian() {
   m_solver_rows = nullptr;
   // A solver that did not show its passes, or not all: what is remembered is old.
   if (m_passes_left > 0 || m_last != m_next) m_last = Last::nothing;
+  if (m_passes_left > 0 && m_passes_done == 0) m_shows_passes = false;
+  m_relaxed = false;
   m_next = Last::nothing;
   m_passes_left = 0;
   m_looks_ahead = false;
   // A disabled joint has no rows, but its angle goes on turning.
   if (!isEnabled()) {
     forget();
+    m_gap = -1;
     const BodyPair pair(m_rbA, m_rbB);
     if (pair.finite()) updateState(pair);
   }
@@ -173,19 +197,110 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   m_rows = rows;
   // Other rows: what is remembered is not theirs.
   if (m_rows.size() != before) forget();
-  info->m_numConstraintRows = m_rows.size();
+  placeRows(std::numeric_limits<signed char>::max());
+  info->m_numConstraintRows = m_solver_row_count;
   info->nub = 0;
 }
 
-// What acts along an axis in this step. `orthogonal` is its row after the elimination in `block`, whose
-// target is what the equalities' targets came to in it; both null: as it stands.
-inline AxisRow Joint::act(Row& row, const BlockRow* orthogonal, const Block* block,
-                          const Step& step) {
+GapInLevers Joint::sharesOfGap() const {
+  const auto isFree = [](const btRigidBody& body) {
+    const btVector3& f = body.getLinearFactor();
+    return body.getInvMass() > 0 && f.x() == 1 && f.y() == 1 && f.z() == 1;
+  };
+  if (!isFree(m_rbA) || !isFree(m_rbB)) return {};
+  const Scalar a = m_rbA.getInvMass(), b = m_rbB.getInvMass();
+  return {b / (a + b), a / (a + b)};
+}
+
+GapInLevers Joint::gapInLevers() const {
+  constexpr Scalar from = Scalar(0.1), to = SIMD_PI / 4;
+  const Scalar part = (to - angularSpeed() * m_time_step) / (to - from);
+  if (!(part > 0)) return {};
+  const GapInLevers shares = sharesOfGap();
+  return part < 1 ? GapInLevers{part * shares.a, part * shares.b} : shares;
+}
+
+// The part of a linear correction that is taken: less than all where the joint starts apart. Between bodies that move,
+// a gap that no velocity explains is a start, too: one of them has been put elsewhere, or the joint back into the world.
+Scalar Joint::closingPart(Scalar rate) {
+  Scalar gap2 = 0, turn2 = 0;
+  const int n = m_rows.equalities();
+  for (int i = 0; i < n; ++i)
+    (m_rows[i].angular ? turn2 : gap2) += m_rows[i].position * m_rows[i].position;
+  const Scalar most = m_max_linear_correction_speed, last = m_gap;
+  m_gap = btSqrt(gap2);
+  const Scalar speed = rate * m_gap;
+  const Scalar angular = apart * m_max_correction_speed;
+  if (!(speed > apart * most || rate * rate * turn2 > angular * angular)) {
+    m_starts_apart = false;
+    return 1;
+  }
+  if (last < 0) m_starts_apart = true;
+  if (!(speed > most)) return 1;
+  if (!m_starts_apart && m_rbA.getInvMass() > 0 && m_rbB.getInvMass() > 0) {
+    const BodyPair pair(m_rbA, m_rbB);
+    Scalar speed2 = 0;
+    for (int i = 0; i < n; ++i) {
+      if (m_rows[i].angular) continue;
+      const Scalar v = velocity(m_rows[i], pair.v_b() - pair.v_a(), pair.w_a(), pair.w_b());
+      speed2 += v * v;
+    }
+    m_starts_apart = m_gap > last + (most + 2 * btSqrt(speed2)) * m_time_step;
+  }
+  return m_starts_apart ? most / speed : Scalar(1);
+}
+
+// The velocity that a row foresees, g = -gain, undoes in the mean over the step what the last one left along it,
+// u = -J v0: then
+//   lambda . J (v0 + v1) / 2 = 0,
+// and its impulse does no work whatever the load. A blow changes u and not g: where u is further from g than nothing at
+// all is, no more of g is foreseen than u has shown; and nothing while the books are overdrawn.
+inline void Joint::foresee(Step& step, const BodyPair& pair) const {
+  if (!foresees()) return;
+  if (isOverdrawn()) {
+    step.foreseen[0] = step.foreseen[1] = 0;
+    return;
+  }
+  const Vec3 v = pair.v_b() - pair.v_a(), w_a = pair.w_a(), w_b = pair.w_b();
+  Scalar uu[2] = {}, ug[2] = {}, gg[2] = {};
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    const Row& row = m_rows[i];
+    const Scalar g = -step.gain(row);
+    if (g == 0) continue;
+    const Scalar u = -velocity(row, v, w_a, w_b);
+    uu[row.angular] += u * u;
+    ug[row.angular] += u * g;
+    gg[row.angular] += g * g;
+  }
+  for (int i = 0; i < 2; ++i)
+    if (uu[i] > 2 * ug[i] + rounding_of_start * gg[i] && ug[i] < gg[i])
+      step.foreseen[i] = btMax(Scalar(0), ug[i] / gg[i]);
+}
+
+void Joint::placeRows(int room) {
+  int n = m_rows.equalities();
+  for (int i = n; i < m_rows.size(); ++i) {
+    AxisState& state = m_rows.axis(m_rows[i].axis);
+    const Axis& axis = *state.axis;
+    const auto place = [&](Axis::Part part, bool acts) {
+      state.row[part] = static_cast<signed char>(acts && n < room ? n++ : -1);
+    };
+    place(Axis::motor, axis.drive != Axis::Drive::off);
+    place(Axis::friction, axis.max_friction > 0);
+    place(Axis::limit, m_rows[i].limit);
+  }
+  m_solver_row_count = static_cast<signed char>(n);
+}
+
+// What acts along an axis in this step, part by part. `orthogonal` is its row after the elimination in `block`,
+// whose target is what the equalities' targets came to in it; both null: as it stands.
+inline void Joint::act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
+                       AxisRow (&parts)[Axis::parts]) {
   AxisState& state = m_rows.axis(row.axis);
   const Axis& axis = *state.axis;
   const Scalar sign = state.sign;
   state.acted = true;
-  state.clear();
+  state.incoming = 0;
   const BodyPair pair(m_rbA, m_rbB);
   AxisMotion motion;
   motion.position = row.position;
@@ -214,37 +329,32 @@ inline AxisRow Joint::act(Row& row, const BlockRow* orthogonal, const Block* blo
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
                                          step.fps * motion.limit_erp);
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
-  AxisRow result;
-  const Scalar cfm = row.limit ? motion.limit_cfm : motion.motor_cfm;
-  if (!axis.isSimple(row.limit) || !(cfm < diverging_cfm)) {
-    // A copy of its own: the one here need not lie in memory for all that are simple.
-    AxisMotion compound = motion;
-    result = solveCompound(row, orthogonal, block, compound);
-  } else if (row.limit) {
-    state.rest = Axis::limit;
-    result = limitPart(axis, motion, state.incoming).row;
-    row.target = sign * (result.target - motion.gain);
-  } else if (axis.drive != Axis::Drive::off) {
-    state.rest = Axis::motor;
-    result = motorPart(axis, motion).row;
+  const Scalar softest = row.limit ? btMax(motion.limit_cfm, motion.motor_cfm) : motion.motor_cfm;
+  if (axis.isSoft(row.limit) || !(softest < diverging_cfm)) {
+    // A copy of its own: the one here need not lie in memory for all that are rigid.
+    AxisMotion soft = motion;
+    state.given = solveSoft(row, orthogonal, block, soft, parts);
   } else {
-    state.rest = Axis::friction;
-    result = frictionPart(axis, motion).row;
+    if (axis.drive != Axis::Drive::off) parts[Axis::motor] = motorPart(axis, motion).row;
+    if (axis.max_friction > 0) parts[Axis::friction] = frictionPart(axis, motion).row;
+    if (row.limit) parts[Axis::limit] = limitPart(axis, motion, state.incoming).row;
   }
-  result.target -= motion.gain;
-  // From along the coordinate to along J.
-  if (sign > 0) return result;
-  return {-result.target, result.cfm, -result.upper, -result.lower};
+  row.target = sign * (parts[Axis::limit].target - motion.gain);
+  for (int i = 0; i < Axis::parts; ++i) {
+    AxisRow& part = parts[i];
+    part.target -= motion.gain;
+    // From along the coordinate to along J.
+    if (sign < 0) part = {-part.target, part.cfm, -part.upper, -part.lower};
+  }
 }
 
-// Those of limits are what joint_passes.cpp starts with, as Bullet counts them.
+// What joint_passes.cpp starts limits with, as Bullet counts it.
 inline void Joint::takeLastImpulses() {
   for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-    Row& row = m_rows[i];
-    const AxisState& state = m_rows.axis(row.axis);
-    if (isLimitAlone(row)) row.last = state.isLimit() ? -state.sign * state.whole : Scalar(0);
+    AxisState& state = m_rows.axis(m_rows[i].axis);
+    state.last_limit = isLimit(m_rows[i]) ? -state.sign * state.impulse[Axis::limit] : Scalar(0);
   }
-  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).whole = 0;
+  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).impulse = {};
 }
 
 PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
@@ -252,26 +362,30 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   m_time_step = 1 / info->fps;
   const int n = m_rows.size();
   if (n == 0) return;
+  m_solver_rows = solverRows(*info);
   RowWriter out(*info);
-  const Step step(*this, *info, out.cfm());
+  Step step(*this, *info, out.cfm());
+  step.closing = closingPart(step.rate[0]);
+  const BodyPair pair(m_rbA, m_rbB);
+  foresee(step, pair);
   const ImpulseSetting setting = impulseSetting();
   info->m_damping = setting.damping;
-  const auto write_axis = [&](const Lanes& L, const Lanes& A_a, const Lanes& A_b, Scalar target,
-                              const AxisRow& axis) {
-    out.write(L, A_a, A_b, target + axis.target, axis.cfm, axis.lower, axis.upper);
+  const auto write_axis = [&](const Row& row, const Lanes& L, const Lanes& A_a, const Lanes& A_b,
+                              Scalar target, const AxisRow (&parts)[Axis::parts]) {
+    const AxisState& state = m_rows.axis(row.axis);
+    for (int i = 0; i < Axis::parts; ++i)
+      if (state.row[i] >= 0)
+        out.write(L, A_a, A_b, target + parts[i].target, parts[i].cfm, parts[i].lower,
+                  parts[i].upper);
   };
 
   const int equalities = m_rows.equalities();
-  // Plain rows begin from nothing, unless it is the exact solver that iterates them; and Bullet tells of the last.
-  if (n > equalities + 1 || (n > equalities && (m_block_rows || m_solved_at_once))) {
-    takeLastImpulses();
-    m_solver_rows = solverRows(*info);
-  }
-  // The later a row is eliminated, the less of the others is in its impulse. Angular rows go first
-  // and leave the pivot's force to be compared with a threshold; an axis goes last and does not.
+  if (n > equalities) takeLastImpulses();
+  // Bullet compares a threshold with single rows, which are those of the joint if they are not mixed. Where its passes
+  // are shown, joint_passes.cpp compares it with the load.
   const auto mayMix = [&] {
     return !(setting.max_impulse < infinity) &&
-           (!breakable() || (m_rows[0].angular && equalities == n));
+           (!breakable() || m_shows_passes);
   };
   if (isNeedle(m_rbA) || isNeedle(m_rbB) ||
       (!step.rigid && !m_solved_at_once && step.tooSoft(*this)))
@@ -280,27 +394,28 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   if (!m_block_rows || m_solved_at_once || !mayMix()) {
     const Scalar bound = setting.max_impulse;
     for (int i = 0; i < equalities; ++i) {
-      const Row& row = m_rows[i];
+      Row& row = m_rows[i];
       out.write(row.lanesL(), row.lanesA_a(), row.lanesA_b(), step.target(row),
                 step.cfm[row.firmness], -bound, bound);
     }
     for (int i = equalities; i < n; ++i) {
       Row& row = m_rows[i];
-      AxisRow axis;
-      const bool simple = m_rows.axis(row.axis).axis->isSimple(row.limit);
-      if (simple) axis = act(row, nullptr, nullptr, step);
-      if (!simple || axis.cfm > 0) axis = actBesideEqualities(row, step);
-      write_axis(row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, axis);
+      AxisRow parts[Axis::parts];
+      const bool soft = m_rows.axis(row.axis).axis->isSoft(row.limit);
+      if (!soft) act(row, nullptr, nullptr, step, parts);
+      if (soft || hasSoftness(parts)) actBesideEqualities(row, step, parts);
+      write_axis(row, row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, parts);
     }
     return;
   }
 
   // A soft row is not to end at its target, and a damped one will not.
-  const bool remembers = step.rigid && setting.damping == 1 && !breakable();
+  const bool remembers = step.rigid && setting.damping == 1;
   if (remembers) beginPasses(*info);
+  if (step.foreseen[0] < 1 || step.foreseen[1] < 1) m_looks_ahead = false;
   const bool correct = m_next == Last::residual && m_last == Last::residual;
 
-  Block block(BodyPair(m_rbA, m_rbB));
+  Block block(pair);
   for (int i = 0; i < equalities; ++i) {
     Row& row = m_rows[i];
     row.target = step.target(row) - (correct ? row.correction : Scalar(0));
@@ -322,14 +437,18 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
       block.orthogonalize(to, m_rows[i]);
     else
       block.eliminate(to, m_rows[i]);
-    write_axis(to.L, to.A_a, to.A_b, to.target(), act(m_rows[i], &to, &block, step));
+    AxisRow parts[Axis::parts];
+    act(m_rows[i], &to, &block, step, parts);
+    write_axis(m_rows[i], to.L, to.A_a, to.A_b, to.target(), parts);
   }
 }
 
 // Plain rows move as the equalities let them, too. Softness is a fraction of the K that is left then, of
 // which the solver does not know.
-PINTLE_NOINLINE AxisRow Joint::actBesideEqualities(Row& row, const Step& step) {
-  Block block(BodyPair(m_rbA, m_rbB));
+PINTLE_NOINLINE void Joint::actBesideEqualities(Row& row, const Step& step,
+                                                AxisRow (&parts)[Axis::parts]) {
+  const BodyPair pair(m_rbA, m_rbB);
+  Block block(pair);
   for (int i = 0; i < m_rows.equalities(); ++i) {
     m_rows[i].target = step.target(m_rows[i]);
     block.add(m_rows[i]);
@@ -340,16 +459,17 @@ PINTLE_NOINLINE AxisRow Joint::actBesideEqualities(Row& row, const Step& step) {
   block.weigh(plain);
   block.eliminate(orthogonal, row);
   block.weigh(orthogonal);
-  AxisRow axis = act(row, &orthogonal, &block, step);
-  if (plain.K > orthogonal.K) axis.cfm *= orthogonal.K / plain.K;
-  return axis;
+  act(row, &orthogonal, &block, step, parts);
+  if (!(plain.K > orthogonal.K)) return;
+  for (int i = 0; i < Axis::parts; ++i) parts[i].cfm *= orthogonal.K / plain.K;
 }
 
 // Plain rows of needles, and such of which an equality is so soft that Bullet's iteration would diverge: it
 // is written as a rigid row, to where the soft one would come by itself.
 PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
   RowWriter out(info);
-  const Step step(*this, info, out.cfm());
+  Step step(*this, info, out.cfm());
+  step.closing = closingPart(step.rate[0]);
   const ImpulseSetting setting = impulseSetting();
   const BodyPair pair(m_rbA, m_rbB);
   const bool needle = isNeedle(m_rbA) || isNeedle(m_rbB);
@@ -357,8 +477,12 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
     Row& row = m_rows[i];
     const LanesView L = row.lanesL(), A_a = row.lanesA_a(), A_b = row.lanesA_b();
     if (row.axis >= 0) {
-      const AxisRow axis = act(row, nullptr, nullptr, step);
-      out.write(L, A_a, A_b, axis.target, axis.cfm, axis.lower, axis.upper);
+      AxisRow parts[Axis::parts];
+      act(row, nullptr, nullptr, step, parts);
+      const AxisState& state = m_rows.axis(row.axis);
+      for (int k = 0; k < Axis::parts; ++k)
+        if (state.row[k] >= 0)
+          out.write(L, A_a, A_b, parts[k].target, parts[k].cfm, parts[k].lower, parts[k].upper);
       continue;
     }
     Scalar cfm = step.cfm[row.firmness], target = step.target(row);
@@ -373,8 +497,8 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
   }
 }
 
-AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
-                             AxisMotion& motion) {
+bool Joint::solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
+                      AxisRow (&parts)[Axis::parts]) {
   const BodyPair pair(m_rbA, m_rbB);
   BlockRow alone;
   if (orthogonal != nullptr) {
@@ -396,7 +520,7 @@ AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* 
   const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
   motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());
   if (state.seen) {
-    row.correction = foresee(row.last, row.correction);
+    row.correction = carryOver(row.last, row.correction);
     state.seen = false;
     state.foreseen = true;
   } else if (!state.foreseen) {
@@ -404,17 +528,25 @@ AxisRow Joint::solveCompound(Row& row, const BlockRow* orthogonal, const Block* 
   }
   const Scalar alone_velocity = motion.free_velocity - motion.gain;
   motion.free_velocity += row.correction;
-  const AxisRow result = solveAxis(*state.axis, motion, state);
-  state.given = result.lower == result.upper;
-  if (state.given) row.target = alone_velocity + motion.K * result.upper;
-  return result;
+  const bool given = solveAxis(*state.axis, motion, state, parts);
+  state.K = motion.K;
+  state.expected = alone_velocity;
+  for (int i = 0; i < Axis::parts; ++i)
+    if (parts[i].lower == parts[i].upper) state.expected += motion.K * parts[i].upper;
+  return given;
 }
 
 Scalar Joint::axisImpulse(int axis, Axis::Part part) const {
   const AxisState& state = m_rows.axis(axis);
   if (!state.acted || m_rows.size() == 0) return 0;
-  const bool last = m_rows[m_rows.size() - 1].axis == axis;
-  return state.impulse(part, last ? -state.sign * m_appliedImpulse : state.whole);
+  const bool last = state.row[part] == m_solver_row_count - 1;
+  return last ? -state.sign * m_appliedImpulse : state.impulse[part];
+}
+
+const Row* Joint::limitAt(int solver_row) const {
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i)
+    if (m_rows.axis(m_rows[i].axis).row[Axis::limit] == solver_row) return &m_rows[i];
+  return nullptr;
 }
 
 }  // namespace PINTLE_PRECISION

@@ -35,6 +35,11 @@ struct ImpulseSetting {
   Scalar max_impulse = infinity;  ///< N s, of each equality; with a bound they are not mixed
 };
 
+/// Parts of a gap in the levers of body a and b.
+struct GapInLevers {
+  Scalar a = 0, b = 0;
+};
+
 /// A `btTypedConstraint` made of rows. Joints are added to a world, enabled, broken and read as any
 /// Bullet constraint is. Settings throw std::invalid_argument, naming joint, field and value, and
 /// then change nothing; a step never throws, allocates or locks. An object belongs to one world;
@@ -68,6 +73,11 @@ class Joint : public btTypedConstraint {
   /// lingers.
   void setMaxCorrectionSpeed(btScalar speed);
   btScalar getMaxCorrectionSpeed() const { return m_max_correction_speed; }
+
+  /// The speed (m/s, > 0) at which the pivots of a joint that starts apart are brought together: one that is new or
+  /// enabled again, or of which a body has been put elsewhere. Default 4. Gaps that a load opens are closed as ERP says.
+  void setMaxLinearCorrectionSpeed(btScalar speed);
+  btScalar getMaxLinearCorrectionSpeed() const { return m_max_linear_correction_speed; }
 
   /// Draws the joint as Bullet draws its own: frames, axes and limits, of the size getDbgDrawSize().
   virtual void drawJoint(btIDebugDraw& drawer) const = 0;
@@ -109,15 +119,14 @@ class Joint : public btTypedConstraint {
     const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
     return btMax(Scalar(0), 1 - part * part);
   }
-  /// The part of a gap d that is in the lever of body a (3.1.3, conditioned). With all of it both bodies are
-  /// held at one point, and angular momentum is conserved at any gap. But Bullet turns no body by more than
-  /// pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing about each
-  /// other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian.
-  Scalar gapInLever() const {
-    constexpr Scalar from = Scalar(0.1), to = SIMD_PI / 4;
-    const Scalar part = (to - angularSpeed() * m_time_step) / (to - from);
-    return part > 0 ? btMin(part, Scalar(1)) : Scalar(0);
-  }
+  /// The parts of a gap d that are in the levers of the bodies (3.1.3, conditioned): of two that move freely the heavier
+  /// one's takes more, as if they met in their common centre of mass. A body that cannot move, or is held along
+  /// an axis, keeps no momentum: then each is held at its own anchor.
+  GapInLevers sharesOfGap() const;
+  /// The same for bodies that turn. Bullet turns no body by more than pi/4 in a step, whatever its velocity: such
+  /// ones come apart in every step, and held at one point would swing about each other for seconds. Held at two
+  /// points they are braked: by degrees, beyond a tenth of a radian.
+  GapInLevers gapInLevers() const;
   /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step. Half the
   /// step, but the curvature goes with the square of the angular velocity at the end of the step, which is
   /// about as much more than that at its start as the last step added. Without this a pendulum gains energy.
@@ -195,35 +204,60 @@ class Joint : public btTypedConstraint {
   Formulation m_formulation : 1;
   bool m_looks_ahead : 1;           ///< between Bullet's passes
   unsigned char m_passes_done : 4;  ///< of Bullet's over the rows; no more than 15
+  bool m_relaxed : 1;               ///< over-relaxed in this step
+  bool m_starts_apart : 1;          ///< its pivots are being brought together
+  bool m_shows_passes : 1;          ///< Bullet's solver did so in the last step
   short m_passes_left = 0;          ///< until what the last one leaves is known
 
   void beginPasses(const btConstraintInfo2& info);
-  /// Whether the limit may act along the row's axis in this step, and nothing else does.
-  bool isLimitAlone(const Row& row) const;
-  bool isRigidLimit(int row) const;
+  /// Gives each part of each axis its place among Bullet's rows, of which there are so many.
+  void placeRows(int room);
+  /// Whether a rigid limit may act along the row's axis in this step.
+  bool isLimit(const Row& row) const;
+  /// The row of Bullet's of such a limit, if its bounds are all that softens it; else null.
+  btSolverConstraint* rigidLimit(const Row& row) const;
+  /// The axis row whose limit is this one of Bullet's rows; null: none is.
+  const Row* limitAt(int solver_row) const;
   Scalar lasting() const;
-  Scalar warmLimit(int row, Scalar part) const;
+  Scalar warmLimit(int solver_row, Scalar part) const;
   bool goesOn() const;
+  void rememberPass();
+  bool isDisturbed() const;
   void start(btSolverBody& a, btSolverBody& b);
   Scalar relaxation() const;
+  bool isOverdrawn() const;
+  /// Whether the bodies turn by so much in a step that the curvature matters.
+  bool foresees() const { return m_angular_speed * m_time_step > Scalar(0.01); }
+  void foresee(Step& step, const BodyPair& pair) const;
+  void keepBooks(const btSolverBody& a, const btSolverBody& b);
+  Scalar closingPart(Scalar rate);
+  void liftThresholds();
+  void breakIfOverloaded(btSolverBody& a, btSolverBody& b);
   void relax(Scalar factor);
   void takeImpulses();
   void lookAhead(const btSolverBody& a, const btSolverBody& b);
   void takeResiduals(const btSolverBody& a, const btSolverBody& b);
+  void seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b);
   void forget();
   void takeLastImpulses();
   void writeDelicate(btConstraintInfo2& info);
-  AxisRow act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
-  AxisRow actBesideEqualities(Row& row, const Step& step);
-  AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
-                        AxisMotion& motion);
+  void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
+           AxisRow (&parts)[3]);
+  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[3]);
+  bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
+                 AxisRow (&parts)[3]);
 
   RowList m_rows;
   btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
+  signed char m_solver_row_count = 0;
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
   Scalar m_time_step = Scalar(1) / 60, m_last_time_step = m_time_step;
   Scalar m_max_correction_speed = 8;
+  Scalar m_max_linear_correction_speed = 4;
+  Scalar m_gap = -1;     ///< m, at the start of the last step; < 0: there was none
+  Scalar m_fed = 0;      ///< J, of the rows' work: what they gave to the bodies, or took (keepBooks)
+  Scalar m_kinetic = 0;  ///< J, the largest recent kinetic energy of the bodies' translation
 };
 
 }  // namespace PINTLE_PRECISION

@@ -24,6 +24,12 @@ constexpr Scalar warm_limit = Scalar(0.95);
 // that there is another.
 constexpr Scalar goes_on = Scalar(1e-3);
 
+// By how many times a load that is remembered may grow in a step.
+constexpr Scalar largest_growth = 2;
+
+// What a joint may have given in all, of the largest kinetic energy of its bodies in the last second.
+constexpr Scalar largest_share = Scalar(0.1), recent = 1;
+
 // A joint whose impulses the passes after the first one change by no more than this part is not disturbed
 // by others, and needs none of this.
 constexpr Scalar undisturbed = Scalar(1e-3);
@@ -31,7 +37,7 @@ constexpr Scalar undisturbed = Scalar(1e-3);
 // Between the first pass and the last each goes beyond what it asks of the rows by this part of it: successive
 // over-relaxation, with which joints that bear on each other converge in half the passes. The last one leaves
 // them where it should.
-constexpr Scalar over_relaxation = Scalar(0.3);
+constexpr Scalar over_relaxation = Scalar(0.4);
 
 // With up to so many passes a start that is not right is not made up for. They leave a joint with what the
 // others did to it after its turn, the residual. One that lasts (the part in which two steps agree: a
@@ -59,7 +65,10 @@ void stopIfSlow(btVector3& part, const btVector3& others) {
     if (btFabs(part[i]) < least_speed) part[i] = 0;
   }
 }
+// A body that has been given more than a trace of velocity refreshes the digits of all its components.
 void stopIfSlow(btSolverBody& body) {
+  const Scalar given = body.m_deltaLinearVelocity.length2() + body.m_deltaAngularVelocity.length2();
+  if (given > SIMD_EPSILON * SIMD_EPSILON) return;
   stopIfSlow(body.m_deltaLinearVelocity, body.m_linearVelocity + body.m_externalForceImpulse);
   stopIfSlow(body.m_deltaAngularVelocity, body.m_angularVelocity + body.m_externalTorqueImpulse);
 }
@@ -108,10 +117,10 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
                      passes <= std::numeric_limits<short>::max();
   m_passes_left = static_cast<short>(shown ? passes : 0);
   // Forces on bodies that turn far in a step are others in the next.
-  const bool lasts = m_starts_warm && curvedPart() > 0;
-  m_next = m_passes_left > few_passes && lasts ? Last::impulse
-           : m_passes_left > 0                 ? Last::residual
-                                               : Last::nothing;
+  const bool lasts = m_starts_warm && !m_starts_apart && curvedPart() > 0;
+  m_next = m_passes_left > few_passes && lasts     ? Last::impulse
+           : m_passes_left > 0 && !m_starts_apart ? Last::residual
+                                                  : Last::nothing;
   const Scalar turn = m_angular_speed * m_time_step;
   m_looks_ahead =
       m_formulation == Formulation::conditioned && turn > least_look && turn < most_look;
@@ -120,7 +129,87 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
 
 PINTLE_NOINLINE void Joint::forget() {
   m_last = Last::nothing;
+  for (int i = 0; i < m_rows.equalities(); ++i) m_rows[i].before = 0;
   for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).seen = false;
+}
+
+bool Joint::isOverdrawn() const { return m_fed > 0 && m_fed >= largest_share * m_kinetic; }
+
+// The rows' impulses lambda change the kinetic energy by lambda . J (v0 + v1) / 2, v0 and v1 the velocities before and
+// after the step: exactly, and joint by joint. Of a body that whirls, or rests under a load, this is nothing. What a joint
+// has given in all is kept within a small share of what its bodies move by.
+void Joint::keepBooks(const btSolverBody& a, const btSolverBody& b) {
+  Lanes P = Lanes::Zero(), T_a = Lanes::Zero(), T_b = Lanes::Zero();
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    const btSolverConstraint& row = m_solver_rows[i];
+    P += row.m_appliedImpulse * lanes(row.m_contactNormal1);
+    T_a += row.m_appliedImpulse * lanes(row.m_relpos1CrossNormal);
+    T_b += row.m_appliedImpulse * lanes(row.m_relpos2CrossNormal);
+  }
+  const auto sum = [](const btVector3& before, const btVector3& given, const btVector3& changed) {
+    return Lanes(2 * lanes(before) + lanes(given) + lanes(changed));
+  };
+  const Lanes work =
+      P * (sum(a.m_linearVelocity, a.m_externalForceImpulse, a.m_deltaLinearVelocity) -
+           sum(b.m_linearVelocity, b.m_externalForceImpulse, b.m_deltaLinearVelocity)) +
+      T_a * sum(a.m_angularVelocity, a.m_externalTorqueImpulse, a.m_deltaAngularVelocity) +
+      T_b * sum(b.m_angularVelocity, b.m_externalTorqueImpulse, b.m_deltaAngularVelocity);
+  const auto kinetic = [](const btRigidBody& body, const btSolverBody& of) -> Scalar {
+    if (!(body.getInvMass() > 0)) return 0;
+    const btVector3 v = of.m_linearVelocity + of.m_externalForceImpulse,
+                    w = body.getCenterOfMassTransform().getBasis().transpose() *
+                        (of.m_angularVelocity + of.m_externalTorqueImpulse);
+    const btVector3& I_inv = body.getInvInertiaDiagLocal();
+    Scalar twice = v.length2() / body.getInvMass();
+    for (int i = 0; i < 3; ++i)
+      if (I_inv[i] > 0) twice += w[i] * w[i] / I_inv[i];
+    return twice / 2;
+  };
+  const Scalar now = kinetic(m_rbA, a) + kinetic(m_rbB, b);
+  m_kinetic = btMax(now, m_kinetic * (1 - btMin(m_time_step / recent, Scalar(1))));
+  const Scalar most = largest_share * m_kinetic;
+  const Scalar fed = m_fed + (work[0] + work[1] + work[2]) / 2;
+  m_fed = fed - fed == 0 ? btMax(fed, -most) : Scalar(0);
+}
+
+// A threshold is compared with the load (breakIfOverloaded): until then no row is to stop at it.
+void Joint::liftThresholds() {
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    m_solver_rows[i].m_lowerLimit = -infinity;
+    m_solver_rows[i].m_upperLimit = infinity;
+  }
+}
+
+// The load is the force impulse at the pivot and the moment about it, N s and N m s, of which Bullet compares the
+// components with the threshold. One that is too much is cut down to it, as Bullet does, and the joint disabled. Else
+// Bullet, which is going to look at the rows as they have been mixed, is to find none at the threshold.
+void Joint::breakIfOverloaded(btSolverBody& a, btSolverBody& b) {
+  Vec3 P = Vec3::Zero(), T = Vec3::Zero();
+  const int n = m_rows.equalities();
+  for (int i = 0; i < n; ++i) {
+    const btSolverConstraint& row = m_solver_rows[i];
+    P += row.m_appliedImpulse * view(row.m_contactNormal2);
+    T += row.m_appliedImpulse * view(row.m_relpos2CrossNormal);
+  }
+  for (int i = 0; i < n; ++i)
+    if (!m_rows[i].angular) T -= P.dot(m_rows[i].L) * m_rows[i].A_b;
+  const Scalar load = btSqrt(btMax(P.squaredNorm(), T.squaredNorm())),
+               threshold = getBreakingImpulseThreshold();
+  if (load >= threshold) {
+    for (int i = 0; i < n; ++i)
+      setImpulse(m_solver_rows[i], a, b, threshold / load * m_solver_rows[i].m_appliedImpulse);
+    setEnabled(false);
+    return;
+  }
+  for (int i = 0; i < n; ++i) {
+    btSolverConstraint& row = m_solver_rows[i];
+    const Scalar times = 2 * btFabs(row.m_appliedImpulse) / btMax(threshold, SIMD_EPSILON);
+    if (!(times >= 2)) continue;
+    row.m_appliedImpulse /= times;
+    for (btVector3* J : {&row.m_contactNormal1, &row.m_relpos1CrossNormal, &row.m_contactNormal2,
+                         &row.m_relpos2CrossNormal})
+      *J *= times;
+  }
 }
 
 inline bool Joint::goesOn() const {
@@ -131,8 +220,10 @@ inline bool Joint::goesOn() const {
   return false;
 }
 
-inline bool Joint::isRigidLimit(int row) const {
-  return isLimitAlone(m_rows[row]) && m_solver_rows[row].m_cfm == 0;
+btSolverConstraint* Joint::rigidLimit(const Row& row) const {
+  if (m_solver_rows == nullptr || row.axis < 0 || !isLimit(row)) return nullptr;
+  btSolverConstraint& of = m_solver_rows[m_rows.axis(row.axis).row[Axis::limit]];
+  return of.m_cfm == 0 ? &of : nullptr;
 }
 
 // A load takes so much less in a shorter step; in a longer one what made up for an error of velocity takes no more.
@@ -141,49 +232,67 @@ inline Scalar Joint::lasting() const {
 }
 
 // The impulse from which a row with bounds may go on: this part of the last step's.
-Scalar Joint::warmLimit(int row, Scalar part) const {
-  if (row < m_rows.equalities() || m_solver_rows == nullptr || breakable() || !isRigidLimit(row))
-    return 0;
-  const btSolverConstraint& of = m_solver_rows[row];
-  const Scalar impulse = part * lasting() * m_rows[row].last;
-  return btMax(of.m_lowerLimit, btMin(impulse, of.m_upperLimit));
+Scalar Joint::warmLimit(int solver_row, Scalar part) const {
+  const Row* const row = limitAt(solver_row);
+  if (row == nullptr || breakable()) return 0;
+  const btSolverConstraint* const of = rigidLimit(*row);
+  if (of == nullptr) return 0;
+  const Scalar impulse = part * lasting() * m_rows.axis(row->axis).last_limit;
+  return btMax(of->m_lowerLimit, btMin(impulse, of->m_upperLimit));
 }
 
-// The rows go on from what they had in the last step.
+// The rows go on from what they had in the last step. (No K: Bullet passes over the row.)
 inline void Joint::start(btSolverBody& a, btSolverBody& b) {
   const Scalar part = warm_start * lasting();
-  for (int i = 0; i < m_rows.size(); ++i) {
-    btSolverConstraint& row = m_solver_rows[i];
-    // No K: Bullet passes over the row.
-    if (!(row.m_jacDiagABInv > 0)) continue;
-    if (i < m_rows.equalities()) {
-      setImpulse(row, a, b, part * m_rows[i].last);
-    } else if (m_rows[i].last != 0 && isRigidLimit(i)) {
-      setImpulse(row, a, b, warmLimit(i, warm_limit));
-    }
+  for (int i = 0; i < m_rows.equalities(); ++i)
+    if (m_solver_rows[i].m_jacDiagABInv > 0)
+      setImpulse(m_solver_rows[i], a, b, part * m_rows[i].last);
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+    const AxisState& state = m_rows.axis(m_rows[i].axis);
+    btSolverConstraint* const row = state.last_limit != 0 ? rigidLimit(m_rows[i]) : nullptr;
+    if (row != nullptr && row->m_jacDiagABInv > 0)
+      setImpulse(*row, a, b, warmLimit(state.row[Axis::limit], warm_limit));
   }
 }
 
 inline Scalar Joint::relaxation() const { return 1 + over_relaxation * curvedPart(); }
 
 inline void Joint::relax(Scalar factor) {
-  for (int i = 0; i < m_rows.size(); ++i) {
-    if (i >= m_rows.equalities() && !isRigidLimit(i)) continue;
-    m_solver_rows[i].m_jacDiagABInv *= factor;
-    m_solver_rows[i].m_rhs *= factor;
-  }
+  const auto scale = [factor](btSolverConstraint& row) {
+    row.m_jacDiagABInv *= factor;
+    row.m_rhs *= factor;
+  };
+  for (int i = 0; i < m_rows.equalities(); ++i) scale(m_solver_rows[i]);
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i)
+    if (btSolverConstraint* const row = rigidLimit(m_rows[i])) scale(*row);
 }
 
-// Row::correction holds those of the first pass.
-inline void Joint::takeImpulses() {
+// Row::correction holds the impulses of the first pass.
+inline void Joint::rememberPass() {
+  for (int i = 0; i < m_rows.equalities(); ++i)
+    m_rows[i].correction = m_solver_rows[i].m_appliedImpulse;
+}
+
+// Whether others have changed the impulses since the first pass.
+inline bool Joint::isDisturbed() const {
   Scalar largest = 0, change = 0;
   for (int i = 0; i < m_rows.equalities(); ++i) {
     const Scalar impulse = m_solver_rows[i].m_appliedImpulse;
     largest = btMax(largest, btFabs(impulse));
     change = btMax(change, btFabs(impulse - m_rows[i].correction));
-    m_rows[i].last = impulse;
   }
-  m_last = change > undisturbed * largest ? Last::impulse : Last::nothing;
+  return change > undisturbed * largest;
+}
+
+// Remembers what lasts of the impulses: a load grows by steps, a blow does not come again.
+inline void Joint::takeImpulses() {
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    Row& row = m_rows[i];
+    const Scalar impulse = m_solver_rows[i].m_appliedImpulse;
+    row.last = agreed(impulse, largest_growth * row.before);
+    row.before = impulse;
+  }
+  m_last = isDisturbed() ? Last::impulse : Last::nothing;
 }
 
 inline void Joint::takeResiduals(const btSolverBody& a, const btSolverBody& b) {
@@ -221,7 +330,9 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
     change[i] = 0;
     if (is_equality && btFabs(row.position) > open_speed * m_time_step) return;
     // A limit that the step leaves has no row at its end.
-    if (!is_equality && !(isRigidLimit(i) && i < end.size() && end[i].axis == row.axis)) continue;
+    if (!is_equality &&
+        !(rigidLimit(row) != nullptr && i < end.size() && end[i].axis == row.axis))
+      continue;
     if (!isSameRow(row, end[i])) {
       if (is_equality) return;
       continue;
@@ -238,7 +349,9 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   Scalar by_K[most_joint_rows];
   for (int i = 0; i < m_rows.size(); ++i) {
     Row& row = m_rows[i];
-    btSolverConstraint& solver_row = m_solver_rows[i];
+    btSolverConstraint* const limit = i < n ? nullptr : rigidLimit(row);
+    if (i >= n && limit == nullptr) continue;
+    btSolverConstraint& solver_row = i < n ? m_solver_rows[i] : *limit;
     const Scalar sign = i < n ? Scalar(1) : Scalar(m_rows.axis(row.axis).sign);
     row.curvature -= sign * change[i] / curved_time;
     if (i < n) row.target += change[i];
@@ -252,6 +365,7 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
 
 // Bullet calls this after each pass over the rows of all joints, before that over the contacts.
 void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
+  m_shows_passes = true;
   if (m_passes_left > 0) {
     if (m_passes_done < most_passes_done) ++m_passes_done;
     --m_passes_left;
@@ -265,16 +379,21 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
       boundTurn(a, m_time_step);
       boundTurn(b, m_time_step);
     }
+    if (m_passes_done == 1 && breakable()) liftThresholds();
+    if (m_passes_left == 0) {
+      if (foresees()) keepBooks(a, b);
+      if (breakable()) breakIfOverloaded(a, b);
+    }
     if (m_next == Last::impulse) {
       if (m_passes_done == 1) {
-        for (int i = 0; i < m_rows.equalities(); ++i)
-          m_rows[i].correction = m_solver_rows[i].m_appliedImpulse;
+        rememberPass();
         if (m_last == Last::impulse) {
           if (goesOn()) start(a, b);
           relax(relaxation());
+          m_relaxed = true;
         }
       } else if (m_passes_left == 1) {
-        if (m_last == Last::impulse) relax(1 / relaxation());
+        if (m_relaxed) relax(1 / relaxation());
       } else if (m_passes_left == 0) {
         takeImpulses();
       }
@@ -282,15 +401,24 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
       takeResiduals(a, b);
     }
   }
-  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-    Row& row = m_rows[i];
-    AxisState& axis = m_rows.axis(row.axis);
-    if (m_solver_rows != nullptr) axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
-    axis.seen = axis.given;
-    if (!axis.given) continue;
-    const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
-    row.last = axis.sign * now - row.target;
+  if (m_solver_rows == nullptr) return;
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) seeAxis(m_rows[i], a, b);
+}
+
+// What the parts of an axis have come to, and what others do to a coordinate along which an impulse is given.
+void Joint::seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b) {
+  AxisState& axis = m_rows.axis(row.axis);
+  Scalar taken = 0;  // by rows of the axis itself
+  for (int k = 0; k < Axis::parts; ++k) {
+    if (axis.row[k] < 0) continue;
+    const btSolverConstraint& part = m_solver_rows[axis.row[k]];
+    axis.impulse[k] = -axis.sign * part.m_appliedImpulse;
+    if (part.m_lowerLimit != part.m_upperLimit) taken += axis.impulse[k];
   }
+  axis.seen = axis.given;
+  if (!axis.given) return;
+  const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
+  row.last = axis.sign * now - axis.expected - axis.K * taken;
 }
 
 }  // namespace PINTLE_PRECISION

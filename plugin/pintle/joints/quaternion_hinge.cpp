@@ -81,7 +81,7 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair,
                                                 const equations::Swing<Scalar>& swing,
                                                 Rows& rows) const {
   addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows);
-  if (!m_angular_only) addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLever(), rows);
+  if (!m_angular_only) addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLevers(), rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,

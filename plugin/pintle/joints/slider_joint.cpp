@@ -65,7 +65,8 @@ inline SliderJoint::Frames SliderJoint::frames(const BodyPair& pair) const {
 
 SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                          const btTransform& frameInB, bool useLinearReferenceFrameA)
-    : PosedJoint(rbA, rbB, row_count), m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
+    : PosedJoint(rbA, rbB, row_count),
+      m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_linear.own = &m_linear_parameters;
   m_angular.own = &m_angular_parameters;
   m_angular.low = m_angular.high = 0;

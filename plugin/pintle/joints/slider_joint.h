@@ -223,7 +223,7 @@ class SliderJoint : public PosedJoint {
 
   /// No axis of its own: it is one of the equalities.
   bool angleIsLocked() const {
-    return m_angular.locked() && !(m_angular.limit_spring.angular_frequency > 0);
+    return m_angular.locked() && !(m_angular.hasLimitSpring());
   }
   static Scalar depth(const Axis& axis, Scalar position) {
     if (!axis.limited()) return 0;

@@ -121,7 +121,7 @@ inline void TwoPointHinge::addPointRows(const BodyPair& pair, const Lines& lines
       if (document)
         addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
       else  // all of the gap: what the points say twice is not to contradict itself
-        addConservingPositionRows(pair, at.r_a, at.r_b, at.d, 1, rows);
+        addConservingPositionRows(pair, at.r_a, at.r_b, at.d, sharesOfGap(), rows);
     }
     return;
   }

@@ -76,10 +76,10 @@ struct Axis {
   bool locked() const { return low == high; }
   /// Motor, servo or friction: a row in every step, whatever the coordinate.
   bool driven() const { return drive != Drive::off || max_friction > 0; }
-  /// Whether a single rigid part acts, which is a row as it stands.
-  bool isSimple(bool limit_acts) const {
-    if (limit_acts) return !driven() && !(limit_spring.angular_frequency > 0);
-    return drive == Drive::off || (drive != Drive::servo && !(max_friction > 0));
+  bool hasLimitSpring() const { return limit_spring.angular_frequency > 0; }
+  /// Whether a part that acts is a spring.
+  bool isSoft(bool limit_acts) const {
+    return drive == Drive::servo || (limit_acts && hasLimitSpring());
   }
   /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
   Scalar distance(Scalar position) const {

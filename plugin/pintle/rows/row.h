@@ -24,6 +24,7 @@ struct Row {
   Scalar position;
   /// The most that a step may correct, m/s or rad/s.
   Scalar max_speed;
+  Scalar before = 0;  ///< the impulse of the step before the last one
   /// d^2 C / dt^2 (of an axis: of the coordinate) at constant v, w: what J v leaves out of the
   /// motion of C, m/s^2 or rad/s^2.
   Scalar curvature;
