@@ -24,6 +24,7 @@ class WedgeJoint;
 class FrameJoint;
 class HingeBase;
 class Joint;
+class PosedJoint;
 
 // unstable/: for comparison only.
 class CrossProductHinge;

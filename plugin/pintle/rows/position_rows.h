@@ -37,30 +37,10 @@ inline void addPositionRows(const BodyPair& pair, const Vec3& lever_a, const Vec
                   rows);
 }
 
-/// Parts of a gap in the levers of body a and b.
-struct GapInLevers {
-  Scalar a = 0, b = 0;
-};
-
-/// Of two bodies that move freely, with the whole gap in both levers together: the heavier one's takes more, as if they
-/// met in their common centre of mass. A body that cannot move, or is held along an axis, keeps no momentum: then each
-/// is held at its own anchor, and a pull at a centre turns nothing.
-inline GapInLevers gapInLevers(const BodyPair& pair, Scalar whole) {
-  const auto isFree = [](const btRigidBody& body) {
-    const btVector3& f = body.getLinearFactor();
-    return body.getInvMass() > 0 && f.x() == 1 && f.y() == 1 && f.z() == 1;
-  };
-  if (!isFree(pair.a()) || !isFree(pair.b())) return {};
-  const Scalar part = whole / (pair.inv_mass_a() + pair.inv_mass_b());
-  return {part * pair.inv_mass_b(), part * pair.inv_mass_a()};
-}
-
-/// Conditioned: a part of the gap in the levers (Joint::gapInLever). With all of it both bodies are held at one point
-/// between their anchors, and angular momentum is conserved.
+/// Conditioned: both held at the anchor of b, with all of the gap in the lever of a (Joint::gapInLever).
 inline void addConservingPositionRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
                                       const Vec3& d, Scalar gap_in_lever, Rows& rows) {
-  const GapInLevers part = gapInLevers(pair, gap_in_lever);
-  addPositionRows(pair, r_a + part.a * d, r_b - part.b * d, d, rows);
+  addPositionRows(pair, r_a + gap_in_lever * d, r_b, d, rows);
 }
 
 }  // namespace PINTLE_PRECISION
