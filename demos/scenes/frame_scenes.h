@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "joint_work.h"
 #include "playground.h"
 
 namespace scenes {
@@ -156,7 +157,8 @@ Bridges make_bridges(const PlaygroundSettings& settings, int count = 50) {
 }
 
 struct BridgesResult {
-  double gains = 0;         // J: the sum of what each step gains of mechanical energy
+  double fed = 0;    // J: the sum of what joints give, over the steps in which they do
+  double gains = 0;  // J: the sum of what each step gains of mechanical energy, contacts and all
   double largest_gain = 0;  // J, in a step
   double end_kinetic = 0;   // J
   double mean_gap = 0;      // m, over joints and steps
@@ -172,9 +174,12 @@ BridgesResult run_bridges(int iterations, double hz, double seconds, int count) 
   Playground& world = *bridges.world;
   const int steps = int(std::lround(seconds * hz));
   BridgesResult result;
+  JointWork work(world.world().bullet());
   double energy = world.energy();
   for (int i = 0; i < steps; ++i) {
+    work.beginStep();
     world.step(1 / hz);
+    result.fed += std::max(0., work.endStep(1 / hz));
     const double energy_now = world.energy(), gain = energy_now - energy;
     energy = energy_now;
     result.gains += gain > 0 ? gain : 0;

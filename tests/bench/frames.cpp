@@ -172,14 +172,14 @@ void chains(const Options& options) {
 
 void crates(const Options& options) {
   const double seconds = options.seconds > 0 ? options.seconds : 6;
-  std::printf("\n%-26s %-8s %11s %11s %10s %10s %10s %4s\n", "50 bridges with crates", "",
-              "gains J", "in a step J", "end J", "mean gap", "max gap", "off");
+  std::printf("\n%-26s %-8s %11s %11s %10s %10s %10s %4s\n", "50 bridges with crates", "", "fed J",
+              "gains J", "end J", "mean gap", "max gap", "off");
   for (const int iterations : {10, 100}) {
     for (const double hz : {60., 120., 240.}) {
       const auto print = [&](const char* who, const scenes::BridgesResult& r) {
         std::printf("%3d iterations, %3.0f Hz     %-8s %11.4g %11.3g %10.3g %10.2e %10.2e %4d\n",
-                    iterations, hz, who, r.gains, r.largest_gain, r.end_kinetic, r.mean_gap,
-                    r.max_gap, r.thrown_off);
+                    iterations, hz, who, r.fed, r.gains, r.end_kinetic, r.mean_gap, r.max_gap,
+                    r.thrown_off);
         std::fflush(stdout);
       };
       print("stock", scenes::run_bridges<StockJoints>(iterations, hz, seconds, 50));

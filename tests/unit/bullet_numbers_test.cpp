@@ -28,6 +28,7 @@ class OneRow : public pintle::FrameJoint {
     rows.addEquality(m_J.L, m_J.A_a, m_J.A_b, m_C);
   }
   void soften(Scalar erp, Scalar cfm) {
+    support::closeByErpAlone<pintle::Joint>(*this);
     setParam(BT_CONSTRAINT_ERP, erp);
     setParam(BT_CONSTRAINT_CFM, cfm);
   }

@@ -375,7 +375,7 @@ TEST(ConeTwistRows, ThereIsOneForWhatActs) {
          j.enableMotor(false);
        }},
       {"friction", 6, [](auto& j, auto&) { j.setFriction(1); }},
-      {"motor and friction", 6,
+      {"motor and friction", 9,  // a row each about each axis
        [](auto& j, auto&) {
          j.enableMotor(true);
          j.setFriction(1);
@@ -390,7 +390,7 @@ TEST(ConeTwistRows, ThereIsOneForWhatActs) {
          j.setLimit(1, 0, 1);
          j.setFriction(1);
        }},
-      {"everything", 8,
+      {"everything", 11,
        [&](auto& j, auto& a) {
          j.setLimit(1, scalar(0.15), 0);
          j.setFriction(1);
@@ -805,8 +805,8 @@ TEST(ConeTwistLocks, HoldTheirDirectionsAndLeaveTheOthers) {
       if (c.span_1 == 1 || c.span_2 == 1) locked = std::max(locked, swing - 1);
       free = std::max({free, twist, swing});
     }
-    // What the third order of a step of 0.15 rad leaves.
-    EXPECT_LT(locked, 1.1e-2);
+    // What a bend that changes leaves in a step of 0.15 rad.
+    EXPECT_LT(locked, 1.2e-2);
     if (c.twist < 0 || c.span_1 + c.span_2 > 0.5) {
       EXPECT_GT(free, 0.2);
     }

@@ -526,7 +526,7 @@ TEST(ContractOfTheHinge, HasARowForWhatActs) {
        }},
       {"friction", 6, [](auto& h, auto&) { h.setFriction(1); }},
       {"no friction", 5, [](auto& h, auto&) { h.setFriction(0); }},
-      {"everything at once", 6,
+      {"everything at once", 8,  // friction, motor and limit: a row each
        [](auto& h, auto&) {
          h.setLimit(0, 0);
          h.enableAngularMotor(true, 1, 1);
@@ -824,9 +824,10 @@ TEST_P(Contract, TwoDimensionalGamesAreFiniteAndStable) {
       EXPECT_TRUE(finite);
       // It starts at 3 rad/s and 2.2 m/s; what acts adds at most some more.
       if (GetParam().blows_up.empty()) {
-        // On the exact solver a limit that ERP is to turn at 8 rad/s, about an axis of which the plane
-        // has 0.4, does turn.
-        EXPECT_LT(top, onExactSolver() ? 22 : 15);
+        // A limit that ERP is to turn at 8 rad/s, about an axis of which the plane has 0.25, does turn.
+        EXPECT_LT(top, GetParam().name.rfind("AngularLimit", 0) == 0 ? 35
+                       : onExactSolver()                             ? 22
+                                                                     : 15);
       }
     }
   }

@@ -950,6 +950,7 @@ TYPED_TEST(DropInHinge, ErpTakesAwayThePartOfTheErrorThatStocksDoes) {
   for (const double erp : {0.0, 0.3, 0.8}) {
     const auto run = [erp](auto&& rig) {
       rig.hinge().setParam(BT_CONSTRAINT_ERP, scalar(erp));
+      support::closeByErpAlone(rig.hinge());
       rig.free().setCenterOfMassTransform(scenes::pose_at(vec(1.02, 0.01, 0.03)));
       rig.step();
       return rig.free().getCenterOfMassPosition();
@@ -1101,7 +1102,7 @@ TYPED_TEST(DropInHinge, ABrokenJointLetsGoAndCanBeMended) {
   EXPECT_GT(rig->free().getCenterOfMassPosition().z(), 1);
   rig->hinge().setEnabled(true);
   rig->hinge().setBreakingImpulseThreshold(SIMD_INFINITY);
-  rig->step(120);
+  rig->step(240);  // it comes back at 1 m/s
   EXPECT_TRUE(rig->hinge().isEnabled());
   EXPECT_NEAR(rig->free().getCenterOfMassPosition().z(), 0, 0.05);
 }

@@ -342,8 +342,7 @@ void add(std::vector<Kind>& list, const char* name, int variants, const Nature& 
 }  // namespace
 
 std::vector<Kind> all() {
-  const Nature at_times = {false, "A", ""},
-               plane = {true, "A", "three rows for two freedoms ask for what the plane forbids"};
+  const Nature at_times = {false, "A", ""};
   std::vector<Kind> list;
   add<QuaternionHinge>(list, "QuaternionHinge", 6);
   add<BallJoint>(list, "BallJoint", 4);
@@ -359,7 +358,7 @@ std::vector<Kind> all() {
   add<pintle::DotHinge>(list, "DotHinge", 6);
   add<TwoPointHinge>(list, "TwoPointHinge", 9);
   add<pintle::CrossProductHinge>(list, "CrossProductHinge", 3);
-  add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3, plane);
+  add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3);
   add<pintle::SingleRowLock>(list, "SingleRowLock", 3);
   return list;
 }

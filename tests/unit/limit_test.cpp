@@ -110,7 +110,8 @@ TEST_P(Limit, HoldsAtBothEndsAndIsNeverPassed) {
   // by 1e-5 rad a step, which piles up until the limit takes back as much (bias times ERP: 6 % a
   // step).
   const bool coarse = partner == Partner::kinematic && physics::single_precision;
-  EXPECT_LT(overshoot, coarse ? 5e-4 : reached);
+  // Of a motor and the limit against which it drives, the exact solver leaves as much again.
+  EXPECT_LT(overshoot, coarse ? onExactSolver() ? 2e-3 : 5e-4 : reached);
   EXPECT_LT(jump, pi / 2) << "a flip";
   EXPECT_LT(reading, reached);
 }

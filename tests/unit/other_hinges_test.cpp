@@ -274,14 +274,15 @@ TEST(TwoPointHingeJoint, RecoversFromBeyond90DegreesByAnyPlacement) {
   }
 }
 
-TEST(TwoPointHingeJoint, SixRowsMayHoldTheAxesApart) {
+TEST(TwoPointHingeJoint, SixRowsRecoverLaterThanFour) {
   PINTLE_SKIP_ON_EXACT_SOLVER("rows that contradict each other go half way each");
   const auto run = [](bool six) {
     return recovery<TwoPointHinge>(120, directions[1],
                                    [=](TwoPointHinge& hinge) { hinge.setSixRows(six); });
   };
-  EXPECT_EQ(run(true).steps, -1);
-  EXPECT_GT(run(false).steps, 0);
+  const int six = run(true).steps, four = run(false).steps;
+  EXPECT_GT(four, 0);
+  EXPECT_TRUE(six == -1 || six > four) << six << " steps, " << four;
 }
 
 TEST(TwoPointHingeJoint, IsStuckAt180Degrees) {

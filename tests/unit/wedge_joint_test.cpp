@@ -390,7 +390,7 @@ TEST(WedgeJoint, HasRowsForWhatActs) {
   EXPECT_EQ(rows(blunt, 0, half, still), 3);
   EXPECT_EQ(rows(blunt, 0, half, still, 1), 4);
   EXPECT_EQ(rows(blunt, 1.2, half, still), 4);
-  EXPECT_EQ(rows(blunt, 1.2, half, still, 1), 4);
+  EXPECT_EQ(rows(blunt, 1.2, half, still, 1), 5);
   EXPECT_EQ(rows(blunt, 1, half, vec(0, 0, 6)), 4);  // 0.1 rad a step, and 0.05 to go
   EXPECT_EQ(rows(blunt, 1, half, vec(0, 0, -6)), 3);
   EXPECT_EQ(rows(acute, 0, half, vec(0, 0, 3)), 3);

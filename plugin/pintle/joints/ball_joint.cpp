@@ -70,7 +70,7 @@ PINTLE_FLATTEN void BallJoint::addRows(const BodyPair& pair, Rows& rows) const {
   if (getFormulation() == Formulation::document)
     addDocumentPositionRows(r_a, r_b, d, rows);
   else
-    addConservingPositionRows(pair, r_a, r_b, d, gapInLever(), rows);
+    addConservingPositionRows(pair, r_a, r_b, d, gapInLever(r_a.dot(r_a), d.dot(d)), rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -231,8 +231,12 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
     // A spring acts from beyond its limit only.
     const bool limit =
         near_limit && (bend.C > m_bend.high || !(m_bend.limit_spring.angular_frequency > 0));
-    if (bend.C > straight && (limit || m_bend.driven()))
-      rows.addAngularAxis(0, bend.J_b, bend.C, m_bend, limit);
+    // They are at right angles while the joint holds. Far from there they need not be, and what pulls along both at
+    // once would throw the bodies.
+    const Scalar common = bend.J_b.dot(row.J_b), apart = length2 - 2 * common * common;
+    if (bend.C > straight && apart > 0 && (limit || m_bend.driven()))
+      rows.addAngularAxis(0, bend.J_b, bend.C, m_bend, limit).max_speed =
+          getMaxCorrectionSpeed() * apart / length2;
   }
   if (m_shaft.driven()) {
     const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);

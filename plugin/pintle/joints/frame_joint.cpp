@@ -51,7 +51,8 @@ void FrameJoint::addPivotRows(const BodyPair& pair, const equations::Anchors<Sca
   if (getFormulation() == Formulation::document)
     addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
   else
-    addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLever(), rows);
+    addConservingPositionRows(pair, at.r_a, at.r_b, at.d,
+                              gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)), rows);
 }
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {

@@ -54,9 +54,9 @@ class Joint : public btTypedConstraint {
 
   /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of
   /// Bullet's solver solves the joint by itself, and with the residual of the last step in view.
-  /// Default on. Bullet compares a breaking threshold with the impulse of each single row: a joint
-  /// that has one eliminates in the order that leaves the pivot's force in its rows, or, with a
-  /// limit or motor acting, not at all.
+  /// Default on. A breaking threshold is compared with the load after the last pass: the components of
+  /// the force at the pivot, N s, and the moment about it, N m s. (Of plain rows Bullet compares each
+  /// impulse, as it does where its solver does not show its passes.)
   void setBlockRows(bool block) { m_block_rows = block; }
   bool getBlockRows() const { return m_block_rows; }
 
@@ -68,6 +68,12 @@ class Joint : public btTypedConstraint {
   /// lingers.
   void setMaxCorrectionSpeed(btScalar speed);
   btScalar getMaxCorrectionSpeed() const { return m_max_correction_speed; }
+
+  /// The speed (m/s, > 0) at which the pivots of a joint that starts apart are brought together: one that is new or
+  /// enabled again, or of which a body has been put elsewhere. Default 1, and more where the
+  /// gap would take more than a second. Gaps that a load opens are closed as ERP says.
+  void setMaxLinearCorrectionSpeed(btScalar speed);
+  btScalar getMaxLinearCorrectionSpeed() const { return m_max_linear_correction_speed; }
 
   /// Draws the joint as Bullet draws its own: frames, axes and limits, of the size getDbgDrawSize().
   virtual void drawJoint(btIDebugDraw& drawer) const = 0;
@@ -109,25 +115,25 @@ class Joint : public btTypedConstraint {
     const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
     return btMax(Scalar(0), 1 - part * part);
   }
-  /// The part of a gap d that is in the lever of body a (3.1.3, conditioned). With all of it both bodies are
-  /// held at one point, and angular momentum is conserved at any gap. But Bullet turns no body by more than
-  /// pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing about each
-  /// other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian.
-  Scalar gapInLever() const {
-    constexpr Scalar from = Scalar(0.1), to = SIMD_PI / 4;
-    const Scalar part = (to - angularSpeed() * m_time_step) / (to - from);
-    return part > 0 ? btMin(part, Scalar(1)) : Scalar(0);
-  }
-  /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step. Half the
-  /// step, but the curvature goes with the square of the angular velocity at the end of the step, which is
-  /// about as much more than that at its start as the last step added. Without this a pendulum gains energy.
+  /// The part of a gap that is in the lever of body a (3.1.3, conditioned); these are the squares of their lengths. With
+  /// all of it two bodies that move freely are held at one point, and angular momentum is conserved at any gap. But Bullet
+  /// turns no body by more than pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing
+  /// about each other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian. Against a
+  /// body that cannot move nothing is to be conserved: there the lever takes what its own turn puts the pivot off
+  /// by, as a pendulum's does, but not the gap of a pull, which would turn the body.
+  Scalar gapInLever(Scalar lever2, Scalar gap2) const;
+  /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step: half the step.
   Scalar curvedTime() const {
-    const Scalar half = Scalar(0.5) * m_time_step;
-    if (m_foresees_curvature) return half;
-    const Scalar part = half * curvedPart(), w = m_angular_speed;
-    if (!(m_last_angular_speed > 0 && w > 0)) return part;
+    return Scalar(0.5) * m_time_step * (m_foresees_curvature ? Scalar(1) : curvedPart());
+  }
+  /// The same of a motion that goes on as it is. The curvature goes with the square of the angular velocity at the end
+  /// of the step, which is about as much more than that at its start as the last step added. Without this a pendulum
+  /// gains energy.
+  Scalar lastingTime() const {
+    const Scalar w = m_angular_speed;
+    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return curvedTime();
     const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
-    return part * (next * next);
+    return curvedTime() * (next * next);
   }
   /// getInfo2 of the joint itself, of its rows at other poses of the bodies, as Bullet's
   /// getInfo2NonVirtual has it. As many rows as getInfo1 announced at the most: a limit that acts at
@@ -185,45 +191,68 @@ class Joint : public btTypedConstraint {
   friend class ExactJointSolver;
   friend class JointSystem;
   struct Step;
-  /// What Row::last is of equalities.
-  enum class Last : unsigned char { nothing, impulse, residual };
 
   bool m_block_rows : 1;
   bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated
-  Last m_last : 2;
-  Last m_next : 2;  ///< what this step makes use of, and leaves
   Formulation m_formulation : 1;
   bool m_looks_ahead : 1;           ///< between Bullet's passes
   unsigned char m_passes_done : 4;  ///< of Bullet's over the rows; no more than 15
-  short m_passes_left = 0;          ///< until what the last one leaves is known
+  bool m_remembers : 1;             ///< what the last step's passes left (RowHistory)
+  bool m_learned : 1;               ///< the same of this step
+  /// Whether this step may begin with impulses of the last one, and whether that might.
+  bool m_may_start_warm : 1, m_might_start_warm : 1;
+  bool m_relaxed : 1;                  ///< over-relaxed in this step
+  bool m_starts_apart : 1;             ///< its pivots are being brought together
+  bool m_shows_passes : 1;             ///< Bullet's solver did so in the last step
+  signed char m_solver_row_count = 0;  ///< of Bullet's: an axis may have one for each part
+  short m_passes_left = 0;             ///< until what the last one leaves is known
 
   void beginPasses(const btConstraintInfo2& info);
-  /// Whether the limit may act along the row's axis in this step, and nothing else does.
-  bool isLimitAlone(const Row& row) const;
-  bool isRigidLimit(int row) const;
+  /// Gives each part of each axis its place among Bullet's rows, of which there are so many.
+  void placeRows(int room);
+  /// Whether a rigid limit may act along the row's axis in this step.
+  bool isLimit(const Row& row) const;
+  /// The row of Bullet's of such a limit, if its bounds are all that softens it; else null.
+  btSolverConstraint* rigidLimit(const Row& row) const;
+  /// The axis row whose limit is this one of Bullet's rows; null: none is.
+  const Row* limitAt(int solver_row) const;
   Scalar lasting() const;
-  Scalar warmLimit(int row, Scalar part) const;
+  Scalar warmLimit(int solver_row, Scalar part) const;
   bool goesOn() const;
+  void rememberPass();
+  bool isDisturbed() const;
   void start(btSolverBody& a, btSolverBody& b);
   Scalar relaxation() const;
+  void foresee(Step& step, const BodyPair& pair);
+  void limitClosing(Step& step);
+  void liftThresholds();
+  void breakIfOverloaded(btSolverBody& a, btSolverBody& b);
   void relax(Scalar factor);
-  void takeImpulses();
   void lookAhead(const btSolverBody& a, const btSolverBody& b);
-  void takeResiduals(const btSolverBody& a, const btSolverBody& b);
+  void learn(const btSolverBody& a, const btSolverBody& b);
+  void seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b);
   void forget();
-  void takeLastImpulses();
+  void forgetImpulses();
   void writeDelicate(btConstraintInfo2& info);
-  AxisRow act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step);
-  AxisRow actBesideEqualities(Row& row, const Step& step);
-  AxisRow solveCompound(Row& row, const BlockRow* orthogonal, const Block* block,
-                        AxisMotion& motion);
+  void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
+           AxisRow (&parts)[3]);
+  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[3]);
+  bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
+                 AxisRow (&parts)[3]);
 
   RowList m_rows;
   btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
   Scalar m_time_step = Scalar(1) / 60, m_last_time_step = m_time_step;
+  /// What part of their bend equalities have reckoned with, in this step and in the last one; < 0: they had no step.
+  Scalar m_foreseen = -1, m_last_foreseen = -1;
+  Scalar m_curved_time = 0;  ///< s, of this step
   Scalar m_max_correction_speed = 8;
+  Scalar m_max_linear_correction_speed = 1;
+  Scalar m_last_load =
+      0;              ///< N s or N m s, after the last pass over the rows of a joint that may break
+  Scalar m_gap = -1;  ///< m, at the start of the last step; < 0: there was none
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,14 +1,14 @@
 #include <pintle/joints/joint.h>
+#include <pintle/rows/row.h>
 
 #include <pintle/body_pair.h>
-#include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
                        const btTransform& pose_b) {
-  const int announced = m_rows.size();
+  const int announced = m_solver_row_count;
   if (pose_a == m_rbA.getCenterOfMassTransform() && pose_b == m_rbB.getCenterOfMassTransform())
     return Joint::getInfo2(info);
   m_rows.clear();
@@ -18,6 +18,7 @@ void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
   m_rows = rows;
   // Bullet has no room for more.
   m_rows.truncate(announced);
+  placeRows(announced);
   Joint::getInfo2(info);
 }
 

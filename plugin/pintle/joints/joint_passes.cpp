@@ -31,14 +31,10 @@ constexpr Scalar undisturbed = Scalar(1e-3);
 // Between the first pass and the last each goes beyond what it asks of the rows by this part of it: successive
 // over-relaxation, with which joints that bear on each other converge in half the passes. The last one leaves
 // them where it should.
-constexpr Scalar over_relaxation = Scalar(0.3);
+constexpr Scalar over_relaxation = Scalar(0.4);
 
-// With up to so many passes a start that is not right is not made up for. They leave a joint with what the
-// others did to it after its turn, the residual. One that lasts (the part in which two steps agree: a
-// load, not a blow) is going to come again, and the next target makes up for this part of it. Joints that
-// fight each other for good then ask for 1 / (1 - feed_forward) times what they would: bounded.
+// With up to so many passes a start that is not right is not made up for.
 constexpr int few_passes = 3;
-constexpr Scalar feed_forward = Scalar(0.6);
 
 // Row::curvature is that of the velocities at the start of the step. Where a body turns by more than the first of
 // these in a step, rad, it is found anew from where the velocities of now lead, each time that the number of
@@ -97,6 +93,16 @@ void setImpulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, Scala
   row.m_appliedImpulse = impulse;
 }
 
+// The same row with a Jacobian so many times as long: its impulse is that much smaller.
+void lengthen(btSolverConstraint& row, Scalar times) {
+  for (btVector3* J : {&row.m_contactNormal1, &row.m_relpos1CrossNormal, &row.m_angularComponentA,
+                       &row.m_contactNormal2, &row.m_relpos2CrossNormal, &row.m_angularComponentB})
+    *J *= times;
+  row.m_appliedImpulse /= times;
+  row.m_rhs /= times;
+  row.m_jacDiagABInv /= times * times;
+}
+
 }  // namespace
 
 void Joint::beginPasses(const btConstraintInfo2& info) {
@@ -107,11 +113,9 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
   const bool shown = m_solver_rows != nullptr && passes <= info.m_numIterations &&
                      passes <= std::numeric_limits<short>::max();
   m_passes_left = static_cast<short>(shown ? passes : 0);
-  // Forces on bodies that turn far in a step are others in the next.
-  const bool lasts = m_starts_warm && curvedPart() > 0;
-  m_next = m_passes_left > few_passes && lasts ? Last::impulse
-           : m_passes_left > 0                 ? Last::residual
-                                               : Last::nothing;
+  // Forces on bodies that turn far in a step are others in the next one.
+  m_may_start_warm =
+      m_starts_warm && !m_starts_apart && m_passes_left > few_passes && curvedPart() > 0;
   const Scalar turn = m_angular_speed * m_time_step;
   m_looks_ahead =
       m_formulation == Formulation::conditioned && turn > least_look && turn < most_look;
@@ -119,8 +123,51 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
 }
 
 PINTLE_NOINLINE void Joint::forget() {
-  m_last = Last::nothing;
+  m_remembers = false;
   for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).seen = false;
+}
+
+// A threshold is compared with the load (breakIfOverloaded): until then no row is to stop at it.
+void Joint::liftThresholds() {
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    m_solver_rows[i].m_lowerLimit = -infinity;
+    m_solver_rows[i].m_upperLimit = infinity;
+  }
+}
+
+// The load is the force impulse at the pivot, N s, of which Bullet compares the components, and the moment about it, N m s,
+// of all rows. One that is too much is cut down to the threshold, as Bullet does, and the joint disabled. Else Bullet, which
+// is going to look at the rows as they have been mixed, is to find none at the threshold.
+void Joint::breakIfOverloaded(btSolverBody& a, btSolverBody& b) {
+  Vec3 P = Vec3::Zero(), T = Vec3::Zero();
+  const int n = m_rows.equalities();
+  for (int i = 0; i < m_solver_row_count; ++i) {
+    const btSolverConstraint& row = m_solver_rows[i];
+    P += row.m_appliedImpulse * view(row.m_contactNormal2);
+    T += row.m_appliedImpulse * view(row.m_relpos2CrossNormal);
+  }
+  for (int i = 0; i < n; ++i)
+    if (!m_rows[i].angular) T -= P.dot(m_rows[i].L) * m_rows[i].A_b;
+  const Scalar load = btMax(P.cwiseAbs().maxCoeff(), T.norm()),
+               threshold = getBreakingImpulseThreshold();
+  // Bullet ends a step whose passes change nothing: what has settled may be the end.
+  const bool settled = m_passes_done > 1 && load == m_last_load;
+  m_last_load = load;
+  if (m_passes_left > 0 && !settled) return;
+  if (load >= threshold) {
+    for (int i = 0; i < n; ++i) {
+      btSolverConstraint& row = m_solver_rows[i];
+      setImpulse(row, a, b, threshold / load * row.m_appliedImpulse);
+      row.m_lowerLimit = row.m_upperLimit = row.m_appliedImpulse;
+    }
+    setEnabled(false);
+    return;
+  }
+  for (int i = 0; i < n; ++i) {
+    const Scalar times =
+        2 * btFabs(m_solver_rows[i].m_appliedImpulse) / btMax(threshold, SIMD_EPSILON);
+    if (times >= 2) lengthen(m_solver_rows[i], times);
+  }
 }
 
 inline bool Joint::goesOn() const {
@@ -131,8 +178,10 @@ inline bool Joint::goesOn() const {
   return false;
 }
 
-inline bool Joint::isRigidLimit(int row) const {
-  return isLimitAlone(m_rows[row]) && m_solver_rows[row].m_cfm == 0;
+btSolverConstraint* Joint::rigidLimit(const Row& row) const {
+  if (m_solver_rows == nullptr || row.axis < 0 || !isLimit(row)) return nullptr;
+  btSolverConstraint& of = m_solver_rows[m_rows.axis(row.axis).row[Axis::limit]];
+  return of.m_cfm == 0 ? &of : nullptr;
 }
 
 // A load takes so much less in a shorter step; in a longer one what made up for an error of velocity takes no more.
@@ -141,62 +190,69 @@ inline Scalar Joint::lasting() const {
 }
 
 // The impulse from which a row with bounds may go on: this part of the last step's.
-Scalar Joint::warmLimit(int row, Scalar part) const {
-  if (row < m_rows.equalities() || m_solver_rows == nullptr || breakable() || !isRigidLimit(row))
-    return 0;
-  const btSolverConstraint& of = m_solver_rows[row];
-  const Scalar impulse = part * lasting() * m_rows[row].last;
-  return btMax(of.m_lowerLimit, btMin(impulse, of.m_upperLimit));
+Scalar Joint::warmLimit(int solver_row, Scalar part) const {
+  const Row* const row = limitAt(solver_row);
+  if (row == nullptr || breakable()) return 0;
+  const btSolverConstraint* const of = rigidLimit(*row);
+  if (of == nullptr) return 0;
+  const AxisState& state = m_rows.axis(row->axis);
+  const Scalar impulse = part * lasting() * -state.sign * state.impulse[Axis::limit];
+  return btMax(of->m_lowerLimit, btMin(impulse, of->m_upperLimit));
 }
 
-// The rows go on from what they had in the last step.
+// The rows go on from what they had in the last step. (No K: Bullet passes over the row.)
 inline void Joint::start(btSolverBody& a, btSolverBody& b) {
   const Scalar part = warm_start * lasting();
-  for (int i = 0; i < m_rows.size(); ++i) {
-    btSolverConstraint& row = m_solver_rows[i];
-    // No K: Bullet passes over the row.
-    if (!(row.m_jacDiagABInv > 0)) continue;
-    if (i < m_rows.equalities()) {
-      setImpulse(row, a, b, part * m_rows[i].last);
-    } else if (m_rows[i].last != 0 && isRigidLimit(i)) {
-      setImpulse(row, a, b, warmLimit(i, warm_limit));
-    }
+  for (int i = 0; i < m_rows.equalities(); ++i)
+    if (m_solver_rows[i].m_jacDiagABInv > 0)
+      setImpulse(m_solver_rows[i], a, b, part * m_rows.history(i).impulse);
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+    const AxisState& state = m_rows.axis(m_rows[i].axis);
+    btSolverConstraint* const row =
+        state.impulse[Axis::limit] != 0 ? rigidLimit(m_rows[i]) : nullptr;
+    if (row != nullptr && row->m_jacDiagABInv > 0)
+      setImpulse(*row, a, b, warmLimit(state.row[Axis::limit], warm_limit));
   }
 }
 
 inline Scalar Joint::relaxation() const { return 1 + over_relaxation * curvedPart(); }
 
 inline void Joint::relax(Scalar factor) {
-  for (int i = 0; i < m_rows.size(); ++i) {
-    if (i >= m_rows.equalities() && !isRigidLimit(i)) continue;
-    m_solver_rows[i].m_jacDiagABInv *= factor;
-    m_solver_rows[i].m_rhs *= factor;
-  }
+  const auto scale = [factor](btSolverConstraint& row) {
+    row.m_jacDiagABInv *= factor;
+    row.m_rhs *= factor;
+  };
+  for (int i = 0; i < m_rows.equalities(); ++i) scale(m_solver_rows[i]);
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i)
+    if (btSolverConstraint* const row = rigidLimit(m_rows[i])) scale(*row);
 }
 
-// Row::correction holds those of the first pass.
-inline void Joint::takeImpulses() {
+// In the place of the residual of the last step, of which the targets have been made.
+inline void Joint::rememberPass() {
+  for (int i = 0; i < m_rows.equalities(); ++i)
+    m_rows.history(i).residual = m_solver_rows[i].m_appliedImpulse;
+}
+
+// Whether others have changed the impulses since the first pass.
+inline bool Joint::isDisturbed() const {
   Scalar largest = 0, change = 0;
   for (int i = 0; i < m_rows.equalities(); ++i) {
     const Scalar impulse = m_solver_rows[i].m_appliedImpulse;
     largest = btMax(largest, btFabs(impulse));
-    change = btMax(change, btFabs(impulse - m_rows[i].correction));
-    m_rows[i].last = impulse;
+    change = btMax(change, btFabs(impulse - m_rows.history(i).residual));
   }
-  m_last = change > undisturbed * largest ? Last::impulse : Last::nothing;
+  return change > undisturbed * largest;
 }
 
-inline void Joint::takeResiduals(const btSolverBody& a, const btSolverBody& b) {
+// What the passes have come to, and the velocities that they leave.
+inline void Joint::learn(const btSolverBody& a, const btSolverBody& b) {
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
   for (int i = 0; i < m_rows.equalities(); ++i) {
-    Row& row = m_rows[i];
-    const Scalar now = velocity(row, v_ab, w_a, w_b) - row.target;
-    const Scalar last = m_last == Last::residual ? row.last : Scalar(0);
-    row.correction =
-        agree(now, last) ? feed_forward * (btFabs(now) < btFabs(last) ? now : last) : Scalar(0);
-    row.last = now;
+    RowHistory& history = m_rows.history(i);
+    history.impulse = m_solver_rows[i].m_appliedImpulse;
+    history.residual = velocity(m_rows[i], v_ab, w_a, w_b) - m_rows[i].target;
   }
-  m_last = Last::residual;
+  m_learned = true;
 }
 
 // How far the rows move besides J v with the velocities of now, and the targets to match: these go through the
@@ -213,7 +269,7 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   addRows(BodyPair(m_rbA, end_a, m_rbB, end_b), end);
   const int n = m_rows.equalities();
   if (end.equalities() != n) return;
-  const Scalar curved_time = curvedTime();
+  const Scalar curved_time = m_curved_time;
   Scalar change[most_joint_rows], sum = 0, disturbance = 0;
   for (int i = 0; i < m_rows.size(); ++i) {
     const Row& row = m_rows[i];
@@ -221,7 +277,8 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
     change[i] = 0;
     if (is_equality && btFabs(row.position) > open_speed * m_time_step) return;
     // A limit that the step leaves has no row at its end.
-    if (!is_equality && !(isRigidLimit(i) && i < end.size() && end[i].axis == row.axis)) continue;
+    if (!is_equality && !(rigidLimit(row) != nullptr && i < end.size() && end[i].axis == row.axis))
+      continue;
     if (!isSameRow(row, end[i])) {
       if (is_equality) return;
       continue;
@@ -238,20 +295,30 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   Scalar by_K[most_joint_rows];
   for (int i = 0; i < m_rows.size(); ++i) {
     Row& row = m_rows[i];
-    btSolverConstraint& solver_row = m_solver_rows[i];
-    const Scalar sign = i < n ? Scalar(1) : Scalar(m_rows.axis(row.axis).sign);
-    row.curvature -= sign * change[i] / curved_time;
-    if (i < n) row.target += change[i];
-    Scalar eliminated = change[i];
+    Scalar eliminated = 0;
     for (int j = 0; j < i && j < n; ++j)
       eliminated -= product(row, m_solver_rows[j], a, b) * by_K[j];
-    solver_row.m_rhs -= eliminated * solver_row.m_jacDiagABInv;
-    if (i < n) by_K[i] = eliminated / product(row, solver_row, a, b);
+    const auto move = [](btSolverConstraint& of, Scalar by) { of.m_rhs -= by * of.m_jacDiagABInv; };
+    if (i < n) {
+      eliminated += change[i];
+      row.curvature -= change[i] / curved_time;
+      row.target += change[i];
+      move(m_solver_rows[i], eliminated);
+      by_K[i] = eliminated / product(row, m_solver_rows[i], a, b);
+      continue;
+    }
+    // Of a limit what the motion adds to its coordinate, too; a motor's velocity is that of the end.
+    const AxisState& state = m_rows.axis(row.axis);
+    row.curvature -= state.sign * change[i] / curved_time;
+    for (int k = 0; k < Axis::parts; ++k)
+      if (state.row[k] >= 0)
+        move(m_solver_rows[state.row[k]], eliminated + (k == Axis::limit ? change[i] : 0));
   }
 }
 
 // Bullet calls this after each pass over the rows of all joints, before that over the contacts.
 void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
+  m_shows_passes = true;
   if (m_passes_left > 0) {
     if (m_passes_done < most_passes_done) ++m_passes_done;
     --m_passes_left;
@@ -265,32 +332,40 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
       boundTurn(a, m_time_step);
       boundTurn(b, m_time_step);
     }
-    if (m_next == Last::impulse) {
-      if (m_passes_done == 1) {
-        for (int i = 0; i < m_rows.equalities(); ++i)
-          m_rows[i].correction = m_solver_rows[i].m_appliedImpulse;
-        if (m_last == Last::impulse) {
-          if (goesOn()) start(a, b);
-          relax(relaxation());
-        }
-      } else if (m_passes_left == 1) {
-        if (m_last == Last::impulse) relax(1 / relaxation());
-      } else if (m_passes_left == 0) {
-        takeImpulses();
+    if (m_passes_done == 1 && breakable()) liftThresholds();
+    if (m_passes_done > 1 && breakable()) breakIfOverloaded(a, b);
+    const bool warm = m_may_start_warm && m_might_start_warm && m_remembers;
+    if (m_passes_done == 1) {
+      rememberPass();
+      if (warm) {
+        if (goesOn()) start(a, b);
+        relax(relaxation());
+        m_relaxed = true;
       }
-    } else if (m_next == Last::residual && m_passes_left == 0) {
-      takeResiduals(a, b);
+    } else if (m_passes_left == 1 && m_relaxed) {
+      relax(1 / relaxation());
     }
+    if (m_passes_left == 0 && !m_starts_apart && (m_passes_done == 1 || isDisturbed())) learn(a, b);
   }
-  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-    Row& row = m_rows[i];
-    AxisState& axis = m_rows.axis(row.axis);
-    if (m_solver_rows != nullptr) axis.whole = -axis.sign * m_solver_rows[i].m_appliedImpulse;
-    axis.seen = axis.given;
-    if (!axis.given) continue;
-    const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
-    row.last = axis.sign * now - row.target;
+  if (m_solver_rows == nullptr) return;
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) seeAxis(m_rows[i], a, b);
+}
+
+// What the parts of an axis have come to, and what others do to a coordinate along which an impulse is given.
+void Joint::seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b) {
+  AxisState& axis = m_rows.axis(row.axis);
+  Scalar taken = 0;  // by rows of the axis itself
+  for (int k = 0; k < Axis::parts; ++k) {
+    axis.impulse[k] = 0;
+    if (axis.row[k] < 0) continue;
+    const btSolverConstraint& part = m_solver_rows[axis.row[k]];
+    axis.impulse[k] = -axis.sign * part.m_appliedImpulse;
+    if (part.m_lowerLimit != part.m_upperLimit) taken += axis.impulse[k];
   }
+  axis.seen = axis.given;
+  if (!axis.given) return;
+  const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
+  axis.disturbance = axis.sign * now - axis.expected - axis.K * taken;
 }
 
 }  // namespace PINTLE_PRECISION

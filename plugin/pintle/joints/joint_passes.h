@@ -22,13 +22,20 @@ constexpr Scalar least_speed = SIMD_EPSILON * SIMD_EPSILON;
 /// Whether a residual of now and one before say the same.
 inline bool agree(Scalar now, Scalar before) { return now * before > least_speed * least_speed; }
 
+/// What both say: the one nearer to 0, and 0 where they differ in sign.
+inline Scalar agreed(Scalar a, Scalar b) {
+  if (!(a * b > 0)) return 0;
+  return btFabs(a) < btFabs(b) ? a : b;
+}
+
 /// J v
 inline Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
 }
 
-inline bool Joint::isLimitAlone(const Row& row) const {
-  return row.limit && m_rows.axis(row.axis).axis->isSimple(true);
+inline bool Joint::isLimit(const Row& row) const {
+  const AxisState& state = m_rows.axis(row.axis);
+  return state.row[Axis::limit] >= 0 && !state.axis->hasLimitSpring();
 }
 
 /// The rows behind `info`, if they are those of Bullet's own solvers.

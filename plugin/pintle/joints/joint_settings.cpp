@@ -13,6 +13,10 @@ void Joint::setMaxCorrectionSpeed(btScalar speed) {
   m_max_correction_speed = positive("max correction speed", speed);
 }
 
+void Joint::setMaxLinearCorrectionSpeed(btScalar speed) {
+  m_max_linear_correction_speed = positive("max linear correction speed", speed);
+}
+
 void Joint::reject(const char* field, double value, const char* why) const {
   std::ostringstream message;
   message << "pintle::" << name() << ": " << field << " = " << value << ": " << why;

@@ -81,7 +81,9 @@ inline void QuaternionHinge::addConditionedRows(const BodyPair& pair,
                                                 const equations::Swing<Scalar>& swing,
                                                 Rows& rows) const {
   addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows);
-  if (!m_angular_only) addConservingPositionRows(pair, at.r_a, at.r_b, at.d, gapInLever(), rows);
+  if (!m_angular_only)
+    addConservingPositionRows(pair, at.r_a, at.r_b, at.d,
+                              gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)), rows);
 }
 
 void QuaternionHinge::addDocumentRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,

@@ -222,9 +222,7 @@ class SliderJoint : public PosedJoint {
                       const equations::Velocity<Scalar>& v, Scalar curvature, bool driven) const;
 
   /// No axis of its own: it is one of the equalities.
-  bool angleIsLocked() const {
-    return m_angular.locked() && !(m_angular.limit_spring.angular_frequency > 0);
-  }
+  bool angleIsLocked() const { return m_angular.locked() && !(m_angular.hasLimitSpring()); }
   static Scalar depth(const Axis& axis, Scalar position) {
     if (!axis.limited()) return 0;
     return position > axis.high  ? position - axis.high

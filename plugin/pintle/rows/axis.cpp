@@ -66,45 +66,28 @@ double meet(const Slope* slope, const AxisPart* part, double u_free, double K) {
 
 }  // namespace
 
-AxisRow solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state) {
-  if (!(m.K > 0)) return {};  // neither body can move
+bool solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state,
+               AxisRow (&rows)[Axis::parts]) {
+  for (AxisRow& row : rows) row = {};
+  if (!(m.K > 0)) return false;  // neither body can move
 
   AxisPart part[Axis::parts];
   if (axis.drive != Axis::Drive::off) part[Axis::motor] = motorPart(axis, m);
   if (axis.max_friction > 0) part[Axis::friction] = frictionPart(axis, m);
   if (m.limit) part[Axis::limit] = limitPart(axis, m, state.incoming);
   Slope slope[Axis::parts];
-  for (int i = 0; i < Axis::parts; ++i) slope[i] = Slope(part[i], m.K);
-  const double u = meet(slope, part, m.free_velocity, m.K);
-  double share[Axis::parts] = {}, sum = 0;
-  int active = Axis::parts, rest = Axis::parts;
-  double nearest = unbounded;
+  bool given = false;
+  for (int i = 0; i < Axis::parts; ++i) {
+    slope[i] = Slope(part[i], double(m.K));
+    given = given || (part[i].on && !part[i].rigid);
+  }
+  const double u = given ? meet(slope, part, double(m.free_velocity), double(m.K)) : 0;
   for (int i = 0; i < Axis::parts; ++i) {
     if (!part[i].on) continue;
-    share[i] = slope[i].at(u);
-    sum += share[i];
-    rest = i;
-    // The rigid part that u is on, or else the one that it would come to first.
-    const double away = std::max({0., slope[i].begin() - u, u - slope[i].end()});
-    if (part[i].rigid && away < nearest) {
-      nearest = away;
-      active = i;
-    }
+    rows[i] = part[i].row;
+    if (!part[i].rigid) rows[i].lower = rows[i].upper = Scalar(slope[i].at(u));
   }
-  if (rest == Axis::parts) return {};  // none acts after all
-  AxisRow row;
-  row.lower = row.upper = Scalar(sum);
-  if (active != Axis::parts) {
-    const Scalar others = Scalar(sum - share[active]);
-    row = part[active].row;
-    row.lower = btMax(-infinity, row.lower + others);
-    row.upper = btMin(infinity, row.upper + others);
-    rest = active;
-  }
-  state.rest = static_cast<signed char>(rest);
-  for (int i = 0; i < Axis::parts; ++i)
-    if (i != rest) state.others[size_t(i - (i > rest))] = Scalar(share[i]);
-  return row;
+  return given;
 }
 
 }  // namespace PINTLE_PRECISION

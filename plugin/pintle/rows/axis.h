@@ -1,10 +1,9 @@
-// Purpose: everything that can act along one free coordinate of a joint: a limit, a motor or a
-// servo, and friction, and the one row that they share. Each is an impulse that falls with the
-// velocity u of the coordinate,
+// Purpose: everything that can act along one free coordinate of a joint: a limit, a motor or a servo, and friction.
+// Each part is a row of its own along the same J, with its own target and bounds; the limit's comes last, so that
+// an iteration over the rows leaves it obeyed. A part is an impulse that falls with the velocity u of the coordinate,
 //   Lambda(u) = clamp((target - u) / softness, lower, upper),
-// vertical if rigid. Their sum meets the free motion u = u_free + K Lambda in one point; the row is
-// the piece of the sum around that point. So a joint never has two rows along one direction (which
-// a direct solver finds singular), and each part's impulse is known from the row's.
+// vertical if rigid. A spring too soft for Bullet's iteration is written as the impulse that it comes to where the
+// sum of the parts meets the free motion u = u_free + K Lambda.
 #pragma once
 
 #include <pintle/rows/axis_settings.h>
@@ -27,7 +26,7 @@ struct AxisMotion {
   Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
   Scalar motor_factor;          ///< of motor_velocity: Bullet's motors slow down before a limit
   Scalar motor_inertia = 1;     ///< of a normalized motor, kg m^2
-  // For more than one part, or a soft one (Axis::isSimple is false):
+  // Where a part is a spring:
   /// At the end of the step, if nothing acted along the coordinate, and the gain.
   Scalar free_velocity;
   Scalar K;  ///< J M^-1 J^T of the row, after the joint's equalities
@@ -38,21 +37,26 @@ struct AxisRow {
   Scalar target = 0, cfm = 0, lower = 0, upper = 0;
 };
 
-/// What a joint remembers of an axis that has a row.
+/// What a joint remembers of an axis that has rows.
 struct AxisState {
   const Axis* axis = nullptr;
-  /// Impulses of the parts other than `rest`, in the order of Axis::Part.
-  std::array<Scalar, Axis::parts - 1> others = {};
+  /// Of the parts, along the coordinate, as far as a solver lets them be read: in this step, and of a limit until its
+  /// first pass in the last one.
+  std::array<Scalar, Axis::parts> impulse = {};
   Scalar incoming = 0;  ///< speed towards a limit that this step's row stops, else 0
   Scalar last_incoming =
-      0;             ///< the same of the last step. Two, so that getInfo2 may be called again
-  Scalar whole = 0;  ///< impulse of the row, along the coordinate, where a solver lets it be read
-  signed char rest =
-      Axis::parts;  ///< the part that takes what the others leave; `parts`: none acts
+      0;  ///< the same of the last step. Two, so that getInfo2 may be called again
+  // Of a part that is an impulse given beforehand (`given`):
+  Scalar K = 0;                     ///< J M^-1 J^T of the coordinate
+  Scalar expected = 0;              ///< velocity of the coordinate with that impulse and no other
+  Scalar disturbance = 0;           ///< what others added to that velocity in the last step
+  Scalar foreseen_disturbance = 0;  ///< what they are expected to add in this one
+  /// Where Bullet has the parts' rows among those of the joint; -1: the part does not act.
+  std::array<signed char, Axis::parts> row = {-1, -1, -1};
   /// J v = sign * d/dt of the coordinate (+1 or -1): which way Bullet counts the impulse.
   signed char sign = 1;
   bool acted : 1;     ///< whether there is a row in this step
-  bool given : 1;     ///< whether it is an impulse, given whatever other joints do
+  bool given : 1;     ///< whether a part is an impulse, given whatever other joints do
   bool seen : 1;      ///< whether a solver has shown what they did to it
   bool foreseen : 1;  ///< whether that is reckoned with in this step
 
@@ -62,27 +66,16 @@ struct AxisState {
       last_incoming = incoming;
       acted = given = foreseen = false;
     } else {
-      last_incoming = whole = 0;
+      last_incoming = 0;
+      impulse = {};
       seen = false;
     }
   }
-  /// No part acts so far.
-  void clear() {
-    others = {};
-    incoming = 0;
-    rest = Axis::parts;
-  }
-  /// Whether nothing but the limit acts, or did in the last step before this one is cleared.
-  bool isLimit() const { return rest == Axis::limit && others[0] == 0 && others[1] == 0; }
-  /// The impulse of one part, of the row's whole impulse.
-  Scalar impulse(Axis::Part part, Scalar of) const {
-    if (rest == Axis::parts) return 0;
-    return part == rest ? of - others[0] - others[1] : others[part - (part > rest)];
-  }
 };
 
-/// The row of an axis along which more than one part acts, or a soft one.
-AxisRow solveAxis(const Axis& axis, const AxisMotion& motion, AxisState& state);
+/// The rows of an axis of which a part is a spring. Returns whether one of them is an impulse that is given.
+bool solveAxis(const Axis& axis, const AxisMotion& motion, AxisState& state,
+               AxisRow (&rows)[Axis::parts]);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

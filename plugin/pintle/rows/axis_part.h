@@ -51,7 +51,7 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
   const Scalar gap = side * (m.position - (at_low ? axis.low : axis.high));
   const Scalar inward = side * m.velocity;
 
-  if (axis.limit_spring.angular_frequency > 0) {
+  if (axis.hasLimitSpring()) {
     if (gap > 0 && !locked) return {};
     return springPart(axis.limit_spring, side * gap, 1 / m.fps, lower, upper);
   }

@@ -44,7 +44,8 @@ struct Axis {
     rate,  ///< at the speed that stands in the place of the coordinate
     servo
   };
-  enum Part { motor, friction, limit, parts };
+  /// In the order of their rows: what comes later is obeyed the better, and Bullet reads the last one's impulse.
+  enum Part { friction, motor, limit, parts };
 
   Scalar low = 1, high = -1;  ///< low > high: free
   Scalar bias = Scalar(0.3);
@@ -76,10 +77,10 @@ struct Axis {
   bool locked() const { return low == high; }
   /// Motor, servo or friction: a row in every step, whatever the coordinate.
   bool driven() const { return drive != Drive::off || max_friction > 0; }
-  /// Whether a single rigid part acts, which is a row as it stands.
-  bool isSimple(bool limit_acts) const {
-    if (limit_acts) return !driven() && !(limit_spring.angular_frequency > 0);
-    return drive == Drive::off || (drive != Drive::servo && !(max_friction > 0));
+  bool hasLimitSpring() const { return limit_spring.angular_frequency > 0; }
+  /// Whether a part that acts is a spring.
+  bool isSoft(bool limit_acts) const {
+    return drive == Drive::servo || (limit_acts && hasLimitSpring());
   }
   /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
   Scalar distance(Scalar position) const {

@@ -40,7 +40,7 @@ struct Reach {
 
   /// The same along an axis with a limit that is a spring, or with a servo.
   Reach of(const Axis& axis) const {
-    if (axis.limit_spring.angular_frequency > 0) return {};
+    if (axis.hasLimitSpring()) return {};
     // It may push however hard.
     if (axis.drive == Axis::Drive::servo) return {0, infinity};
     return *this;

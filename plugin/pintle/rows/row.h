@@ -10,23 +10,18 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 /// Each vector is followed by a number, so that the solver's side (block.h) can take it as four lanes.
-/// Those numbers are the solver's side's, and stay from step to step (joint_passes.cpp says what for).
 struct Row {
   Vec3 L;
-  /// Of the last step: the impulse, as Bullet counts it, or the residual: the velocity error that other joints
-  /// left when the row had been solved.
-  Scalar last = 0;
-  Vec3 A_a;
-  Scalar target = 0;  ///< of J v in this step
-  Vec3 A_b;
-  Scalar correction = 0;  ///< of the next target, for a residual
   /// C of an equality, m or rad; the coordinate of an axis, m or rad.
   Scalar position;
-  /// The most that a step may correct, m/s or rad/s.
-  Scalar max_speed;
+  Vec3 A_a;
+  Scalar target = 0;  ///< of J v in this step, set by the solver's side
+  Vec3 A_b;
   /// d^2 C / dt^2 (of an axis: of the coordinate) at constant v, w: what J v leaves out of the
   /// motion of C, m/s^2 or rad/s^2.
   Scalar curvature;
+  /// The most that a step may correct, m/s or rad/s.
+  Scalar max_speed;
   /// Which of the joint's axes it is; -1: an equality.
   signed char axis;
   /// Which Firmness of the joint holds for an equality.
@@ -40,6 +35,14 @@ struct Row {
   LanesView lanesL() const { return LanesView(&L[0]); }
   LanesView lanesA_a() const { return LanesView(&A_a[0]); }
   LanesView lanesA_b() const { return LanesView(&A_b[0]); }
+};
+
+/// What Bullet's passes over the row of an equality have left from the last step.
+struct RowHistory {
+  Scalar impulse = 0;  ///< as Bullet counts it: what this step's begins with
+  /// The velocity along the row that missed the target, m/s or rad/s. Between the passes of this step: the impulse
+  /// after the first one.
+  Scalar residual = 0;
 };
 
 /// Whether the directions of two rows, of which these are the products, are nearer than 45 degrees. A row
@@ -75,12 +78,14 @@ inline Row& RowList::operator[](int i) { return m_rows[i]; }
 inline const Row& RowList::operator[](int i) const { return m_rows[i]; }
 inline AxisState& RowList::axis(int i) { return m_axes[i]; }
 inline const AxisState& RowList::axis(int i) const { return m_axes[i]; }
+inline RowHistory& RowList::history(int i) { return m_history[i]; }
+inline const RowHistory& RowList::history(int i) const { return m_history[i]; }
 
 /// What a joint adds its rows to.
 class Rows : public RowList {
  public:
   template <int N, int Axes>
-  Rows(RowMemory<N, Axes>& memory) : RowList(memory.rows, memory.axes.data(), {N, Axes}) {}
+  Rows(RowMemory<N, Axes>& memory) : RowList(memory.rows, memory.axes.data(), nullptr, {N, Axes}) {}
   explicit Rows(const RowList& empty) : RowList(empty) {}
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,

@@ -8,6 +8,7 @@ inline namespace PINTLE_PRECISION {
 
 struct AxisState;
 struct Row;
+struct RowHistory;
 
 /// How many rows a joint may have, and how many of its axes: its free coordinates along which something can act.
 struct RowCount {
@@ -17,9 +18,10 @@ struct RowCount {
 /// The rows of one joint in this step, and what it remembers of its axes. Equalities come first.
 class RowList {
  public:
-  RowList(Row* rows, AxisState* axes, RowCount room)
+  RowList(Row* rows, AxisState* axes, RowHistory* history, RowCount room)
       : m_rows(rows),
         m_axes(axes),
+        m_history(history),
         m_capacity(static_cast<signed char>(room.rows)),
         m_axis_count(static_cast<signed char>(room.axes)) {}
 
@@ -30,6 +32,8 @@ class RowList {
   int axisCount() const { return m_axis_count; }
   AxisState& axis(int i);
   const AxisState& axis(int i) const;
+  RowHistory& history(int i);
+  const RowHistory& history(int i) const;
   void clear() { m_size = m_axis_rows = 0; }
   /// Leaves out what comes after the first n.
   void truncate(int n) {
@@ -44,6 +48,7 @@ class RowList {
 
   Row* m_rows;
   AxisState* m_axes;
+  RowHistory* m_history;  ///< null: rows of a pose, which no solver sees
   int m_size = 0;
   signed char m_axis_rows = 0;
   [[maybe_unused]] signed char m_capacity;  ///< only assertions look at it

@@ -121,13 +121,15 @@ int EndOfStep::equalities(const JointBlock& block) {
 // A limit that `end` has no row of is one that the step leaves. The document's form foresees nothing, and who
 // turns this far would have to go far past the limit to be sent back to it.
 Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
-  const Row& start = joint.m_rows[row];
+  const Row* const limit = joint.limitAt(row);
+  if (limit == nullptr) return 0;
+  const Row& start = *limit;
   const AxisState& state = joint.m_rows.axis(start.axis);
-  if (!joint.isLimitAlone(start) || !(joint.curvedPart() > 0) ||
+  if (!joint.isLimit(start) || !(joint.curvedPart() > 0) ||
       joint.getFormulation() == Formulation::document)
     return 0;
   const Scalar sign = state.sign;
-  const Scalar velocity = sign * start.target + joint.curvedTime() * start.curvature;
+  const Scalar velocity = sign * start.target + joint.m_curved_time * start.curvature;
   const Scalar goal = start.position + m_dt * velocity;
   if (state.axis->distance(goal) > least_rebound) return 0;
   for (int i = end.equalities(); i < end.size(); ++i)
