@@ -237,7 +237,7 @@ Scalar Joint::gapInLever(Scalar lever2, Scalar gap2) const {
   return btMin(part, Scalar(1)) * share;
 }
 
-// A joint that starts apart closes by less than its gap asks for, and at never more than the largest speed. (An error of
+// A joint that starts apart closes at less than its gap asks for, and at no more than the largest speed. (An error of
 // orientation has a largest speed in any step: Row::max_speed.) Between bodies that move, a gap that no velocity
 // explains is a start, too: one of them has been put elsewhere, or the joint back into the world.
 void Joint::limitClosing(Step& step) {
@@ -270,7 +270,7 @@ void Joint::limitClosing(Step& step) {
   }
   if (!m_starts_apart) return;
   const Scalar times = speed / most;
-  step.closing = times < infinity ? 1 / (1 + times) : Scalar(0);  // also NaN
+  step.closing = times < infinity ? 1 / btSqrt(1 + times * times) : Scalar(0);  // also NaN
 }
 
 // At the start of a step a row that the last one solved moves at
