@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds and runs all tests in both precisions.
-# Usage: run.sh [--preset release|debug|clang-debug|sanitizers] [ctest options]
+# Usage: run.sh [--preset release|debug|sanitizers] [ctest options]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -12,7 +12,7 @@ fi
 
 source tests/setup.sh
 packages=()
-[ "$preset" != clang-debug ] || packages+=(clang)
+[ "$preset" != sanitizers ] || packages+=(clang libclang-rt-dev)
 pintle_install_packages ${packages[@]+"${packages[@]}"}
 
 cmake --preset "$preset"

@@ -402,7 +402,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const auto write_axis = [&](const Row& row, const Lanes& L, const Lanes& A_a, const Lanes& A_b,
                               Scalar target, const AxisRow(&parts)[Axis::parts]) {
     const AxisState& state = m_rows.axis(row.axis);
-    for (int i = 0; i < Axis::parts; ++i)
+    for (const Axis::Part i : Axis::each_part)
       if (state.row[i] >= 0)
         out.write(L, A_a, A_b, target + parts[i].target, parts[i].cfm, parts[i].lower,
                   parts[i].upper);
@@ -512,7 +512,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
       AxisRow parts[Axis::parts];
       act(row, nullptr, nullptr, step, parts);
       const AxisState& state = m_rows.axis(row.axis);
-      for (int k = 0; k < Axis::parts; ++k)
+      for (const Axis::Part k : Axis::each_part)
         if (state.row[k] >= 0)
           out.write(L, A_a, A_b, parts[k].target, parts[k].cfm, parts[k].lower, parts[k].upper);
       continue;

@@ -315,7 +315,7 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
     // Of a limit what the motion adds to its coordinate, too; a motor's velocity is that of the end.
     const AxisState& state = m_rows.axis(row.axis);
     row.curvature -= state.sign * change[i] / curved_time;
-    for (int k = 0; k < Axis::parts; ++k)
+    for (const Axis::Part k : Axis::each_part)
       if (state.row[k] >= 0)
         move(m_solver_rows[state.row[k]], eliminated + (k == Axis::limit ? change[i] : 0));
   }
@@ -360,7 +360,7 @@ void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) 
 void Joint::seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b) {
   AxisState& axis = m_rows.axis(row.axis);
   Scalar taken = 0;  // by rows of the axis itself
-  for (int k = 0; k < Axis::parts; ++k) {
+  for (const Axis::Part k : Axis::each_part) {
     axis.impulse[k] = 0;
     if (axis.row[k] < 0) continue;
     const btSolverConstraint& part = m_solver_rows[axis.row[k]];

@@ -46,6 +46,7 @@ struct Axis {
   };
   /// In the order of their rows: what comes later is obeyed the better, and Bullet reads the last one's impulse.
   enum Part { friction, motor, limit, parts };
+  static constexpr Part each_part[] = {friction, motor, limit};
 
   Scalar low = 1, high = -1;  ///< low > high: free
   Scalar bias = Scalar(0.3);
