@@ -239,9 +239,9 @@ inline void WedgeJoint::addPlaneRow(const Plane& plane, const Directions& at, co
   if (getFormulation() == Formulation::conditioned)
     row = equations::plane_distance(row, at.frame.c());
   // Along the angle: inside is above the low side, and below the high one.
-  const Scalar sign = plane.index == high_side ? Scalar(-1) : Scalar(1);
+  const Scalar side = plane.index == high_side ? Scalar(-1) : Scalar(1);
   const Scalar edge = plane.index == high_side ? axis.high : axis.low;
-  Row& added = rows.addAngularAxis(plane.index, sign * row.J_b, edge + sign * row.C, axis, true);
+  Row& added = rows.addAngularAxis(plane.index, side * row.J_b, edge + side * row.C, axis, true);
   // The document's row turns the bodies by as much more as it is shorter than a unit vector.
   if (getFormulation() == Formulation::document)
     added.max_speed = getMaxCorrectionSpeed() * row.J_b.norm();
