@@ -70,7 +70,7 @@ SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& 
   m_angular.own = &m_angular_parameters;
   m_angular.low = m_angular.high = 0;
   m_dir_lin.damping = m_dir_ang.damping = 0;
-  feelChanged();
+  tuningChanged();
   setFrames(frameInA, frameInB);
 }
 
@@ -164,27 +164,27 @@ void SliderJoint::setAngularLimits(Scalar low, Scalar high) {
     m_twist.turnTowards((low + high) / 2);
 }
 
-void SliderJoint::setSoftness(Feel& feel, Scalar softness) {
-  feel.softness = notNegative("softness", softness);
-  feelChanged();
+void SliderJoint::setSoftness(BulletTuning& tuning, Scalar softness) {
+  tuning.softness = notNegative("softness", softness);
+  tuningChanged();
 }
-void SliderJoint::setRestitution(Feel& feel, Scalar restitution) {
-  feel.restitution = finite("restitution", restitution);
+void SliderJoint::setRestitution(BulletTuning& tuning, Scalar restitution) {
+  tuning.restitution = finite("restitution", restitution);
 }
-void SliderJoint::setDamping(Feel& feel, Scalar damping) {
-  feel.damping = finite("damping", damping);
-  feelChanged();
+void SliderJoint::setDamping(BulletTuning& tuning, Scalar damping) {
+  tuning.damping = finite("damping", damping);
+  tuningChanged();
 }
 
 // What Bullet makes of these numbers. One that is set as STOP_ERP counts twice at a limit, there too:
 // as the ERP, and as its softness.
-void SliderJoint::feelChanged() {
+void SliderJoint::tuningChanged() {
   const auto set = [this](Scalar value, int flag) {
     return (m_flags & flag) != 0 ? Parameter(value) : Parameter();
   };
-  const auto rebounds = [](Axis& axis, const Feel& feel) {
-    axis.bias = feel.softness;
-    axis.relaxation = btFabs(1 - feel.damping);
+  const auto rebounds = [](Axis& axis, const BulletTuning& tuning) {
+    axis.bias = tuning.softness;
+    axis.relaxation = btFabs(1 - tuning.damping);
   };
   rebounds(m_linear, m_lim_lin);
   m_linear_parameters.limit_erp = set(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
@@ -195,9 +195,9 @@ void SliderJoint::feelChanged() {
   m_angular_parameters.limit_cfm = set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
   m_angular_parameters.motor_cfm = set(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
 
-  const auto equality = [set](const Feel& feel, int erp_flag, int cfm_flag) {
-    const Parameter erp = set(feel.softness, erp_flag);
-    return Firmness{erp, set(feel.cfm, cfm_flag), erp.isSet() ? Scalar(1) : feel.softness};
+  const auto equality = [set](const BulletTuning& tuning, int erp_flag, int cfm_flag) {
+    const Parameter erp = set(tuning.softness, erp_flag);
+    return Firmness{erp, set(tuning.cfm, cfm_flag), erp.isSet() ? Scalar(1) : tuning.softness};
   };
   m_firmnesses[across] =
       equality(m_ortho_lin, BT_SLIDER_FLAGS_ERP_ORTLIN, BT_SLIDER_FLAGS_CFM_ORTLIN);
@@ -251,8 +251,8 @@ void SliderJoint::setAngFriction(btScalar max_torque) { setAxisFriction(m_angula
 
 // Which of the numbers a parameter is, if any.
 struct SliderJoint::Slot {
-  Feel SliderJoint::*feel = nullptr;
-  Scalar Feel::*number = nullptr;
+  BulletTuning SliderJoint::*tuning = nullptr;
+  Scalar BulletTuning::*number = nullptr;
   int flag = 0;
 };
 
@@ -261,17 +261,17 @@ SliderJoint::Slot SliderJoint::slot(int num, int axis) {
   if (axis > 5) return {};
   // 0: along, 1: across, 2: about, 3: the directions.
   const int group = axis < 1 ? 0 : axis < 3 ? 1 : axis == 3 ? 2 : 3;
-  Feel J::*const stops[] = {&J::m_lim_lin, &J::m_ortho_lin, &J::m_lim_ang, &J::m_ortho_ang};
+  BulletTuning J::*const stops[] = {&J::m_lim_lin, &J::m_ortho_lin, &J::m_lim_ang, &J::m_ortho_ang};
   constexpr int erp_flags[] = {BT_SLIDER_FLAGS_ERP_LIMLIN, BT_SLIDER_FLAGS_ERP_ORTLIN,
                                BT_SLIDER_FLAGS_ERP_LIMANG, BT_SLIDER_FLAGS_ERP_ORTANG};
   constexpr int cfm_flags[] = {BT_SLIDER_FLAGS_CFM_LIMLIN, BT_SLIDER_FLAGS_CFM_ORTLIN,
                                BT_SLIDER_FLAGS_CFM_LIMANG, BT_SLIDER_FLAGS_CFM_ORTANG};
   switch (num) {
-    case BT_CONSTRAINT_STOP_ERP: return {stops[group], &Feel::softness, erp_flags[group]};
-    case BT_CONSTRAINT_STOP_CFM: return {stops[group], &Feel::cfm, cfm_flags[group]};
+    case BT_CONSTRAINT_STOP_ERP: return {stops[group], &BulletTuning::softness, erp_flags[group]};
+    case BT_CONSTRAINT_STOP_CFM: return {stops[group], &BulletTuning::cfm, cfm_flags[group]};
     case BT_CONSTRAINT_CFM:
-      if (group == 0) return {&J::m_dir_lin, &Feel::cfm, BT_SLIDER_FLAGS_CFM_DIRLIN};
-      if (group == 2) return {&J::m_dir_ang, &Feel::cfm, BT_SLIDER_FLAGS_CFM_DIRANG};
+      if (group == 0) return {&J::m_dir_lin, &BulletTuning::cfm, BT_SLIDER_FLAGS_CFM_DIRLIN};
+      if (group == 2) return {&J::m_dir_ang, &BulletTuning::cfm, BT_SLIDER_FLAGS_CFM_DIRANG};
       return {};
     default: return {};
   }
@@ -280,15 +280,15 @@ SliderJoint::Slot SliderJoint::slot(int num, int axis) {
 void SliderJoint::setParam(int num, btScalar value, int axis) {
   finite(parameterName(num), value);
   const Slot to = slot(num, axis);
-  if (to.feel == nullptr) return;
-  (this->*to.feel).*to.number = notNegative(parameterName(num), value);
+  if (to.tuning == nullptr) return;
+  (this->*to.tuning).*to.number = notNegative(parameterName(num), value);
   m_flags |= to.flag;
-  feelChanged();
+  tuningChanged();
 }
 
 btScalar SliderJoint::getParam(int num, int axis) const {
   const Slot of = slot(num, axis);
-  return of.feel == nullptr ? infinity : (this->*of.feel).*of.number;
+  return of.tuning == nullptr ? infinity : (this->*of.tuning).*of.number;
 }
 
 void SliderJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
@@ -385,10 +385,10 @@ inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twi
                        ? equations::orientation_error(at.crossed, at.trace, R)
                        : turnedLockError(R(), twist, m_angular.low);
   const Scalar error = btSqrt(phi.dot(phi));
-  const Scalar most = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
+  const Scalar speed_per_error = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
   const auto add = [&](const Vec3& u, Scalar C, int firmness) {
     Row& row = rows.addAngular(u, C);
-    row.max_speed = most * btFabs(C);
+    row.max_speed = speed_per_error * btFabs(C);
     row.firmness = group(firmness);
   };
   add(at.a.b(), phi.y(), directions);
@@ -406,11 +406,12 @@ void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const
   if (!BodyPair::is_finite(p.w + p.v.sum())) return;
   const Scalar error = locked ? p.v.norm() : std::hypot(p.v.y(), p.v.z());
   // Along the error the row turns 2/|w| times as fast as it says.
-  const Scalar most = error > 0 ? getMaxCorrectionSpeed() * btFabs(p.w) / (2 * error) : Scalar(0);
+  const Scalar speed_per_error =
+      error > 0 ? getMaxCorrectionSpeed() * btFabs(p.w) / (2 * error) : Scalar(0);
   const auto add = [&](int i, int firmness) {
     const auto from = equations::quaternion_row<Scalar>(p, F, Vec3::Unit(i));
     Row& row = rows.addAngular(from.J_b, from.C);
-    row.max_speed = most * btFabs(from.C);
+    row.max_speed = speed_per_error * btFabs(from.C);
     row.firmness = group(firmness);
   };
   add(1, directions);
@@ -429,7 +430,7 @@ inline bool SliderJoint::slideLimitActs(const BodyPair& pair, const Frames& at,
   const Scalar speed = at.a.a().dot(equations::relative_velocity(v, lever_a, anchors.r_b));
   const Reach reach =
       linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep());
-  if (!driven && distance > reach.most()) return false;
+  if (!driven && distance > reach.max()) return false;
   return reach.of(m_linear).reaches(m_linear, position);
 }
 

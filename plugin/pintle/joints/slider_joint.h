@@ -206,7 +206,7 @@ class SliderJoint : public PosedJoint {
   enum { across, directions, locked_angle, firmnesses };  // Row::firmness
 
   /// What Bullet keeps for each of six cases.
-  struct Feel {
+  struct BulletTuning {
     Scalar softness = 1, restitution = Scalar(0.7), damping = 1, cfm = 0;
   };
 
@@ -233,10 +233,10 @@ class SliderJoint : public PosedJoint {
     return m_firmness_differs ? static_cast<unsigned char>(i) : 0;
   }
   void setAngularLimits(Scalar low, Scalar high);
-  void setSoftness(Feel& feel, Scalar softness);
-  void setRestitution(Feel& feel, Scalar restitution);
-  void setDamping(Feel& feel, Scalar damping);
-  void feelChanged();
+  void setSoftness(BulletTuning& tuning, Scalar softness);
+  void setRestitution(BulletTuning& tuning, Scalar restitution);
+  void setDamping(BulletTuning& tuning, Scalar damping);
+  void tuningChanged();
   struct Slot;
   static Slot slot(int num, int axis);
 
@@ -246,7 +246,7 @@ class SliderJoint : public PosedJoint {
   UnwrappedAngle m_seen;   ///< the last ones held against the limits
   Scalar m_seen_position = 0;
   Scalar m_sign;  ///< position = sign * (way of b's anchor from a's)
-  Feel m_dir_lin, m_dir_ang, m_lim_lin, m_lim_ang, m_ortho_lin, m_ortho_ang;
+  BulletTuning m_dir_lin, m_dir_ang, m_lim_lin, m_lim_ang, m_ortho_lin, m_ortho_ang;
   Firmness m_firmnesses[firmnesses];
   int m_flags = 0;
   bool m_turn_given = false;
