@@ -18,7 +18,7 @@ void BlockFactor::resize(const Elimination& elimination, const std::vector<int>&
   m_rows = rows;
   const int columns = elimination.columns();
   m_start.resize(size_t(elimination.blocks()) + 1);
-  size_t end = 0, most = 0;
+  size_t end = 0, max_column = 0;
   const auto add = [&](int block, int row, int column) {
     m_start[size_t(block)] = end;
     end += size_t(rows[size_t(column)] * column_height(rows[size_t(row)]));
@@ -28,12 +28,12 @@ void BlockFactor::resize(const Elimination& elimination, const std::vector<int>&
     const size_t begin = end;
     for (int i = elimination.first(c); i < elimination.first(c + 1); ++i)
       add(i, elimination.row(i), c);
-    most = std::max(most, end - begin);
+    max_column = std::max(max_column, end - begin);
   }
   m_start.back() = end;
   m_blocks.resize(end);
   m_inverse.resize(size_t(columns) * block_rows);
-  m_scratch.resize(most);
+  m_scratch.resize(max_column);
 }
 
 // Unit lower triangular, its diagonal and what is above it zero.

@@ -18,18 +18,18 @@ namespace {
 // What the last step left of an error is taken away in whole, and so is what is no faster to correct
 // than this, m/s or rad/s: it is of the size of what a step of motion makes. A joint that starts
 // further off is brought together as ERP and its largest speed of correction say.
-constexpr double free_correction = 1;
+constexpr double free_correction_speed = 1;
 
 // A limit that sends its coordinate further inside than this, m or rad, makes it rebound: by a velocity, wherever
 // that leads.
-constexpr Scalar least_rebound = Scalar(1e-6);
+constexpr Scalar min_rebound = Scalar(1e-6);
 
 // Joints and bodies lie elsewhere each. Of thousands none is in the cache any more: so many blocks before it is their
 // turn joints are asked for, which tell where their bodies are, and these.
-constexpr size_t joints_ahead = 12, bodies_ahead = 6;
-constexpr size_t bytes_of_joint = 384, bytes_of_rows = 384;  // of most
+constexpr size_t prefetch_joints = 12, prefetch_bodies = 6;
+constexpr size_t prefetch_joint_bytes = 384, prefetch_row_bytes = 384;  // of most
 
-constexpr int most_rows = 16;  // of a stock joint
+constexpr int max_stock_rows = 16;  // of a stock joint
 
 // The bit of a row among those of a block.
 constexpr unsigned char rowBit(int r) { return static_cast<unsigned char>(1u << r); }
@@ -115,7 +115,7 @@ Scalar EndOfStep::ownersVelocity(const Joint& joint, const Row& row) {
 }
 
 int EndOfStep::equalities(const JointBlock& block) {
-  return block.ours != nullptr ? block.ours->m_rows.equalities() : most_rows;
+  return block.ours != nullptr ? block.ours->m_rows.equalities() : max_stock_rows;
 }
 
 // A limit that `end` has no row of is one that the step leaves. The document's form foresees nothing, and who
@@ -131,7 +131,7 @@ Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
   const Scalar sign = state.sign;
   const Scalar velocity = sign * start.target + joint.m_curved_time * start.curvature;
   const Scalar goal = start.position + m_dt * velocity;
-  if (state.axis->distance(goal) > least_rebound) return 0;
+  if (state.axis->distance(goal) > min_rebound) return 0;
   for (int i = end.equalities(); i < end.size(); ++i)
     if (end[i].axis == start.axis && isSameRow(start, end[i]))
       return sign * (end[i].position - goal) / m_dt + ownersVelocity(joint, start);
@@ -160,13 +160,13 @@ EndOfStep::Match EndOfStep::match(const JointBlock& block, const btConstraintArr
 
 void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
                        const btTransform& pose_a, const btTransform& pose_b, Speeds& speed,
-                       Speeds& most, unsigned char& turned) {
+                       Speeds& max_speed, unsigned char& turned) {
   turned = 0;
   btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
   const Scalar fps = 1 / m_dt;
   for (int r = 0; r < block.rows; ++r) {
     speed[r] = 0;
-    most[r] = double(infinity);
+    max_speed[r] = double(infinity);
   }
   if (block.ours != nullptr) {
     // A damped row leaves a velocity on purpose.
@@ -182,7 +182,7 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
         const Match as = match(*block.ours, now, i);
         if (as == Match::none) continue;
         speed[r] = double(fps) * double(now[i].position);
-        most[r] = double(now[i].max_speed);
+        max_speed[r] = double(now[i].max_speed);
         if (as == Match::turned) turned |= rowBit(r);
       }
     }
@@ -190,12 +190,12 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   }
   PoseGuard at_a(a, pose_a), at_b(b, pose_b);
   // Of a stock joint Bullet's rows, of a step that takes away all of the error, and of one that takes none.
-  btSolverConstraint with[most_rows], without[most_rows];
-  if (askRows(*block.joint, {fps, 1, 0, 1, 1}, with, most_rows) != 1) return;
-  askRows(*block.joint, {fps, 0, 0, 1, 1}, without, most_rows);
+  btSolverConstraint with[max_stock_rows], without[max_stock_rows];
+  if (askRows(*block.joint, {fps, 1, 0, 1, 1}, with, max_stock_rows) != 1) return;
+  askRows(*block.joint, {fps, 0, 0, 1, 1}, without, max_stock_rows);
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
-    if (i >= most_rows || !block.holds[r]) continue;
+    if (i >= max_stock_rows || !block.holds[r]) continue;
     const Match as = match(block, rows, r, with[i]);
     if (as == Match::none) continue;
     speed[r] = double(with[i].m_rhs) - double(without[i].m_rhs);
@@ -244,11 +244,11 @@ void EndOfStep::endRows(const JointBlock& block, const btConstraintArray& rows, 
     return;
   }
   PoseGuard at_a(a, pose_a), at_b(b, pose_b);
-  btSolverConstraint now[most_rows];
-  if (askRows(*block.joint, {1 / m_dt, 1, 0, 1, 1}, now, most_rows) != 1) return;
+  btSolverConstraint now[max_stock_rows];
+  if (askRows(*block.joint, {1 / m_dt, 1, 0, 1, 1}, now, max_stock_rows) != 1) return;
   for (int r = 0; r < block.rows; ++r) {
     const int i = block.index[r];
-    if (i < most_rows && block.holds[r] && match(block, rows, r, now[i]) != Match::none)
+    if (i < max_stock_rows && block.holds[r] && match(block, rows, r, now[i]) != Match::none)
       set(r, now[i].m_contactNormal1, now[i].m_relpos1CrossNormal, now[i].m_contactNormal2,
           now[i].m_relpos2CrossNormal);
   }
@@ -261,28 +261,29 @@ void EndOfStep::errors(const JointSystem& joints, const btConstraintArray& rows,
   largest.assign(size_t(joints.topology().components), 0.);
   m_largest_turned = 0;
   for (size_t c = 0; c < blocks.size(); ++c) {
-    if (c + joints_ahead < blocks.size()) prefetch(blocks[c + joints_ahead].joint, bytes_of_joint);
-    if (c + bodies_ahead < blocks.size()) {
-      const btTypedConstraint& joint = *blocks[c + bodies_ahead].joint;
+    if (c + prefetch_joints < blocks.size())
+      prefetch(blocks[c + prefetch_joints].joint, prefetch_joint_bytes);
+    if (c + prefetch_bodies < blocks.size()) {
+      const btTypedConstraint& joint = *blocks[c + prefetch_bodies].joint;
       prefetch(&joint.getRigidBodyA().getLinearVelocity());
       prefetch(&joint.getRigidBodyB().getLinearVelocity());
-      const Joint* ours = blocks[c + bodies_ahead].ours;
-      if (ours != nullptr) prefetch(&ours->m_rows[0], bytes_of_rows);
+      const Joint* ours = blocks[c + prefetch_bodies].ours;
+      if (ours != nullptr) prefetch(&ours->m_rows[0], prefetch_row_bytes);
     }
     double* of = &error[block_rows * c];
     errors(blocks[c], rows, of, m_far[c], m_turned[c]);
-    double& most = largest[size_t(joints.topology().component[c])];
+    double& largest_here = largest[size_t(joints.topology().component[c])];
     for (int r = 0; r < blocks[c].rows; ++r) {
       double size = double(m_dt) * std::abs(of[r]);
       if ((m_turned[c] & rowBit(r)) != 0) m_largest_turned = std::max(m_largest_turned, size);
-      if (size <= most) continue;
+      if (size <= largest_here) continue;
       if (blocks[c].linear[r]) size -= m_rounding;
-      if (!(size <= most)) most = size;  // also NaN
+      if (!(size <= largest_here)) largest_here = size;  // also NaN
     }
   }
 }
 
-void EndOfStep::leaveTurned(std::vector<double>& error) const {
+void EndOfStep::clearTurned(std::vector<double>& error) const {
   if (m_largest_turned == 0) return;
   for (size_t c = 0; c < m_turned.size(); ++c)
     for (int r = 0; r < block_rows; ++r)
@@ -293,17 +294,17 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
                        char& far, unsigned char& turned) {
   const btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
   const int first_axis = equalities(block);
-  Speeds end, most;
-  speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, most, turned);
+  Speeds end, max_speed;
+  speeds(block, rows, pose(a, block.body[0]), pose(b, block.body[1]), end, max_speed, turned);
   for (int r = 0; r < block.rows; ++r) {
     error[r] = end[r];
     far = far || (block.index[r] < first_axis &&
-                  !(std::abs(error[r]) <= std::min(free_correction, most[r] / 2)));
+                  !(std::abs(error[r]) <= std::min(free_correction_speed, max_speed[r] / 2)));
   }
   if (!far) return;
   Speeds start;
   unsigned char turned_at_start;
-  speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, most,
+  speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, max_speed,
          turned_at_start);
   // A row with a largest speed says where to turn: beyond that it does not say how far, nor do angular rows
   // beside it. The speeds that they have are right.
@@ -311,11 +312,12 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   for (int r = 0; r < block.rows; ++r) {
     if (block.index[r] >= first_axis) continue;
     const double whole = std::abs(start[r]);
-    if (double(m_erp) * whole > most[r]) {
+    if (double(m_erp) * whole > max_speed[r]) {
       turns_back = true;
       continue;
     }
-    const double speed = std::min(std::max(double(m_erp) * whole, free_correction), most[r]);
+    const double speed =
+        std::min(std::max(double(m_erp) * whole, free_correction_speed), max_speed[r]);
     if (!(whole > speed)) continue;
     error[r] -= start[r] * (1 - speed / whole);
     leaves = true;
@@ -324,7 +326,7 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   // How much of what was missing at the start is to be left a row does not say that has turned since.
   for (int r = 0; r < block.rows; ++r)
     if ((turned & rowBit(r)) != 0 ||
-        (turns_back && (most[r] < double(infinity) || !block.linear[r])))
+        (turns_back && (max_speed[r] < double(infinity) || !block.linear[r])))
       error[r] = 0;
   turned = 0;
 }

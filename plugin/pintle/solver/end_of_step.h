@@ -23,7 +23,7 @@ class EndOfStep {
               std::vector<double>& largest);
   /// The largest of rows that have turned away from those of the start, and by these cannot be corrected.
   double largestTurned() const { return m_largest_turned; }
-  void leaveTurned(std::vector<double>& error) const;
+  void clearTurned(std::vector<double>& error) const;
   /// Adds to the joints their rows at the predicted poses, by what these change with the bodies' velocities.
   void addEndRows(JointSystem& joints, const btConstraintArray& rows,
                   const btAlignedObjectArray<btSolverBody>& bodies);
@@ -46,7 +46,7 @@ class EndOfStep {
   /// Those of the whole error, with the bodies at the given poses; of a limit, of what is missing on the way
   /// to where its row sends it.
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
-              const btTransform& pose_b, Speeds& speed, Speeds& most, unsigned char& turned);
+              const btTransform& pose_b, Speeds& speed, Speeds& max_speed, unsigned char& turned);
   /// How many of the joint's rows come before those of free coordinates, which only Pintle's tell of.
   static int equalities(const JointBlock& block);
   static Scalar ownersVelocity(const Joint& joint, const Row& row);
@@ -55,7 +55,7 @@ class EndOfStep {
 
   RowMemory<most_joint_rows, most_joint_rows> m_memory;
   std::vector<btTransform> m_poses;
-  std::vector<char> m_far;  ///< of each block
+  std::vector<char> m_far;              ///< of each block
   std::vector<unsigned char> m_turned;  ///< of each block, a bit for each row
   double m_largest_turned = 0;
   Scalar m_dt = 0, m_erp = 0;

@@ -19,27 +19,29 @@ namespace {
 
 // The force of the joints depends on the stiffness, which depends on the force. Two rounds do, but
 // where a load comes suddenly.
-constexpr int most_stiffenings = 6;
+constexpr int max_stiffenings = 6;
 
 // After this many iterations the contacts have loaded the joints with most of what they will.
-constexpr int iterations_of_load = 2;
+constexpr int contact_load_iterations = 2;
 
 // What leaves its bounds is iterated, and what has come within is not, and all is solved anew: so often. From
 // then on bounds are only left, and in the end all that has any is iterated.
-constexpr int rounds_of_taking = 3, most_rounds = 6;
+constexpr int max_reclaim_rounds = 3, max_active_set_rounds = 6;
 
 // Errors at the end of a step, m or rad. What is small one correction leaves next to nothing of; of larger ones no
 // more than the rest is to be left: it adds up to energy, over a million steps to more than there was. Large ones
 // are of motion that may be too violent to be corrected.
 // What is still open after all corrections, by more than a part of what it moves by, or in any case, cannot be held.
-struct Sizes {
-  double small, rest, large, open;
+struct Tolerances {
+  double small, remaining, large, open;
 };
-constexpr Sizes alone = {1e-5, 1e-6, 1e-4, 2e-3};
+constexpr Tolerances free_tolerances = {1e-5, 1e-6, 1e-4, 2e-3};
 // Contacts take energy, and do not follow what joints correct: more may be left.
-constexpr Sizes among_contacts = {1e-2, 1e-2, 1e-2, 1e-2};
-const Sizes& sizes(bool contacts) { return contacts ? among_contacts : alone; }
-bool isFar(const std::vector<double>& errors, double than) {
+constexpr Tolerances contact_tolerances = {1e-2, 1e-2, 1e-2, 1e-2};
+const Tolerances& tolerances(bool contacts) {
+  return contacts ? contact_tolerances : free_tolerances;
+}
+bool anyExceeds(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
 }
 
@@ -53,35 +55,36 @@ bool isConverging(const std::vector<double>& errors, const std::vector<double>& 
 
 // By this a step may raise the energy of what joints connect, and by what it takes to move it at
 // this speed, m/s and rad/s.
-constexpr double most_gain = 1.1, correction_speed = 3;
+constexpr double max_energy_ratio = 1.1, correction_speed = 3;
 
 // A centre that is to end its step on its circle moves along the chord, for which its speed holds
 // (w dt / 2)^2 more than on the circle. No more than twice that, and what it takes to move at this speed,
 // m/s and rad/s, may the ends of steps add to the energy of what joints connect, where it turns by more than
 // the first of these in a step, rad, and for no more than the second.
-constexpr double chord_speed = 1, least_turn = 0.4, most_turn = 0.8;
+constexpr double chord_speed = 1, min_chord_turn = 0.4, max_chord_turn = 0.8;
 
 // What would take more, or is still open by more than this part of what it moves by, cannot be held at the end of the
 // step: it is slowed down to the least turn, between these parts of its speed, and up to so often.
-constexpr double most_open_of_motion = 0.02, most_slowed = 0.5, least_slowed = 0.9;
-constexpr int most_slowings = 4;
+constexpr double max_gap_per_motion = 0.02, min_speed_factor = 0.5, max_speed_factor = 0.9;
+constexpr int max_slowdowns = 4;
 
 // Where bodies turn by more than this in a step, rad, but by no more than Bullet turns them, and for so long after, s,
 // what the chords of a step give to a component or take from it is made up for, by this part of its velocities at the
 // most; less than this part of its energy waits.
-constexpr double balanced_turn = 0.1, balanced_time = 10, most_made_up = 0.2, worth_it = 1e-4;
+constexpr double min_compensated_turn = 0.1, compensation_time = 10, max_speed_change = 0.2,
+                 min_energy_error = 1e-4;
 
 // What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
 // away must not be thrown, and one that turns at 1000 rad/s must not get away.
-constexpr double least_calm = 20, calm_speed = 100;
+constexpr double min_closing_speed = 20, max_closing_speed = 100;
 
 // Corrections by rows of the end are not to make a body turn by more than this in the step, rad, which is where these
 // rows end, too, unless it turns so far without them, but for this.
-constexpr double most_turn_at_end = 1, same_turn = 1.1;
+constexpr double max_end_turn = 1, max_end_turn_ratio = 1.1;
 
 // What is larger is corrected again, up to so often; and up to so often as long as that is of use, which it is not
 // where poses are rounded, or rows say again what others say.
-constexpr int most_extra_iterations = 3, most_converging_iterations = 6;
+constexpr int max_extra_iterations = 3, max_converging_iterations = 6;
 
 }  // namespace
 
@@ -95,9 +98,9 @@ struct ExactJointSolver::Island {
   std::vector<double> speeds;                 ///< of each component, to close what is open
   std::vector<double> parts;                  ///< of the impulses or velocities, that each keeps
   std::vector<double> gained;                 ///< by each, if this is how the step ends
-  std::vector<char> worse;                    ///< whether a large error has grown, or energy has
-  std::vector<btTypedConstraint*> in_passes;     ///< joints that Bullet's passes are to call
-  int stiffenings = 0;                           ///< in this step
+  std::vector<char> rejected;                 ///< whether a large error has grown, or energy has
+  std::vector<btTypedConstraint*> in_passes;  ///< joints that Bullet's passes are to call
+  int stiffenings = 0;                        ///< in this step
 
   /// A step that is the first to need these allocates nothing, either.
   void reserve(int constraints) {
@@ -106,9 +109,9 @@ struct ExactJointSolver::Island {
     for (std::vector<double>* of : {&largest, &next_largest, &speeds, &parts, &gained})
       of->reserve(components);
     energy.reserve(components);
-    worse.reserve(components);
+    rejected.reserve(components);
     joints.topology().gained.reserve(components);
-    joints.topology().balances.reserve(components);
+    joints.topology().chord_energy.reserve(components);
   }
 };
 
@@ -213,7 +216,7 @@ void ExactJointSolver::resetVelocities() {
 // Whether bodies became stiffer or softer, and the joints were solved anew.
 bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
   JointSystem& joints = m_island->joints;
-  if (m_island->stiffenings == most_stiffenings || !joints.stiffen(info.m_timeStep)) return false;
+  if (m_island->stiffenings == max_stiffenings || !joints.stiffen(info.m_timeStep)) return false;
   ++m_island->stiffenings;
   restart();
   return true;
@@ -230,18 +233,19 @@ void ExactJointSolver::restart() {
 
 // What rows begin with bore a load in the last step. Where joints have made of it more than there was to hold,
 // as where limits or contacts ask for what no motion of the joints can do, the next step is not to go on from there.
-void ExactJointSolver::forgetUnruly() {
-  findEnergies();
-  if (!findGained(most_gain, correction_speed)) return;
+void ExactJointSolver::dropGainingWarmStarts() {
+  computeEnergies();
+  if (!rejectEnergyGains(max_energy_ratio, correction_speed)) return;
   const std::vector<int>& component = m_island->joints.topology().body_component;
-  const auto isUnruly = [&](int body) {
+  const auto isRejected = [&](int body) {
     const auto i = size_t(body);
-    return i < component.size() && component[i] >= 0 && m_island->worse[size_t(component[i])];
+    return i < component.size() && component[i] >= 0 && m_island->rejected[size_t(component[i])];
   };
   for (btConstraintArray* rows : allRows())
     for (int i = 0; i < rows->size(); ++i) {
       btSolverConstraint& row = (*rows)[i];
-      if (isUnruly(row.m_solverBodyIdA) || isUnruly(row.m_solverBodyIdB)) row.m_appliedImpulse = 0;
+      if (isRejected(row.m_solverBodyIdA) || isRejected(row.m_solverBodyIdB))
+        row.m_appliedImpulse = 0;
     }
   restart();
 }
@@ -271,83 +275,84 @@ void ExactJointSolver::beginReactions() {
 
 // The errors at the end of the step, and the largest of each component, m or rad.
 template <class Vector>
-void ExactJointSolver::lookAhead(const btContactSolverInfo& info, Vector& largest) {
+void ExactJointSolver::predictErrors(const btContactSolverInfo& info, Vector& largest) {
   Island& island = *m_island;
   island.joints.write(m_tmpSolverBodyPool);
   island.end.predict(m_tmpSolverBodyPool, info);
   island.end.errors(island.joints, m_tmpSolverNonContactConstraintPool, island.error, largest);
 }
 
-void ExactJointSolver::findEnergies() {
+void ExactJointSolver::computeEnergies() {
   Island& island = *m_island;
   island.joints.write(m_tmpSolverBodyPool);
   island.joints.energies(m_tmpSolverBodyPool, island.energy);
-  island.worse.resize(island.energy.size());
+  island.rejected.resize(island.energy.size());
 }
 
-// Whether a component cannot be held at the end of the step, or not without more energy than that may add: `worse`.
-bool ExactJointSolver::findUnruly(double dt) {
+// Whether a component cannot be held at the end of the step, or not without more energy than that may add: `rejected`.
+bool ExactJointSolver::rejectUnheld(double dt) {
   Island& island = *m_island;
   island.gained = island.joints.topology().gained;
   std::vector<double>& gained = island.gained;
   gained.resize(island.energy.size(), 0);
-  const bool closes = island.joints.fastest() > correction_speed;
-  const Sizes& size = sizes(hasContacts());
+  const bool closes = island.joints.maxCorrectionSpeed() > correction_speed;
+  const Tolerances& tolerance = tolerances(hasContacts());
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
-    const double turn = std::min(energy.spin * dt, most_turn);
-    const double most = turn * turn / 2 * energy.free + chord_speed * chord_speed * energy.unit;
+    const double turn = std::min(energy.spin * dt, max_chord_turn);
+    const double max_gain = turn * turn / 2 * energy.free + chord_speed * chord_speed * energy.unit;
     // What other rows add is not the joints' work, and what they take is none of it.
-    const double sum = gained[i] + std::min(energy.work, energy.now - energy.free) / most;
+    const double sum = gained[i] + std::min(energy.work, energy.now - energy.free) / max_gain;
     // What starts far apart may well turn by being brought together.
-    const double most_spin = closes ? energy.spin : std::max(energy.spin, energy.spin_at_end);
+    const double max_spin = closes ? energy.spin : std::max(energy.spin, energy.spin_at_end);
     const double moved = dt * std::sqrt(std::max(energy.free, energy.now) / energy.unit);
-    const double may_be_open = std::clamp(most_open_of_motion * moved, size.small, size.open);
+    const double max_gap = std::clamp(max_gap_per_motion * moved, tolerance.small, tolerance.open);
     // What nothing holds would lose momentum for what its joints alone make it turn by.
-    const double spin = island.joints.topology().grounded[i] ? most_spin : energy.spin;
-    const bool open = !(spin * dt < least_turn) && !(island.largest[i] < may_be_open);
-    island.worse[i] = open || (!(most_spin * dt < least_turn) && !(sum <= 1));
-    if (!island.worse[i]) gained[i] = turn < least_turn ? 0 : std::max(0., sum);
-    any = any || island.worse[i];
+    const double spin = island.joints.topology().grounded[i] ? max_spin : energy.spin;
+    const bool open = !(spin * dt < min_chord_turn) && !(island.largest[i] < max_gap);
+    island.rejected[i] = open || (!(max_spin * dt < min_chord_turn) && !(sum <= 1));
+    if (!island.rejected[i]) gained[i] = turn < min_chord_turn ? 0 : std::max(0., sum);
+    any = any || island.rejected[i];
   }
   return any;
 }
 
-// Whether a component has gained more energy than joints may give it: `worse`.
-bool ExactJointSolver::findGained(double gain, double speed) {
+// Whether a component has gained more energy than joints may give it: `rejected`.
+bool ExactJointSolver::rejectEnergyGains(double gain, double speed) {
   Island& island = *m_island;
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
-    island.worse[i] = !(energy.now <= gain * energy.free + speed * speed * energy.unit);
-    any = any || island.worse[i];
+    island.rejected[i] = !(energy.now <= gain * energy.free + speed * speed * energy.unit);
+    any = any || island.rejected[i];
   }
   return any;
 }
 
-// Components that are `worse` end the step where it takes them.
-void ExactJointSolver::leaveUncorrected() {
+// Components that are `rejected` end the step where it takes them.
+void ExactJointSolver::undoRejected() {
   JointSystem& joints = m_island->joints;
-  joints.undoCorrections(m_tmpSolverNonContactConstraintPool, m_island->worse);
+  joints.undoCorrections(m_tmpSolverNonContactConstraintPool, m_island->rejected);
   restart();
-  joints.settle();
+  joints.solveLoopTargets();
 }
 
-// Slows down what is `worse` by more than before, from where it is uncorrected. Returns whether there is such.
-bool ExactJointSolver::slowDown(double dt) {
+// Slows down what is `rejected` by more than before, from where it is uncorrected. Returns whether there is such.
+bool ExactJointSolver::slowRejected(double dt) {
   Island& island = *m_island;
   bool any = false;
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const double turn = island.energy[i].spin * dt;
-    if (!island.worse[i] || (turn < least_turn && !island.joints.topology().grounded[i])) continue;
-    island.parts[i] *= std::clamp(least_turn / turn, most_slowed, least_slowed);
+    if (!island.rejected[i] || (turn < min_chord_turn && !island.joints.topology().grounded[i]))
+      continue;
+    island.parts[i] *= std::clamp(min_chord_turn / turn, min_speed_factor, max_speed_factor);
     any = true;
   }
   if (!any) return false;
-  for (size_t i = 0; i < island.energy.size(); ++i) island.worse[i] = island.parts[i] < 1;
-  leaveUncorrected();
-  island.joints.slow(m_tmpSolverBodyPool, island.parts);
+  for (size_t i = 0; i < island.energy.size(); ++i) island.rejected[i] = island.parts[i] < 1;
+  undoRejected();
+  island.joints.scaleVelocities(m_tmpSolverBodyPool, island.parts);
   island.joints.solve();
   return true;
 }
@@ -355,101 +360,101 @@ bool ExactJointSolver::slowDown(double dt) {
 // Rigid joints neither give energy nor take it. A step that ends on the joints goes along chords: it gives while a
 // body comes to turn faster, and takes while it turns slower, and not the same. What was given is taken back; what is
 // taken is given back, as far as it was taken here.
-void ExactJointSolver::balance(const btContactSolverInfo& info) {
+void ExactJointSolver::compensateChordEnergy(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
-  std::vector<Topology::Balance>& balances = joints.topology().balances;
-  balances.resize(size_t(joints.topology().components));
+  std::vector<Topology::ChordEnergy>& chord_energy = joints.topology().chord_energy;
+  chord_energy.resize(size_t(joints.topology().components));
   const double dt = double(info.m_timeStep);
-  double& left = joints.topology().balance_left;
+  double& left = joints.topology().compensation_left;
   const double turn = joints.spin() * dt;
-  left = turn > balanced_turn ? balanced_time : left - dt;
-  if (hasBounds() || m_position_iterations == 0 || !(left > 0) || !(turn < most_turn)) {
+  left = turn > min_compensated_turn ? compensation_time : left - dt;
+  if (hasBounds() || m_position_iterations == 0 || !(left > 0) || !(turn < max_chord_turn)) {
     left = 0;
-    std::fill(balances.begin(), balances.end(), Topology::Balance());
+    std::fill(chord_energy.begin(), chord_energy.end(), Topology::ChordEnergy());
     return;
   }
-  findEnergies();
-  island.parts.assign(balances.size(), 1);
+  computeEnergies();
+  island.parts.assign(chord_energy.size(), 1);
   bool any = false;
-  for (size_t i = 0; i < balances.size(); ++i) {
+  for (size_t i = 0; i < chord_energy.size(); ++i) {
     const JointSystem::Energy& energy = island.energy[i];
-    Topology::Balance& balance = balances[i];
-    const bool holds = island.largest[i] < alone.large && energy.is_rigid;
+    Topology::ChordEnergy& chord = chord_energy[i];
+    const bool holds = island.largest[i] < free_tolerances.large && energy.is_rigid;
     if (!holds || !joints.topology().grounded[i]) {
-      balance = Topology::Balance();
+      chord = Topology::ChordEnergy();
       continue;
     }
-    balance.given += energy.given;
-    const double excess = std::max(balance.given, -balance.taken);
-    if (!(std::abs(excess) > worth_it * energy.now)) continue;
-    island.parts[i] = std::clamp(std::sqrt(std::max(0., 1 - excess / energy.now)), 1 - most_made_up,
-                                 1 + most_made_up);
-    balance.given -= energy.given;
-    balance.taken += energy.given;
+    chord.given += energy.given;
+    const double excess = std::max(chord.given, -chord.taken);
+    if (!(std::abs(excess) > min_energy_error * energy.now)) continue;
+    island.parts[i] = std::clamp(std::sqrt(std::max(0., 1 - excess / energy.now)),
+                                 1 - max_speed_change, 1 + max_speed_change);
+    chord.given -= energy.given;
+    chord.taken += energy.given;
     any = true;
   }
   if (!any) return;
-  joints.slow(m_tmpSolverBodyPool, island.parts);
+  joints.scaleVelocities(m_tmpSolverBodyPool, island.parts);
   joints.solve();
   iteratePositions(info);
-  findEnergies();
-  for (size_t i = 0; i < balances.size(); ++i) {
+  computeEnergies();
+  for (size_t i = 0; i < chord_energy.size(); ++i) {
     if (island.parts[i] == 1) continue;
-    Topology::Balance& balance = balances[i];
-    balance.given += island.energy[i].given;
-    balance.taken = std::max(0., balance.taken - island.energy[i].given);
+    Topology::ChordEnergy& chord = chord_energy[i];
+    chord.given += island.energy[i].given;
+    chord.taken = std::max(0., chord.taken - island.energy[i].given);
   }
 }
 
 // Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
 // force would add energy without end: components that gain too much close them at a bounded speed, and
 // what still gains more than that, where other rows drive it, gets as much less of all impulses.
-void ExactJointSolver::calm(const btContactSolverInfo& info) {
+void ExactJointSolver::limitEnergyGain(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
   const double dt = double(info.m_timeStep);
-  findEnergies();
+  computeEnergies();
   island.parts.assign(island.energy.size(), 1);
-  bool unruly = findUnruly(dt);
-  for (int i = 0; unruly && i < most_slowings && slowDown(dt); ++i) {
+  bool any_rejected = rejectUnheld(dt);
+  for (int i = 0; any_rejected && i < max_slowdowns && slowRejected(dt); ++i) {
     iteratePositions(info);
-    findEnergies();
-    unruly = findUnruly(dt);
+    computeEnergies();
+    any_rejected = rejectUnheld(dt);
   }
-  if (unruly) {
-    leaveUncorrected();
-    findEnergies();
+  if (any_rejected) {
+    undoRejected();
+    computeEnergies();
   }
   joints.topology().gained = island.gained;
-  if (!findGained(most_gain, correction_speed)) return;
+  if (!rejectEnergyGains(max_energy_ratio, correction_speed)) return;
   // What contacts have borne was found with bodies as stiff as they are.
   if (hasContacts()) {
-    leaveUncorrected();
-    findEnergies();
-    if (!findGained(most_gain, correction_speed)) return;
+    undoRejected();
+    computeEnergies();
+    if (!rejectEnergyGains(max_energy_ratio, correction_speed)) return;
   }
   island.speeds.resize(island.energy.size());
   for (size_t i = 0; i < island.energy.size(); ++i) {
     const double speed = std::sqrt(island.energy[i].free / island.energy[i].unit);
-    island.speeds[i] = std::clamp(speed, least_calm, calm_speed);
+    island.speeds[i] = std::clamp(speed, min_closing_speed, max_closing_speed);
   }
-  joints.calm(island.worse, island.speeds);
+  joints.limitCorrectionSpeed(island.rejected, island.speeds);
   restart();
-  joints.settle();
-  findEnergies();
-  if (!findGained(1, calm_speed)) return;
+  joints.solveLoopTargets();
+  computeEnergies();
+  if (!rejectEnergyGains(1, max_closing_speed)) return;
   island.parts.assign(island.energy.size(), 1);
   for (size_t i = 0; i < island.energy.size(); ++i) {
-    if (!island.worse[i]) continue;
+    if (!island.rejected[i]) continue;
     // The energy at a part f of the changes: added f^2 + 2 half f + free
     const JointSystem::Energy& energy = island.energy[i];
     const double half = (energy.now - energy.added - energy.free) / 2;
-    const double more = calm_speed * calm_speed * energy.unit;
+    const double more = max_closing_speed * max_closing_speed * energy.unit;
     const double f = more / (half + std::sqrt(half * half + energy.added * more));
     island.parts[i] = f < 1 ? f : 0;
   }
-  joints.weaken(island.parts);
+  joints.scaleImpulses(island.parts);
 }
 
 // Corrects by the rows of the start, and what these leave by those of the end: impulses are along the start's all the
@@ -460,65 +465,66 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   island.largest.assign(size_t(joints.topology().components), 0.);
   if (m_position_iterations == 0) return false;
   island.end.begin(joints.blocks().size(), m_tmpSolverBodyPool);
-  lookAhead(info, island.largest);
-  const Sizes& error = sizes(hasContacts());
-  const bool any_far = isFar(island.largest, error.large);
+  predictErrors(info, island.largest);
+  const Tolerances& tolerance = tolerances(hasContacts());
+  const bool any_large = anyExceeds(island.largest, tolerance.large);
   bool may_be_at_end = true;
   for (int i = 1;; ++i) {
-    const bool last = i >= m_position_iterations, far = isFar(island.largest, error.small);
-    if (far || !last) joints.keep();
-    const bool at_end =
-        may_be_at_end && i > 1 &&
-        (isFar(island.largest, error.large) || island.end.largestTurned() > error.small);
+    const bool last = i >= m_position_iterations, far = anyExceeds(island.largest, tolerance.small);
+    if (far || !last) joints.saveState();
+    const bool at_end = may_be_at_end && i > 1 &&
+                        (anyExceeds(island.largest, tolerance.large) ||
+                         island.end.largestTurned() > tolerance.small);
     if (at_end) {
       island.end.addEndRows(joints, m_tmpSolverNonContactConstraintPool, m_tmpSolverBodyPool);
       joints.correctAtEnd(island.error);
     } else {
-      island.end.leaveTurned(island.error);
+      island.end.clearTurned(island.error);
       joints.correct(island.error);
     }
-    if (!far && last) return any_far;
+    if (!far && last) return any_large;
     // Components in which that has made it worse go half of the way, or else none.
-    bool worse = false;
+    bool any_rejected = false;
     for (const double part : {0.5, 0.}) {
-      lookAhead(info, island.next_largest);
-      worse = findWorse(error.large);
-      if (at_end && findOverturned(double(info.m_timeStep))) worse = true;
-      if (!worse) break;
-      joints.goBack(part, island.worse);
+      predictErrors(info, island.next_largest);
+      any_rejected = rejectGrowingErrors(tolerance.large);
+      if (at_end && rejectLargeTurns(double(info.m_timeStep))) any_rejected = true;
+      if (!any_rejected) break;
+      joints.restoreState(part, island.rejected);
     }
     const int extra = i - m_position_iterations;
-    const bool more = extra < most_extra_iterations
-                          ? isFar(island.next_largest, error.rest)
-                          : extra < most_converging_iterations &&
-                                isConverging(island.next_largest, island.largest, error.rest);
-    if (!worse) {
+    const bool more =
+        extra < max_extra_iterations
+            ? anyExceeds(island.next_largest, tolerance.remaining)
+            : extra < max_converging_iterations &&
+                  isConverging(island.next_largest, island.largest, tolerance.remaining);
+    if (!any_rejected) {
       island.largest.swap(island.next_largest);
-      if (last && !more) return any_far;
+      if (last && !more) return any_large;
       continue;
     }
     // By the other rows it may become better.
-    if (last && (!may_be_at_end || extra >= most_extra_iterations)) return any_far;
+    if (last && (!may_be_at_end || extra >= max_extra_iterations)) return any_large;
     may_be_at_end = !at_end;
-    lookAhead(info, island.largest);
+    predictErrors(info, island.largest);
   }
 }
 
-bool ExactJointSolver::findWorse(double large) {
+bool ExactJointSolver::rejectGrowingErrors(double large) {
   Island& island = *m_island;
   bool any = false;
-  island.worse.resize(island.largest.size());
+  island.rejected.resize(island.largest.size());
   for (size_t i = 0; i < island.largest.size(); ++i) {
     // Not NaN, either.
-    island.worse[i] =
+    island.rejected[i] =
         !(island.next_largest[i] <= large) && !(island.next_largest[i] < island.largest[i]);
-    any = any || island.worse[i];
+    any = any || island.rejected[i];
   }
   return any;
 }
 
-// Whether a component turns a body further than rows of its end tell of, by impulses: `worse`, too.
-bool ExactJointSolver::findOverturned(double dt) {
+// Whether a component turns a body further than rows of its end tell of, by impulses: `rejected`, too.
+bool ExactJointSolver::rejectLargeTurns(double dt) {
   Island& island = *m_island;
   const std::vector<int>& component = island.joints.topology().body_component;
   bool any = false;
@@ -527,8 +533,8 @@ bool ExactJointSolver::findOverturned(double dt) {
     const btSolverBody& body = m_tmpSolverBodyPool[int(i)];
     const double turn = dt * double(angularVelocity(body).length());
     const btVector3 before = body.m_angularVelocity + body.m_externalTorqueImpulse;
-    if (turn < std::max(most_turn_at_end, same_turn * dt * double(before.length()))) continue;
-    island.worse[size_t(component[i])] = any = true;
+    if (turn < std::max(max_end_turn, max_end_turn_ratio * dt * double(before.length()))) continue;
+    island.rejected[size_t(component[i])] = any = true;
   }
   return any;
 }
@@ -552,8 +558,8 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   }
   while (!(foreseen && iterations > 0) && stiffen(info) && joints.hasUnresolved()) {
   }
-  if (iterations > 0) forgetUnruly();
-  joints.settle();
+  if (iterations > 0) dropGainingWarmStarts();
+  joints.solveLoopTargets();
 
   // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far
   // as that matters to what has.
@@ -566,25 +572,25 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   for (bool last = iterations == 0; !last;) {
     m_leastSquaresResidual = pass(used++);
     last = used == iterations || m_leastSquaresResidual <= info.m_leastSquaresResidualThreshold;
-    if (last || used == iterations_of_load)
+    if (last || used == contact_load_iterations)
       joints.endReactions(m_tmpSolverBodyPool, m_tmpSolverNonContactConstraintPool);
-    if (used == iterations_of_load) {
-      if (stiffen(info)) joints.settle();
+    if (used == contact_load_iterations) {
+      if (stiffen(info)) joints.solveLoopTargets();
       joints.write(m_tmpSolverBodyPool);
       if (!last) beginReactions();
     } else if (!last) {
       joints.react(m_tmpSolverBodyPool);
     }
   }
-  joints.remember();
+  joints.rememberPointImpulses();
   joints.restoreMomentum(m_tmpSolverBodyPool);
   if (iterations > 0 || joints.bounded())
     m_complementarity_residual = std::sqrt(m_leastSquaresResidual);
 
-  const bool any_far = iteratePositions(info);
-  balance(info);
-  if (any_far || joints.fastest() > correction_speed)
-    calm(info);
+  const bool any_large = iteratePositions(info);
+  compensateChordEnergy(info);
+  if (any_large || joints.maxCorrectionSpeed() > correction_speed)
+    limitEnergyGain(info);
   else
     std::fill(joints.topology().gained.begin(), joints.topology().gained.end(), 0.);
   return used;
@@ -621,23 +627,23 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
   int used = solveIsland(infoGlobal, joints.loaded(), pass);
   for (int round = 1; joints.finite(); ++round) {
     joints.write(m_tmpSolverBodyPool);
-    const bool taken = limits && round <= rounds_of_taking &&
-                       joints.takeBack(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
-    if (!joints.giveBack(rows, round == most_rounds) && !taken) break;
+    const bool taken = limits && round <= max_reclaim_rounds &&
+                       joints.reclaimUnsaturated(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
+    if (!joints.releaseSaturated(rows, round == max_active_set_rounds) && !taken) break;
     gather();
     used = solveIsland(infoGlobal, true, pass);
   }
   if (!joints.finite()) {
     // Numbers that have overflowed are in rows and contacts as well: nothing acts in this step.
-    joints.release(rows, infoGlobal.m_numIterations);
+    joints.releaseAll(rows, infoGlobal.m_numIterations);
     resetVelocities();
     for (btConstraintArray* pool : allRows())
       for (int i = 0; i < pool->size(); ++i) (*pool)[i].m_appliedImpulse = 0;
     return 0;
   }
   joints.writeImpulses(rows);
-  joints.rememberIterated(rows);
-  joints.takeBack(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
+  joints.rememberIteratedImpulses(rows);
+  joints.reclaimUnsaturated(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   joints.report(m_tmpSolverBodyPool, rows, infoGlobal.m_timeStep);
   ++m_analyticsData.m_numSolverCalls;
   m_analyticsData.m_numIterationsUsed = used;

@@ -92,21 +92,21 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   Pools allRows();
   void resetVelocities();
   void restart();
-  void forgetUnruly();
+  void dropGainingWarmStarts();
   void findInPasses(btTypedConstraint** constraints, int numConstraints);
   void beginReactions();
-  bool findWorse(double large);
-  bool findOverturned(double dt);
-  void findEnergies();
-  bool findUnruly(double dt);
-  bool findGained(double gain, double speed);
-  void leaveUncorrected();
-  bool slowDown(double dt);
-  void balance(const btContactSolverInfo& info);
-  void calm(const btContactSolverInfo& info);
+  bool rejectGrowingErrors(double large);
+  bool rejectLargeTurns(double dt);
+  void computeEnergies();
+  bool rejectUnheld(double dt);
+  bool rejectEnergyGains(double gain, double speed);
+  void undoRejected();
+  bool slowRejected(double dt);
+  void compensateChordEnergy(const btContactSolverInfo& info);
+  void limitEnergyGain(const btContactSolverInfo& info);
   bool iteratePositions(const btContactSolverInfo& info);
   template <class Vector>
-  void lookAhead(const btContactSolverInfo& info, Vector& largest);
+  void predictErrors(const btContactSolverInfo& info, Vector& largest);
 
   Island* m_island;
   int m_position_iterations = 1;

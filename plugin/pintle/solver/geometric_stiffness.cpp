@@ -8,13 +8,13 @@ namespace {
 
 // Of three by three numbers Jacobi's rotations converge in as many passes at most. The axes are
 // orthonormal whatever is left; less than this part of a stiffness is next to nothing of it.
-constexpr int most_passes = 6;
+constexpr int max_passes = 6;
 constexpr double negligible = 1e-6;
 
 // Turns axes p and q so that A(p, q) becomes 0, unless it is next to nothing.
-void rotate(Matrix3d& A, Matrix3d& V, int p, int q, double least) {
+void rotate(Matrix3d& A, Matrix3d& V, int p, int q, double threshold) {
   const double off = A(p, q);
-  if (!(std::abs(off) > least)) return;
+  if (!(std::abs(off) > threshold)) return;
   const double d = A(q, q) - A(p, p), root = std::sqrt(d * d + 4 * off * off);
   if (!(root < HUGE_VAL)) return;
   const double t = (d < 0 ? -2 : 2) * off / (std::abs(d) + root);
@@ -37,13 +37,13 @@ void rotate(Matrix3d& A, Matrix3d& V, int p, int q, double least) {
 
 Stiffening::Stiffening(const Matrix3d& stiffness) {
   Matrix3d A = stiffness;
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     const double off = std::abs(A(0, 1)) + std::abs(A(0, 2)) + std::abs(A(1, 2));
-    const double least = negligible * A.diagonal().cwiseAbs().sum();
-    if (!(off > 3 * least)) break;
-    rotate(A, axes, 0, 1, least);
-    rotate(A, axes, 0, 2, least);
-    rotate(A, axes, 1, 2, least);
+    const double threshold = negligible * A.diagonal().cwiseAbs().sum();
+    if (!(off > 3 * threshold)) break;
+    rotate(A, axes, 0, 1, threshold);
+    rotate(A, axes, 0, 2, threshold);
+    rotate(A, axes, 1, 2, threshold);
   }
   for (int k = 0; k < 3; ++k) mu[k] = A(k, k) > 0 ? A(k, k) : 0;
 }

@@ -28,8 +28,8 @@ struct Stiffening {
   Stiffening() = default;
   explicit Stiffening(const Matrix3d& stiffness);
 
-  double most() const { return mu.maxCoeff(); }
-  bool any() const { return most() > 0; }
+  double max() const { return mu.maxCoeff(); }
+  bool any() const { return max() > 0; }
   /// Of f(mu). Most axes have no stiffness.
   template <class Function>
   Matrix3d matrix(const Function& f) const {

@@ -19,7 +19,7 @@ namespace {
 
 // What is left of a pivot after this part of its row is rounding: of double, or, where rows came in
 // single precision, of what two of them that say the same differ by, squared.
-constexpr double dependent_row = 1e-12;
+constexpr double dependent_pivot = 1e-12;
 
 // Joints of a loop depend on each other, or nearly so. Impulses that nobody feels stay small by the
 // first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
@@ -27,16 +27,16 @@ constexpr double dependent_row = 1e-12;
 // Rows that ought to say the same differ by d where joints are open, or by a millionth in single precision. What
 // they then contradict each other in is a motion that the loop has, of which each step takes away d^2 over the
 // first part: that must be far larger, and small enough for heavy loads on light links.
-constexpr double least_impulses = 3e-8;
-constexpr double damped_correction = 1e-4;
+constexpr double min_norm_softness = 3e-8;
+constexpr double correction_damping = 1e-4;
 // Rows of one joint that depend on each other but for this part are treated as those of a loop.
 constexpr double nearly_dependent = 1e-6;
 // Of a body's largest velocity: numerical zero.
-constexpr double rounding = 1e-13;
+constexpr double velocity_rounding = 1e-13;
 
 // Rows with bounds of which no more than this is left are iterated. Factors leave more: what a game in
 // two dimensions forbids is never next to nothing for long, but passed through.
-constexpr Scalar thin = Scalar(1e-5), thin_by_factors = Scalar(0.01);
+constexpr Scalar min_K_ratio = Scalar(1e-5), min_K_ratio_with_factors = Scalar(0.01);
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
@@ -60,7 +60,7 @@ bool isBilateral(const btSolverConstraint& row) {
 bool isPrepared(const btSolverConstraint& row) { return row.m_jacDiagABInv > 0; }
 
 // J M^-1 J^T of such a row, as Bullet has it, of bodies without factors.
-double wholeK(const btSolverConstraint& row) { return 1 / double(row.m_jacDiagABInv); }
+double bulletK(const btSolverConstraint& row) { return 1 / double(row.m_jacDiagABInv); }
 
 // Holds both ways, if need be until the joint breaks: Bullet breaks it when a row's impulse is at this bound.
 bool isEquality(const btSolverConstraint& row, const btTypedConstraint& joint) {
@@ -78,11 +78,11 @@ bool isPinned(const btSolverConstraint& row) {
 }
 
 // What J v lacks before any impulse, of which -rest is there.
-double deficit(const btSolverConstraint& row, double rest) {
-  return isPrepared(row) ? double(row.m_rhs) * wholeK(row) : double(row.m_rhs) + rest;
+double rhs(const btSolverConstraint& row, double rest) {
+  return isPrepared(row) ? double(row.m_rhs) * bulletK(row) : double(row.m_rhs) + rest;
 }
 
-bool isHindered(const btSolverBody& body) {
+bool hasLockedAxes(const btSolverBody& body) {
   const btVector3 one(1, 1, 1);
   return !body.internalGetInvMass().isZero() &&
          !(body.m_angularFactor == one && body.m_linearFactor == one);
@@ -91,7 +91,8 @@ bool isHindered(const btSolverBody& body) {
 // Whether J M^-1 J^T of a row is next to nothing of what the bodies could have, as across a needle: a limit
 // there that is held exactly turns the needle about itself without bound. Or whether the bodies' factors, of which
 // Bullet's K knows nothing, leave next to nothing of it. (m_jacDiagABInv is that of bodies that bear loads.)
-bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBody>& bodies) {
+bool isIllConditioned(const btSolverConstraint& row,
+                      const btAlignedObjectArray<btSolverBody>& bodies) {
   Scalar K = 0, left = 0, all = 0;
   const auto add = [&](int id, const btVector3& L, const btVector3& A) {
     const btSolverBody& body = bodies[id];
@@ -105,7 +106,7 @@ bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBo
   };
   add(row.m_solverBodyIdA, row.m_contactNormal1, row.m_relpos1CrossNormal);
   add(row.m_solverBodyIdB, row.m_contactNormal2, row.m_relpos2CrossNormal);
-  return !(K > thin * all) || !(left > thin_by_factors * K);
+  return !(K > min_K_ratio * all) || !(left > min_K_ratio_with_factors * K);
 }
 
 // Of the last step's impulse. Bullet's limits have no row in a step that begins within them: one that is held by all
@@ -113,7 +114,7 @@ bool isThin(const btSolverConstraint& row, const btAlignedObjectArray<btSolverBo
 constexpr Scalar stock_warm_start = Scalar(0.995);
 
 // Rows at a bound that this is to be missed by, m or rad, are not to be left there.
-constexpr double missed = 5e-5;
+constexpr double max_bound_error = 5e-5;
 
 // As Topology::at_bound has it.
 Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
@@ -125,10 +126,10 @@ Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
 // Beyond the second it is not stable, and the swing would be fed by what turns the load: half of what
 // a body turns otherwise than its neighbours is taken away in each step, the more the further beyond.
 // Where nothing holds what spins, to be stiffer now and then would feed it.
-constexpr double stiff = 1, stiff_if_free = 2.5, unresolved = 4;
+constexpr double stiff_swing = 1, stiff_swing_if_free = 2.5, unresolved_swing = 4;
 
 // A change of 1 + mu by this factor is worth another solution.
-constexpr double same_stiffness = 1.5;
+constexpr double stiffness_ratio = 1.5;
 
 // J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on. Angular rows, and such
 // along the world's axes, have next to no linear part.
@@ -177,18 +178,18 @@ Joint* AsJoint::operator()(btTypedConstraint* constraint) {
 bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows,
                          bool limits, int iterations) {
   m_gathered.clear();
-  m_unfit.clear();
+  m_iterated_rows.clear();
   m_joints.clear();
   m_all = true;
-  m_loops = m_loaded = m_bounded = m_hindered = false;
-  m_fastest = m_spin2 = 0;
+  m_loops = m_loaded = m_bounded = m_has_locked_axes = false;
+  m_max_correction_speed = m_spin2 = 0;
   if (rows.size() == 0) return false;
   m_bodies.resize(size_t(bodies.size()));
   for (int i = 0; i < bodies.size(); ++i) {
     Body& body = m_bodies[size_t(i)];
     body.load = body.known_load = 0;
     body.moves = !bodies[i].internalGetInvMass().isZero();
-    body.hindered = isHindered(bodies[i]);
+    body.has_locked_axes = hasLockedAxes(bodies[i]);
     body.v = inDouble(bodies[i].m_linearVelocity + bodies[i].m_externalForceImpulse);
     body.w = inDouble(bodies[i].m_angularVelocity + bodies[i].m_externalTorqueImpulse);
     if (!body.moves) continue;
@@ -220,7 +221,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       continue;
     }
     if (!bilateral) ++with_bounds;
-    m_hindered = m_hindered || a.hindered || b.hindered;
+    m_has_locked_axes = m_has_locked_axes || a.has_locked_axes || b.has_locked_axes;
     const bool known = !m_joints.empty() && m_gathered.back().joint == joint;
     const bool full = known && (m_gathered.back().rows == Topology::joint_rows ||
                                 (bilateral && m_gathered.back().bilateral == block_rows));
@@ -228,12 +229,12 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       if (full) return false;
       if (isPinned(row) || isEquality(row, *joint)) return true;
       return (limits || (row.m_lowerLimit < 0 && row.m_upperLimit > 0)) &&
-             row.m_lowerLimit < row.m_upperLimit && !isThin(row, bodies);
+             row.m_lowerLimit < row.m_upperLimit && !isIllConditioned(row, bodies);
     };
     if (!bilateral && !fits()) {
-      if (!leave(bodies, row)) continue;
+      if (!leaveToBullet(bodies, row)) continue;
       m_all = false;
-      m_unfit.push_back({i, index});
+      m_iterated_rows.push_back({i, index});
       continue;
     }
     if (!known || full) {
@@ -250,9 +251,9 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   if (m_joints.empty()) return false;
 
   m_topology = &m_topologies.get(m_joints, m_gathered.front().joint);
-  for (const Unfit& unfit : m_unfit) {
-    warmStart(rows[unfit.row], unfit.index, as_joint);
-    m_loaded = m_loaded || rows[unfit.row].m_appliedImpulse != 0;
+  for (const IteratedRow& iterated : m_iterated_rows) {
+    warmStart(rows[iterated.row], iterated.index, as_joint);
+    m_loaded = m_loaded || rows[iterated.row].m_appliedImpulse != 0;
   }
   const Elimination& elimination = m_topology->elimination;
   const size_t n = m_joints.size();
@@ -288,7 +289,7 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
       Scalar& before = m_topology->at_bound[Topology::joint_rows * c + size_t(i)];
       if (bounded && before == Topology::inside && places-- <= 0) before = 0;
       if (bounded && before != Topology::inside) {
-        if (!leave(bodies, row)) continue;
+        if (!leaveToBullet(bodies, row)) continue;
         m_all = false;
         if (row.m_overrideNumSolverIterations == 0) row.m_overrideNumSolverIterations = iterations;
         row.m_appliedImpulse = btMax(row.m_lowerLimit, btMin(before, row.m_upperLimit));
@@ -307,18 +308,18 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
     setRows(block, rows);
     m_rows[c] = block.rows;
     findPoint(block, rows);
-    recall(block, c);
+    recallPointImpulse(block, c);
   }
   m_u.assign(6 * m_bodies.size(), 0);
   m_x.resize(block_rows * n);
-  m_kept_u.reserve(m_u.size());
-  m_fastest_of.reserve(size_t(m_topology->components));
-  m_kept_rows.reserve(2 * m_x.size());
+  m_saved_u.reserve(m_u.size());
+  m_max_correction_speeds.reserve(size_t(m_topology->components));
+  m_saved_rows.reserve(2 * m_x.size());
   m_first_of.reserve(m_bodies.size());
   m_next_of.reserve(2 * n);
   m_path.reserve(n);
-  m_hastened.reserve(with_bounds);
-  m_unfit.reserve(with_bounds);
+  m_over_relaxed.reserve(with_bounds);
+  m_iterated_rows.reserve(with_bounds);
   m_topology->iterated.reserve(with_bounds);
   return true;
 }
@@ -327,15 +328,16 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
 // many there are, or 0.
 int JointSystem::gatherBilateral(const btConstraintArray& rows, int first, AsJoint& as_joint) {
   const btSolverConstraint& row = rows[first];
-  const int most = std::min(rows.size() - first, block_rows + 1);
+  const int max_count = std::min(rows.size() - first, block_rows + 1);
   int count = 0;
-  while (count < most && rows[first + count].m_originalContactPoint == row.m_originalContactPoint) {
+  while (count < max_count &&
+         rows[first + count].m_originalContactPoint == row.m_originalContactPoint) {
     if (!isBilateral(rows[first + count])) return 0;
     ++count;
   }
   const Body &a = m_bodies[size_t(row.m_solverBodyIdA)], &b = m_bodies[size_t(row.m_solverBodyIdB)];
   if (count > block_rows || !(a.moves || b.moves)) return 0;
-  m_hindered = m_hindered || a.hindered || b.hindered;
+  m_has_locked_axes = m_has_locked_axes || a.has_locked_axes || b.has_locked_axes;
   auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
   m_gathered.push_back({joint, as_joint(joint), count, count, {}, {}, {}});
   for (int i = 0; i < count; ++i) {
@@ -367,15 +369,15 @@ void JointSystem::warmStart(btSolverConstraint& row, int index, AsJoint& as_join
     row.m_appliedImpulse = btMax(row.m_lowerLimit, btMin(known->impulse, row.m_upperLimit));
 }
 
-void JointSystem::rememberIterated(const btConstraintArray& rows) {
+void JointSystem::rememberIteratedImpulses(const btConstraintArray& rows) {
   std::vector<Topology::Iterated>& known = m_topology->iterated;
   known.clear();
   AsJoint as_joint;
-  for (const Unfit& unfit : m_unfit) {
-    const btSolverConstraint& row = rows[unfit.row];
+  for (const IteratedRow& iterated : m_iterated_rows) {
+    const btSolverConstraint& row = rows[iterated.row];
     auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
     if (row.m_appliedImpulse != 0 && as_joint(joint) == nullptr)
-      known.push_back({joint, unfit.index, stock_warm_start * row.m_appliedImpulse,
+      known.push_back({joint, iterated.index, stock_warm_start * row.m_appliedImpulse,
                        row.m_contactNormal1, row.m_relpos1CrossNormal});
   }
   std::sort(known.begin(), known.end());
@@ -411,7 +413,8 @@ void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vector3d& 
 }
 
 // To Bullet's iteration. Returns whether it does anything there: if nobody can move, or it holds NaN, it does not.
-bool JointSystem::leave(const btAlignedObjectArray<btSolverBody>& bodies, btSolverConstraint& row) {
+bool JointSystem::leaveToBullet(const btAlignedObjectArray<btSolverBody>& bodies,
+                                btSolverConstraint& row) {
   if (!isPrepared(row))
     prepareToIterate(row, *static_cast<btTypedConstraint*>(row.m_originalContactPoint),
                      bodies[row.m_solverBodyIdA], bodies[row.m_solverBodyIdB]);
@@ -457,25 +460,27 @@ void JointSystem::setRows(JointBlock& block, btConstraintArray& rows) {
     }
     for (int k = 0; k < 6; ++k) K += column(J[k]).cwiseProduct(column(J[k]));
   }
-  const bool hindered = m_bodies[size_t(id[0])].hindered || m_bodies[size_t(id[1])].hindered;
+  const bool has_locked_axes =
+      m_bodies[size_t(id[0])].has_locked_axes || m_bodies[size_t(id[1])].has_locked_axes;
   column(block.rest) = rest;
   for (int r = 0; r < block.rows; ++r) {
     btSolverConstraint& row = rows[block.row[r]];
-    const double whole = isPrepared(row) ? wholeK(row)
-                         : hindered      ? 1 / double(inverseK(row, *block.joint))
-                                         : K[r];
-    block.deficit[r] = deficit(row, rest[r]);
-    if (!(whole > double(SIMD_EPSILON)) || !BodyPair::is_finite(Scalar(whole + block.deficit[r]))) {
+    const double whole = isPrepared(row)   ? bulletK(row)
+                         : has_locked_axes ? 1 / double(inverseK(row, *block.joint))
+                                           : K[r];
+    block.rhs[r] = rhs(row, rest[r]);
+    if (!(whole > double(SIMD_EPSILON)) || !BodyPair::is_finite(Scalar(whole + block.rhs[r]))) {
       clearRow(block, r);
       continue;
     }
     const bool equality = block.equality[r];
-    const bool corrected = equality || isPushing(row, block.deficit[r] - block.rest[r]);
-    if (!corrected) block.rest[r] = block.deficit[r];
+    const bool corrected = equality || isPushing(row, block.rhs[r] - block.rest[r]);
+    if (!corrected) block.rest[r] = block.rhs[r];
     block.softness[r] = double(row.m_cfm) * whole;
-    block.damping[r] = corrected ? damped_correction * whole : 0;
+    block.damping[r] = corrected ? correction_damping * whole : 0;
     block.holds[r] = equality && !(row.m_cfm > 0);
-    m_fastest = std::max(m_fastest, std::abs(block.deficit[r] - block.rest[r]));
+    m_max_correction_speed =
+        std::max(m_max_correction_speed, std::abs(block.rhs[r] - block.rest[r]));
   }
 }
 
@@ -483,7 +488,7 @@ void JointSystem::setRows(JointBlock& block, btConstraintArray& rows) {
 void JointSystem::clearRow(JointBlock& block, int r) {
   for (auto& J : block.J)
     for (auto& of_coordinate : J) of_coordinate[r] = 0;
-  block.rest[r] = block.deficit[r] = 0;
+  block.rest[r] = block.rhs[r] = 0;
   block.equality[r] = false;
 }
 
@@ -511,9 +516,9 @@ void JointSystem::factorise() {
       }
     }
   }
-  if (!loops() && (m_topology->loops || m_hindered || dependsOnItself())) {
+  if (!loops() && (m_topology->loops || m_has_locked_axes || dependsOnItself())) {
     m_loops = true;
-    addLeastSoftness();
+    addMinNormSoftness();
   }
   if (loops()) {
     m_damped = m_factor;
@@ -525,21 +530,21 @@ void JointSystem::factorise() {
     }
     m_damped_is_factor = false;
   }
-  m_factor.factorise(dependent_row);
+  m_factor.factorise(dependent_pivot);
   m_end_factor.reserve(m_factor);
 }
 
 // As softness of the rows it holds in whatever is solved, and all of that agrees.
-void JointSystem::addLeastSoftness() {
+void JointSystem::addMinNormSoftness() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     JointBlock& block = m_blocks[c];
     double* K = m_factor.block(int(c));
     for (int r = 0; r < block.rows; ++r) {
       double& diagonal = K[r * (column_height(block.rows) + 1)];
-      const double least =
-          least_impulses * std::max(diagonal, block.damping[r] / damped_correction);
-      diagonal += least;
-      block.softness[r] += least;
+      const double softness =
+          min_norm_softness * std::max(diagonal, block.damping[r] / correction_damping);
+      diagonal += softness;
+      block.softness[r] += softness;
     }
   }
 }
@@ -598,8 +603,8 @@ void JointSystem::addLoads(double dt) {
 }
 
 bool JointSystem::isStiff(double swing, size_t body) const {
-  return swing > stiff_if_free ||
-         (swing > stiff && m_topology->grounded[size_t(m_topology->body_component[body])]);
+  return swing > stiff_swing_if_free ||
+         (swing > stiff_swing && m_topology->grounded[size_t(m_topology->body_component[body])]);
 }
 
 // Whether a body bears so much more or less than when its stiffness was looked at that it may be another.
@@ -611,7 +616,7 @@ bool JointSystem::loadsChanged() const {
       continue;
     }
     const double ratio = (1 + body.load) / (1 + body.known_load);
-    if (ratio > same_stiffness || ratio * same_stiffness < 1) return true;
+    if (ratio > stiffness_ratio || ratio * stiffness_ratio < 1) return true;
   }
   return false;
 }
@@ -691,10 +696,10 @@ bool JointSystem::stiffen(Scalar dt) {
     body.known_load = body.load;
     if (isStiff(body.load, i)) {
       next = Stiffening(double(dt) * swing.angular.transpose() * swing.stiffness * swing.angular);
-      if (!isStiff(next.most(), i)) next = Stiffening();
+      if (!isStiff(next.max(), i)) next = Stiffening();
     }
-    const double ratio = (1 + next.most()) / (1 + swing.stiffening.most());
-    changed = changed || ratio > same_stiffness || ratio * same_stiffness < 1;
+    const double ratio = (1 + next.max()) / (1 + swing.stiffening.max());
+    changed = changed || ratio > stiffness_ratio || ratio * stiffness_ratio < 1;
   }
   if (!changed) return false;
   changeInertia();
@@ -703,7 +708,7 @@ bool JointSystem::stiffen(Scalar dt) {
 
 bool JointSystem::hasUnresolved() const {
   return std::any_of(m_swings.begin(), m_swings.end(),
-                     [](const Swing& swing) { return swing.stiffening.most() > unresolved; });
+                     [](const Swing& swing) { return swing.stiffening.max() > unresolved_swing; });
 }
 
 // To the next stiffening of each body.
@@ -732,10 +737,10 @@ void JointSystem::changeInertia() {
   for (size_t i = 0; i < m_swings.size(); ++i) {
     Swing& swing = m_swings[i];
     swing.kick.setZero();
-    if (swing.neighbours == 0 || !(swing.stiffening.most() > unresolved)) continue;
+    if (swing.neighbours == 0 || !(swing.stiffening.max() > unresolved_swing)) continue;
     const Vector3d behind = swing.omega / swing.neighbours - m_bodies[i].w;
     const auto part = [](double mu) {
-      return mu > unresolved ? (mu - unresolved) / (2 * std::sqrt(1 + mu)) : 0;
+      return mu > unresolved_swing ? (mu - unresolved_swing) / (2 * std::sqrt(1 + mu)) : 0;
     };
     swing.kick = swing.stiffening.matrix(part) * (swing.inverse * behind);
   }
@@ -791,14 +796,14 @@ void JointSystem::readBody(int i, const btSolverBody& from, double* u) const {
 void JointSystem::writeBody(int i, btSolverBody& to) const {
   const Body& body = m_bodies[size_t(i)];
   const double* u = &m_u[6 * size_t(i)];
-  double v[6], most = 0;
+  double v[6], largest = 0;
   for (int k = 0; k < 3; ++k) {
     v[k] = body.linear[k] * u[k];
     v[3 + k] = body.angular(k, 0) * u[3] + body.angular(k, 1) * u[4] + body.angular(k, 2) * u[5];
   }
-  for (const double x : v) most = std::max(most, std::abs(x));
+  for (const double x : v) largest = std::max(largest, std::abs(x));
   for (double& x : v)
-    if (std::abs(x) < rounding * most) x = 0;
+    if (std::abs(x) < velocity_rounding * largest) x = 0;
   for (int k = 0; k < 3; ++k) {
     to.m_deltaLinearVelocity[k] = btScalar(v[k]);
     to.m_deltaAngularVelocity[k] = btScalar(v[3 + k]);
@@ -858,7 +863,7 @@ void JointSystem::beginReactions(const btAlignedObjectArray<btSolverBody>& bodie
   for (const int body : m_touched)
     m_unreacted.insert(m_unreacted.end(), &m_u[6 * size_t(body)], &m_u[6 * size_t(body)] + 6);
   m_change.assign(m_u.size(), 0.);
-  hasten(bodies, rows);
+  overRelax(bodies, rows);
 }
 
 void JointSystem::clearLists() {
@@ -912,21 +917,21 @@ double JointSystem::reactingK(const btSolverConstraint& row) {
 // What joints let a row move by is less than Bullet's K says: it would come to its target by small parts. All
 // of a pass's rows are iterated before the joints react to any of them. That converges as long as no row
 // goes further than twice as far as by Bullet's K.
-void JointSystem::hasten(const btAlignedObjectArray<btSolverBody>& bodies,
-                         btConstraintArray& rows) {
-  m_hastened.clear();
-  if (m_all || m_hindered) return;
+void JointSystem::overRelax(const btAlignedObjectArray<btSolverBody>& bodies,
+                            btConstraintArray& rows) {
+  m_over_relaxed.clear();
+  if (m_all || m_has_locked_axes) return;
   m_is_on_path.assign(m_blocks.size(), false);
   clearLists();
   for (const int c : m_first_reacting) listJoint(c);
   for (int i = 0; i < rows.size(); ++i) {
     btSolverConstraint& row = rows[i];
     if (row.m_overrideNumSolverIterations == 0 || !isPrepared(row)) continue;
-    if (isThin(row, bodies)) continue;
-    const double K = wholeK(row), softness = double(row.m_cfm) * K;
+    if (isIllConditioned(row, bodies)) continue;
+    const double K = bulletK(row), softness = double(row.m_cfm) * K;
     const Scalar factor = Scalar((K + softness) / (std::max(reactingK(row), K / 2) + softness));
     if (!(factor > 1)) continue;
-    m_hastened.push_back({i, row.m_jacDiagABInv, row.m_rhs, row.m_cfm});
+    m_over_relaxed.push_back({i, row.m_jacDiagABInv, row.m_rhs, row.m_cfm});
     row.m_jacDiagABInv *= factor;
     row.m_rhs *= factor;
     row.m_cfm *= factor;
@@ -976,7 +981,7 @@ void JointSystem::react(btAlignedObjectArray<btSolverBody>& bodies) {
 
 void JointSystem::endReactions(const btAlignedObjectArray<btSolverBody>& bodies,
                                btConstraintArray& rows) {
-  for (const Hastened& as : m_hastened) {
+  for (const OverRelaxed& as : m_over_relaxed) {
     rows[as.row].m_jacDiagABInv = as.inverse_K;
     rows[as.row].m_rhs = as.rhs;
     rows[as.row].m_cfm = as.cfm;
@@ -989,40 +994,41 @@ void JointSystem::endReactions(const btAlignedObjectArray<btSolverBody>& bodies,
 }
 
 void JointSystem::restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodies) {
-  if (m_hindered || std::none_of(m_swings.begin(), m_swings.end(),
-                                 [](const Swing& swing) { return swing.stiffening.any(); }))
+  if (m_has_locked_axes || std::none_of(m_swings.begin(), m_swings.end(),
+                                        [](const Swing& swing) { return swing.stiffening.any(); }))
     return;
   const std::vector<int>& component = m_topology->body_component;
-  m_wholes.assign(size_t(m_topology->components), Whole());
-  for (size_t i = 0; i < m_wholes.size(); ++i) m_wholes[i].held = m_topology->grounded[i];
-  for (const int body : m_touched) m_wholes[size_t(component[size_t(body)])].held = true;
+  m_rigid_components.assign(size_t(m_topology->components), RigidComponent());
+  for (size_t i = 0; i < m_rigid_components.size(); ++i)
+    m_rigid_components[i].held = m_topology->grounded[i];
+  for (const int body : m_touched) m_rigid_components[size_t(component[size_t(body)])].held = true;
   const auto each = [&](const auto& f) {
     for (size_t i = 0; i < component.size(); ++i) {
-      if (component[i] < 0 || m_wholes[size_t(component[i])].held) continue;
+      if (component[i] < 0 || m_rigid_components[size_t(component[i])].held) continue;
       const btVector3& x = bodies[int(i)].m_worldTransform.getOrigin();
       const double mass = 1 / double(bodies[int(i)].internalGetInvMass()[0]);
-      f(m_wholes[size_t(component[i])], i, inDouble(x), mass);
+      f(m_rigid_components[size_t(component[i])], i, inDouble(x), mass);
     }
   };
-  each([](Whole& whole, size_t, const Vector3d& x, double mass) {
-    whole.mass += mass;
-    whole.centre += mass * x;
+  each([](RigidComponent& rigid, size_t, const Vector3d& x, double mass) {
+    rigid.mass += mass;
+    rigid.centre += mass * x;
   });
-  for (Whole& whole : m_wholes) whole.centre /= whole.mass;
-  each([this](Whole& whole, size_t i, const Vector3d& x, double mass) {
+  for (RigidComponent& rigid : m_rigid_components) rigid.centre /= rigid.mass;
+  each([this](RigidComponent& rigid, size_t i, const Vector3d& x, double mass) {
     const Swing& swing = m_swings[i];
-    const Vector3d r = x - whole.centre;
+    const Vector3d r = x - rigid.centre;
     const Matrix3d inertia = swing.inverse.transpose() * swing.inverse;
-    whole.inertia += inertia + mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+    rigid.inertia += inertia + mass * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
     if (!swing.stiffening.any()) return;
     const Eigen::Map<const Vector3d> u(&m_u[6 * i + 3]);
-    whole.lost +=
+    rigid.lost +=
         m_bodies[i].inverse.transpose() * (u - swing.kick) - inertia * (m_bodies[i].angular * u);
   });
-  each([this](const Whole& whole, size_t i, const Vector3d& x, double) {
-    const Vector3d w = whole.inertia.inverse() * whole.lost;
+  each([this](const RigidComponent& rigid, size_t i, const Vector3d& x, double) {
+    const Vector3d w = rigid.inertia.inverse() * rigid.lost;
     if (!w.allFinite()) return;
-    const Vector3d v = w.cross(x - whole.centre), u = m_bodies[i].inverse * w;
+    const Vector3d v = w.cross(x - rigid.centre), u = m_bodies[i].inverse * w;
     for (int k = 0; k < 3; ++k) {
       m_u[6 * i + size_t(k)] += v[k] / m_bodies[i].linear[k];
       m_u[6 * i + 3 + size_t(k)] += u[k];
@@ -1031,14 +1037,14 @@ void JointSystem::restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodi
 }
 
 // In the world: rows may have turned by the next step.
-void JointSystem::remember() {
+void JointSystem::rememberPointImpulses() {
   m_topology->impulses.resize(3 * m_blocks.size());
   for (size_t c = 0; c < m_blocks.size(); ++c)
     Eigen::Map<Vector3d>(&m_topology->impulses[3 * c]) =
         m_blocks[c].point[0] < 0 ? Vector3d(Vector3d::Zero()) : m_blocks[c].pointImpulse();
 }
 
-void JointSystem::recall(JointBlock& block, size_t c) const {
+void JointSystem::recallPointImpulse(JointBlock& block, size_t c) const {
   if (m_topology->impulses.empty() || block.point[0] < 0) return;
   const Eigen::Map<const Vector3d> p(&m_topology->impulses[3 * c]);
   for (int k = 0; k < 3; ++k)
@@ -1062,7 +1068,7 @@ BlockColumn JointSystem::velocity(const JointBlock& block) const {
 }
 
 BlockColumn JointSystem::residual(const JointBlock& block) const {
-  return column(block.deficit) - column(block.softness).cwiseProduct(column(block.impulse)) -
+  return column(block.rhs) - column(block.softness).cwiseProduct(column(block.impulse)) -
          velocity(block);
 }
 
@@ -1099,27 +1105,27 @@ void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
   // Rest is what all rows of a loop can be brought to, whatever they are.
   apply(m_factor, [this, changed](size_t c) -> BlockColumn {
     const JointBlock& block = m_blocks[c];
-    const auto target = column(loops() ? block.rest : block.deficit);
+    const auto target = column(loops() ? block.rest : block.rhs);
     return changed ? target - velocity(block) : BlockColumn(target);
   });
 }
 
-void JointSystem::settle() {
+void JointSystem::solveLoopTargets() {
   if (!loops()) return;
   applyDamped([this](size_t c) -> BlockColumn {
-    return column(m_blocks[c].deficit) - column(m_blocks[c].rest);
+    return column(m_blocks[c].rhs) - column(m_blocks[c].rest);
   });
 }
 
 // Rows keep of their targets what they have reached: all but their damping.
 template <class Change>
 void JointSystem::applyDamped(const Change& change) {
-  if (!m_damped_is_factor) m_damped.factorise(dependent_row);
+  if (!m_damped_is_factor) m_damped.factorise(dependent_pivot);
   m_damped_is_factor = true;
   apply(m_damped, change);
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     JointBlock& block = m_blocks[c];
-    column(block.deficit) -= column(block.damping).cwiseProduct(column(m_x.data(), int(c)));
+    column(block.rhs) -= column(block.damping).cwiseProduct(column(m_x.data(), int(c)));
   }
 }
 
@@ -1131,7 +1137,7 @@ void JointSystem::solve() {
 void JointSystem::correct(const std::vector<double>& change) {
   const auto add = [&](size_t c) -> BlockColumn {
     const auto more = column(change.data(), int(c));
-    column(m_blocks[c].deficit) += more;
+    column(m_blocks[c].rhs) += more;
     return more;
   };
   if (loops())
@@ -1182,33 +1188,33 @@ void JointSystem::correctAtEnd(const std::vector<double>& change) {
   apply(m_end_factor, [&](size_t c) -> BlockColumn { return column(change.data(), int(c)); });
   // Rows of the start are to keep what that has made of them.
   for (JointBlock& block : m_blocks)
-    column(block.deficit) =
+    column(block.rhs) =
         velocity(block) + column(block.softness).cwiseProduct(column(block.impulse));
 }
 
-void JointSystem::keep() {
-  m_kept_u = m_u;
-  m_kept_rows.clear();
+void JointSystem::saveState() {
+  m_saved_u = m_u;
+  m_saved_rows.clear();
   for (const JointBlock& block : m_blocks) {
-    m_kept_rows.insert(m_kept_rows.end(), block.impulse, block.impulse + block_rows);
-    m_kept_rows.insert(m_kept_rows.end(), block.deficit, block.deficit + block_rows);
+    m_saved_rows.insert(m_saved_rows.end(), block.impulse, block.impulse + block_rows);
+    m_saved_rows.insert(m_saved_rows.end(), block.rhs, block.rhs + block_rows);
   }
 }
 
-void JointSystem::goBack(double part, const std::vector<char>& components) {
-  const auto go = [part](double& now, double kept) {
-    now = part > 0 ? kept + part * (now - kept) : kept;
+void JointSystem::restoreState(double part, const std::vector<char>& components) {
+  const auto go = [part](double& now, double saved) {
+    now = part > 0 ? saved + part * (now - saved) : saved;
   };
   for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
     const int component = m_topology->body_component[i];
     if (component < 0 || !components[size_t(component)]) continue;
-    for (size_t k = 6 * i; k < 6 * i + 6; ++k) go(m_u[k], m_kept_u[k]);
+    for (size_t k = 6 * i; k < 6 * i + 6; ++k) go(m_u[k], m_saved_u[k]);
   }
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     if (!components[size_t(m_topology->component[c])]) continue;
-    const double* kept = &m_kept_rows[2 * block_rows * c];
-    for (double& impulse : m_blocks[c].impulse) go(impulse, *kept++);
-    for (double& deficit : m_blocks[c].deficit) go(deficit, *kept++);
+    const double* saved = &m_saved_rows[2 * block_rows * c];
+    for (double& impulse : m_blocks[c].impulse) go(impulse, *saved++);
+    for (double& rhs : m_blocks[c].rhs) go(rhs, *saved++);
   }
 }
 
@@ -1264,55 +1270,56 @@ void JointSystem::undoCorrections(const btConstraintArray& rows,
     for (int r = 0; r < block.rows; ++r) {
       const btSolverConstraint& row = rows[block.row[r]];
       const bool corrected = block.damping[r] > 0;
-      block.deficit[r] = corrected ? deficit(row, block.rest[r]) : block.rest[r];
+      block.rhs[r] = corrected ? rhs(row, block.rest[r]) : block.rest[r];
     }
   }
 }
 
-void JointSystem::calm(const std::vector<char>& components, const std::vector<double>& speed) {
-  std::vector<double>& fastest = m_fastest_of;
-  fastest.assign(components.size(), 0);
+void JointSystem::limitCorrectionSpeed(const std::vector<char>& components,
+                                       const std::vector<double>& speed) {
+  std::vector<double>& largest = m_max_correction_speeds;
+  largest.assign(components.size(), 0);
   const auto component = [&](size_t c) { return size_t(m_topology->component[c]); };
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const JointBlock& block = m_blocks[c];
-    const BlockColumn correction = column(block.deficit) - column(block.rest);
-    fastest[component(c)] = std::max(fastest[component(c)], correction.cwiseAbs().maxCoeff());
+    const BlockColumn correction = column(block.rhs) - column(block.rest);
+    largest[component(c)] = std::max(largest[component(c)], correction.cwiseAbs().maxCoeff());
   }
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const size_t of = component(c);
-    if (!components[of] || !(fastest[of] > speed[of])) continue;
+    if (!components[of] || !(largest[of] > speed[of])) continue;
     JointBlock& block = m_blocks[c];
-    const BlockColumn correction = column(block.deficit) - column(block.rest);
-    column(block.deficit) = column(block.rest) + speed[of] / fastest[of] * correction;
+    const BlockColumn correction = column(block.rhs) - column(block.rest);
+    column(block.rhs) = column(block.rest) + speed[of] / largest[of] * correction;
   }
   if (m_swings.empty()) return;
   for (Swing& swing : m_swings) swing.next_stiffening = Stiffening();
   changeInertia();
 }
 
-void JointSystem::slow(const btAlignedObjectArray<btSolverBody>& bodies,
-                       const std::vector<double>& parts) {
+void JointSystem::scaleVelocities(const btAlignedObjectArray<btSolverBody>& bodies,
+                                  const std::vector<double>& parts) {
   const std::vector<int>& component = m_topology->body_component;
   const auto velocity = [this](size_t i) {
     const Body& body = m_bodies[i];
     const Eigen::Map<const Vector3d> u(&m_u[6 * i]), linear(body.linear);
     return Vector3d(body.v + linear.cwiseProduct(u));
   };
-  m_wholes.assign(parts.size(), Whole());
+  m_rigid_components.assign(parts.size(), RigidComponent());
   for (size_t i = 0; i < component.size(); ++i) {
     if (component[i] < 0 || m_topology->grounded[size_t(component[i])]) continue;
-    Whole& whole = m_wholes[size_t(component[i])];
+    RigidComponent& rigid = m_rigid_components[size_t(component[i])];
     const double mass = 1 / double(bodies[int(i)].m_originalBody->getInvMass());
-    whole.mass += mass;
-    whole.velocity += mass * velocity(i);
+    rigid.mass += mass;
+    rigid.velocity += mass * velocity(i);
   }
-  for (Whole& whole : m_wholes)
-    if (whole.mass > 0) whole.velocity /= whole.mass;
+  for (RigidComponent& rigid : m_rigid_components)
+    if (rigid.mass > 0) rigid.velocity /= rigid.mass;
   for (size_t i = 0; i < component.size(); ++i) {
     const double less = component[i] < 0 ? 0 : 1 - parts[size_t(component[i])];
     if (less == 0) continue;
     const Body& body = m_bodies[i];
-    const Vector3d v = velocity(i) - m_wholes[size_t(component[i])].velocity;
+    const Vector3d v = velocity(i) - m_rigid_components[size_t(component[i])].velocity;
     const Eigen::Map<const Vector3d> u(&m_u[6 * i + 3]);
     const Vector3d turn = body.inverse * (body.w + body.angular * u);
     for (int k = 0; k < 3; ++k) {
@@ -1322,7 +1329,7 @@ void JointSystem::slow(const btAlignedObjectArray<btSolverBody>& bodies,
   }
 }
 
-void JointSystem::weaken(const std::vector<double>& parts) {
+void JointSystem::scaleImpulses(const std::vector<double>& parts) {
   for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
     const int component = m_topology->body_component[i];
     if (component < 0) continue;
@@ -1337,7 +1344,7 @@ bool JointSystem::finite() const {
   return sum - sum == 0;
 }
 
-bool JointSystem::giveBack(btConstraintArray& rows, bool all) {
+bool JointSystem::releaseSaturated(btConstraintArray& rows, bool all) {
   if (!m_bounded) return false;
   const auto each = [&](const auto& f) {
     for (size_t c = 0; c < m_blocks.size(); ++c) {
@@ -1368,13 +1375,13 @@ bool JointSystem::giveBack(btConstraintArray& rows, bool all) {
   return any;
 }
 
-bool JointSystem::takeBack(const btAlignedObjectArray<btSolverBody>& bodies,
-                           const btConstraintArray& rows, Scalar dt) {
+bool JointSystem::reclaimUnsaturated(const btAlignedObjectArray<btSolverBody>& bodies,
+                                     const btConstraintArray& rows, Scalar dt) {
   if (m_all) return false;
   // What the row lacks, against a bound that lets it push that way.
-  const double much = missed / double(dt);
+  const double much = max_bound_error / double(dt);
   const auto isDrawnOff = [&](const btSolverConstraint& row) {
-    const double lacks = double(row.m_rhs - row.m_cfm * row.m_appliedImpulse) * wholeK(row) -
+    const double lacks = double(row.m_rhs - row.m_cfm * row.m_appliedImpulse) * bulletK(row) -
                          changeOfVelocity(row, bodies);
     return row.m_appliedImpulse > row.m_lowerLimit ? lacks < -much : lacks > much;
   };
@@ -1411,7 +1418,7 @@ void JointSystem::report(btAlignedObjectArray<btSolverBody>& bodies, const btCon
   }
 }
 
-void JointSystem::release(btConstraintArray& rows, int iterations) {
+void JointSystem::releaseAll(btConstraintArray& rows, int iterations) {
   m_topology->impulses.clear();
   m_topology->iterated.clear();
   std::fill(m_topology->at_bound.begin(), m_topology->at_bound.end(), Topology::inside);
@@ -1426,14 +1433,15 @@ void JointSystem::release(btConstraintArray& rows, int iterations) {
 size_t JointSystem::bytes() const {
   return m_topologies.bytes() + m_factor.bytes() + m_damped.bytes() + m_end_factor.bytes() +
          m_blocks.capacity() * sizeof(JointBlock) + m_gathered.capacity() * sizeof(Gathered) +
-         m_unfit.capacity() * sizeof(Unfit) + m_joints.capacity() * sizeof(Topology::Joint) +
-         m_rows.capacity() * sizeof(int) + m_bodies.capacity() * sizeof(Body) +
-         m_swings.capacity() * sizeof(Swing) + m_wholes.capacity() * sizeof(Whole) +
-         (m_u.capacity() + m_x.capacity() + m_kept_u.capacity() + m_kept_rows.capacity() +
+         m_iterated_rows.capacity() * sizeof(IteratedRow) +
+         m_joints.capacity() * sizeof(Topology::Joint) + m_rows.capacity() * sizeof(int) +
+         m_bodies.capacity() * sizeof(Body) + m_swings.capacity() * sizeof(Swing) +
+         m_rigid_components.capacity() * sizeof(RigidComponent) +
+         (m_u.capacity() + m_x.capacity() + m_saved_u.capacity() + m_saved_rows.capacity() +
           m_unreacted.capacity() + m_change.capacity()) *
              sizeof(double) +
          m_is_touched.capacity() + m_reacts.capacity() + m_is_on_path.capacity() +
-         m_hastened.capacity() * sizeof(Hastened) +
+         m_over_relaxed.capacity() * sizeof(OverRelaxed) +
          (m_touched.capacity() + m_reacting.capacity() + m_first_reacting.capacity() +
           m_first_of.capacity() + m_next_of.capacity() + m_path.capacity()) *
              sizeof(int);

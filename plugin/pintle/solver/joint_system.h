@@ -40,7 +40,7 @@ struct JointBlock {
   int index[block_rows];       ///< among the rows of the joint
   int body[2];                 ///< among Bullet's solver bodies; -1: does not move
   double J[2][6][block_rows];  ///< J S of each body, by coordinate: linear, then angular
-  double deficit[block_rows];  ///< what J v lacks before any impulse
+  double rhs[block_rows];      ///< what J v lacks before any impulse
   double rest
       [block_rows];  ///< the part of it that brings the row to rest: -J v; of a motor, all of it
   double softness[block_rows];    ///< Sigma
@@ -95,7 +95,7 @@ class JointSystem {
   void begin(const btAlignedObjectArray<btSolverBody>& bodies);
   /// The rows of a loop meet their targets as far as they can do together. These are their targets from
   /// now on.
-  void settle();
+  void solveLoopTargets();
   /// All rows are brought back to their targets, whatever others did to the bodies.
   void solve();
 
@@ -114,9 +114,9 @@ class JointSystem {
   /// give. What nothing else holds gets it back, turning as a whole.
   void restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodies);
   /// Impulses are those with which the next step begins to tell how stiff the bodies are.
-  void remember();
+  void rememberPointImpulses();
   /// Rows that have been iterated begin with these impulses in the next step.
-  void rememberIterated(const btConstraintArray& rows);
+  void rememberIteratedImpulses(const btConstraintArray& rows);
   /// Changes the velocity along each row of each block, and its target: m/s or rad/s. What rows of a
   /// loop cannot do together is left undone.
   void correct(const std::vector<double>& change);
@@ -132,20 +132,20 @@ class JointSystem {
                 const Vector3d (&angular)[2], ScaledRows& J) const;
 
   /// Keeps velocities, impulses and targets, to come back to.
-  void keep();
+  void saveState();
   /// Goes back, in the components that are marked, from what there is now to what was kept, but for
   /// `part` of the way.
-  void goBack(double part, const std::vector<char>& components);
+  void restoreState(double part, const std::vector<char>& components);
   /// Kinetic energies of a component, J.
   struct Energy {
     double free = 0;  ///< before any impulse of the step
     double now = 0;
-    double added = 0;  ///< what the changes by impulses have alone
-    double unit = 0;   ///< at 1 m/s and 1 rad/s
-    double work = 0;   ///< of the impulses of equalities
-    double given = 0;  ///< of all impulses, from the velocities before the step's forces on
-    bool is_rigid = true;  ///< all rows are those of rigid joints, to frames that stand
-    double spin = 0;       ///< of the body that turns fastest, rad/s, before any impulse
+    double added = 0;        ///< what the changes by impulses have alone
+    double unit = 0;         ///< at 1 m/s and 1 rad/s
+    double work = 0;         ///< of the impulses of equalities
+    double given = 0;        ///< of all impulses, from the velocities before the step's forces on
+    bool is_rigid = true;    ///< all rows are those of rigid joints, to frames that stand
+    double spin = 0;         ///< of the body that turns fastest, rad/s, before any impulse
     double spin_at_end = 0;  ///< the same with all impulses
   };
   void energies(const btAlignedObjectArray<btSolverBody>& bodies, std::vector<Energy>& each) const;
@@ -153,12 +153,13 @@ class JointSystem {
   void undoCorrections(const btConstraintArray& rows, const std::vector<char>& components);
   /// The rows of the marked components are to correct no more than `speed` (m/s and rad/s), and no body is
   /// stiffened. The joints are to be solved anew.
-  void calm(const std::vector<char>& components, const std::vector<double>& speed);
+  void limitCorrectionSpeed(const std::vector<char>& components, const std::vector<double>& speed);
   /// Leaves this part of the velocities of each component, which may be more than all; of one that is held by
   /// nothing, of those about its centre of mass. The joints are to be solved.
-  void slow(const btAlignedObjectArray<btSolverBody>& bodies, const std::vector<double>& parts);
+  void scaleVelocities(const btAlignedObjectArray<btSolverBody>& bodies,
+                       const std::vector<double>& parts);
   /// Leaves this part of what impulses have done to each component.
-  void weaken(const std::vector<double>& parts);
+  void scaleImpulses(const std::vector<double>& parts);
   const Topology& topology() const { return *m_topology; }
   Topology& topology() { return *m_topology; }
 
@@ -172,20 +173,20 @@ class JointSystem {
   bool loaded() const { return m_loaded; }
   /// Gives those rows back to Bullet's iteration that are beyond their bounds now; with `all`, the others that
   /// have any, too. What breaks a joint keeps the impulse of its bound. Returns whether there were such: gather anew.
-  bool giveBack(btConstraintArray& rows, bool all);
+  bool releaseSaturated(btConstraintArray& rows, bool all);
   /// Rows that Bullet has iterated and that are within their bounds, or that what the system has done since
   /// then would draw off them, are the system's when it gathers next. Returns whether there were such.
-  bool takeBack(const btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
-                Scalar dt);
+  bool reclaimUnsaturated(const btAlignedObjectArray<btSolverBody>& bodies,
+                          const btConstraintArray& rows, Scalar dt);
   /// Tells joints that have rows with bounds in the system what became of them.
   void report(btAlignedObjectArray<btSolverBody>& bodies, const btConstraintArray& rows,
               Scalar dt) const;
   /// Leaves the rows to Bullet's iteration, as if they had never been taken.
-  void release(btConstraintArray& rows, int iterations);
+  void releaseAll(btConstraintArray& rows, int iterations);
 
   const std::vector<JointBlock>& blocks() const { return m_blocks; }
   /// The largest velocity that a row is to have at its target, m/s or rad/s.
-  double fastest() const { return m_fastest; }
+  double maxCorrectionSpeed() const { return m_max_correction_speed; }
   /// How many rows say what others say already.
   int dependent() const { return m_factor.dependent(); }
   /// Bytes held, of which an island needs its share.
@@ -198,7 +199,7 @@ class JointSystem {
     Vector3d v, w;              ///< before any impulse, m/s and rad/s
     double load = 0;            ///< more than (omega h)^2 of its swing under the joints' impulses
     double known_load = 0;      ///< with which its stiffening was looked at last
-    bool moves = false, hindered = false;  ///< hindered: by factors, as in two dimensions
+    bool moves = false, has_locked_axes = false;  ///< by factors, as in two dimensions
   };
   /// What a body has besides where one of them bears a load under which it swings fast.
   struct Swing {
@@ -213,13 +214,13 @@ class JointSystem {
   };
 
   /// A row of Bullet's as it was.
-  struct Hastened {
+  struct OverRelaxed {
     int row;
     Scalar inverse_K, rhs, cfm;
   };
 
   /// A component as one rigid body.
-  struct Whole {
+  struct RigidComponent {
     double mass = 0;
     Vector3d centre = Vector3d::Zero();    ///< times the mass, at first
     Matrix3d inertia = Matrix3d::Zero();   ///< about the centre
@@ -232,7 +233,7 @@ class JointSystem {
   void scale(Body& body, const btSolverBody& of) const;
   static void scaleRow(const Body& body, const Vector3d& L, const Vector3d& A, double (&j)[6]);
   bool dependsOnItself();
-  void addLeastSoftness();
+  void addMinNormSoftness();
   bool loops() const { return m_loops; }
   /// What the row lacks now.
   BlockColumn residual(const JointBlock& block) const;
@@ -258,15 +259,15 @@ class JointSystem {
   template <class Function>
   void eachJoint(int body, const Function& f) const;
   double reactingK(const btSolverConstraint& row);
-  void hasten(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
+  void overRelax(const btAlignedObjectArray<btSolverBody>& bodies, btConstraintArray& rows);
   void warmStart(btSolverConstraint& row, int index, AsJoint& as_joint) const;
-  void recall(JointBlock& block, size_t c) const;
+  void recallPointImpulse(JointBlock& block, size_t c) const;
   void readTouched(const btAlignedObjectArray<btSolverBody>& bodies);
   void readBody(int body, const btSolverBody& from, double* u) const;
   void writeBody(int body, btSolverBody& to) const;
   void setRows(JointBlock& block, btConstraintArray& rows);
   static void clearRow(JointBlock& block, int r);
-  bool leave(const btAlignedObjectArray<btSolverBody>& bodies, btSolverConstraint& row);
+  bool leaveToBullet(const btAlignedObjectArray<btSolverBody>& bodies, btSolverConstraint& row);
 
   Topologies m_topologies;
   Topology* m_topology = nullptr;
@@ -277,36 +278,36 @@ class JointSystem {
     int row[Topology::joint_rows], index[Topology::joint_rows], bound[Topology::joint_rows];
   };
   std::vector<Gathered> m_gathered;  ///< as they come
-  struct Unfit {
+  struct IteratedRow {
     int row, index;
   };
-  std::vector<Unfit> m_unfit;        ///< rows with bounds that are none of the system's
-  std::vector<JointBlock> m_blocks;  ///< in the order of elimination
+  std::vector<IteratedRow> m_iterated_rows;  ///< rows with bounds that are none of the system's
+  std::vector<JointBlock> m_blocks;          ///< in the order of elimination
   std::vector<Topology::Joint> m_joints;
   std::vector<int> m_rows;  ///< of each block
   std::vector<Body> m_bodies;
   std::vector<Swing> m_swings;  ///< of each body; empty as long as none is loaded
-  std::vector<Whole> m_wholes;
+  std::vector<RigidComponent> m_rigid_components;
   std::vector<double> m_u;  ///< 6 a body
   std::vector<double> m_x;  ///< block_rows a block
-  std::vector<double> m_kept_u, m_kept_rows;
+  std::vector<double> m_saved_u, m_saved_rows;
   std::vector<char> m_is_touched, m_reacts;  ///< of bodies, and of blocks
   std::vector<int> m_touched, m_reacting;    ///< the same as lists
   std::vector<int> m_first_reacting;         ///< those that hold a touched body
-  std::vector<int> m_first_of;       ///< of each body, 2 * block + side of a listed joint of it
-  std::vector<int> m_next_of;        ///< of each such number, the next of the same body
-  std::vector<char> m_is_on_path;    ///< of each block
-  std::vector<int> m_path;           ///< the same as a list: what a row's reaction takes
-  std::vector<Hastened> m_hastened;  ///< between beginReactions and endReactions
-  std::vector<double> m_unreacted;   ///< 6 a touched body: u without the joints' reactions
-  std::vector<double> m_change;      ///< 6 a body: of u, by Bullet's last iteration
+  std::vector<int> m_first_of;     ///< of each body, 2 * block + side of a listed joint of it
+  std::vector<int> m_next_of;      ///< of each such number, the next of the same body
+  std::vector<char> m_is_on_path;  ///< of each block
+  std::vector<int> m_path;         ///< the same as a list: what a row's reaction takes
+  std::vector<OverRelaxed> m_over_relaxed;  ///< between beginReactions and endReactions
+  std::vector<double> m_unreacted;          ///< 6 a touched body: u without the joints' reactions
+  std::vector<double> m_change;             ///< 6 a body: of u, by Bullet's last iteration
   BlockFactor m_factor;
   BlockFactor m_damped;  ///< of loops: for what need not be consistent; made when it is asked for
   BlockLU m_end_factor;  ///< of the end's rows by the start's; made when it is asked for
-  std::vector<double> m_fastest_of;  ///< of each component
-  double m_fastest = 0, m_spin2 = 0;
-  bool m_loops = false;     ///< whether rows may depend on each other
-  bool m_hindered = false;  ///< whether bodies have factors, as in two dimensions
+  std::vector<double> m_max_correction_speeds;  ///< of each component
+  double m_max_correction_speed = 0, m_spin2 = 0;
+  bool m_loops = false;            ///< whether rows may depend on each other
+  bool m_has_locked_axes = false;  ///< whether bodies have factors, as in two dimensions
   bool m_all = true, m_loaded = false, m_bounded = false, m_damped_is_factor = false;
 };
 

@@ -103,8 +103,8 @@ Topology& Topologies::get(const std::vector<Topology::Joint>& joints, const void
   (*place)->first = first;
   (*place)->impulses.clear();
   (*place)->gained.clear();
-  (*place)->balances.clear();
-  (*place)->balance_left = 0;
+  (*place)->chord_energy.clear();
+  (*place)->compensation_left = 0;
   (*place)->iterated.clear();
   (*place)->at_bound.assign(Topology::joint_rows * joints.size(), Topology::inside);
   (*place)->last_use = m_uses;
@@ -120,7 +120,7 @@ size_t Topologies::bytes() const {
            (known->component.capacity() + known->body_component.capacity()) * sizeof(int) +
            known->grounded.capacity() +
            (known->impulses.capacity() + known->gained.capacity()) * sizeof(double) +
-           known->balances.capacity() * sizeof(Topology::Balance) +
+           known->chord_energy.capacity() * sizeof(Topology::ChordEnergy) +
            known->at_bound.capacity() * sizeof(Scalar) +
            known->iterated.capacity() * sizeof(Topology::Iterated);
   return sum;

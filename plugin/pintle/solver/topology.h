@@ -58,11 +58,11 @@ struct Topology {
   std::vector<double> gained;
   /// Of each component that turns fast, J: what its joints have given it, less what has been taken for that, and what
   /// has been taken, which may be given back.
-  struct Balance {
+  struct ChordEnergy {
     double given = 0, taken = 0;
   };
-  std::vector<Balance> balances;
-  double balance_left = 0;  ///< for which this is still kept, s
+  std::vector<ChordEnergy> chord_energy;
+  double compensation_left = 0;  ///< for which this is still kept, s
   unsigned long long last_use = 0;
 };
 
