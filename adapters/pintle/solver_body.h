@@ -34,14 +34,14 @@ inline Eigen::Vector3d byVelocity(const btSolverBody& body, Scalar dt, const Eig
   const btVector3 w = angularVelocity(body);
   const Eigen::Vector3d asked =
       double(dt) * Eigen::Vector3d(double(w[0]), double(w[1]), double(w[2]));
-  const double length = asked.norm(), most = double(ANGULAR_MOTION_THRESHOLD);
+  const double length = asked.norm(), max_turn = double(ANGULAR_MOTION_THRESHOLD);
   if (!(length > 1e-6)) return A;
-  const double slope = std::tan(most / 2) / most, tangent = slope * length;
-  const double phi = length > most ? 2 * std::atan(tangent) : length;
+  const double slope = std::tan(max_turn / 2) / max_turn, tangent = slope * length;
+  const double phi = length > max_turn ? 2 * std::atan(tangent) : length;
   const Eigen::Vector3d n = asked / length, once = cross(n, A), twice = cross(n, once);
   const Eigen::Vector3d B =
       A - (1 - std::cos(phi)) / phi * once + (1 - std::sin(phi) / phi) * twice;
-  if (!(length > most)) return B;
+  if (!(length > max_turn)) return B;
   const Eigen::Vector3d along = n.dot(B) * n;
   return phi / length * (B - along) + 2 * slope / (1 + tangent * tangent) * along;
 }

@@ -12,7 +12,7 @@ namespace {
 
 // Of x of b off z of a, as a sine: nearer, and the angle's gradient is more than twenty times as
 // long as a unit vector.
-constexpr Scalar least_length = Scalar(0.05);
+constexpr Scalar min_length = Scalar(0.05);
 
 }  // namespace
 
@@ -59,7 +59,7 @@ inline AngularLimit::Directions AngularLimit::directions(const BodyPair& pair) c
 inline void AngularLimit::look(const equations::AngleAbout<Scalar>& to,
                                UnwrappedAngle& angle) const {
   // Near the axis the last angle stands; so it does in a frame that its owner has spoiled.
-  if (to.length > least_length && BodyPair::is_finite(to.x + to.y)) angle.update(to.x, to.y);
+  if (to.length > min_length && BodyPair::is_finite(to.x + to.y)) angle.update(to.x, to.y);
 }
 
 void AngularLimit::updateState(const BodyPair& pair) { look(directions(pair).to, m_angle); }
@@ -129,7 +129,7 @@ inline void AngularLimit::addRows(const BodyPair& pair, const Directions& at,
   if (!m_axis.driven() && !m_axis.limited()) return;
   // Written so that NaN is not above. (A body that is nowhere gets no row, even of its angle.)
   const Scalar sum = at.to.unit.sum() + pair.x_a().sum() + pair.x_b().sum();
-  if (!(at.to.length > least_length && BodyPair::is_finite(sum))) return;
+  if (!(at.to.length > min_length && BodyPair::is_finite(sum))) return;
   Vec3 J_b = at.to.J_b();
   if (getFormulation() == Formulation::document) {
     const equations::Basis<Scalar> basis{at.a_a, cross(at.c_a, at.a_a), at.c_a};

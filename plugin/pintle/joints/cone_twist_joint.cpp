@@ -18,14 +18,14 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Semiaxes (rad) that the ellipse is computed with. A strip is an ellipse as long as that.
-constexpr Scalar least_span = Scalar(1e-4), most_span = Scalar(1e6);
+constexpr Scalar min_span = Scalar(1e-4), max_span = Scalar(1e6);
 // 1 + cos(swing) below which the twist has too few digits, and moves too fast, to be held.
-constexpr Scalar least_twist = Scalar(0.005);
+constexpr Scalar min_twist_length = Scalar(0.005);
 // Nearer to its target (rad) than this, or slower (rad/s), the motor has no direction worth following.
 constexpr Scalar near_target = Scalar(0.1);
 // Farther out of the cone (rad, across its smallest span) the way back is that to its nearest point.
 constexpr Scalar far_out = Scalar(0.05);
-// The least cosine between the normals of an edge that is no tip, where a step's forces lead and where it is nearest.
+// The smallest cosine between the normals of an edge that is no tip, where a step's forces lead and where it is nearest.
 constexpr Scalar same_edge = Scalar(0.95);
 
 bool isCone(const Axis& swing) { return swing.low <= -infinity; }
@@ -77,7 +77,7 @@ struct ConeTwistJoint::At {
 struct ConeTwistJoint::Turning {
   AngularReach reach;
   Scalar driven;
-  Scalar most = reach.most() + driven;
+  Scalar max = reach.max() + driven;
 
   Scalar gained() const { return reach.gained() + driven; }
 };
@@ -202,7 +202,7 @@ void ConeTwistJoint::setTwistLimitSpring(btScalar frequency_hz, btScalar damping
 
 equations::SwingSpans<Scalar> ConeTwistJoint::spans(Scalar softness) const {
   const auto semiaxis = [softness](Scalar side) {
-    return btMax(least_span, btMin(softness * side, most_span));
+    return btMax(min_span, btMin(softness * side, max_span));
   };
   return {semiaxis(m_max_1), semiaxis(-m_min_1), semiaxis(m_max_2), semiaxis(-m_min_2)};
 }
@@ -299,8 +299,8 @@ int ConeTwistJoint::getFlags() const {
 
 // --- motor ---------------------------------------------------------------------------------------
 
-void ConeTwistJoint::setMotorBound(Scalar most, bool normalized) {
-  const Scalar impulse = span("max motor impulse", most);
+void ConeTwistJoint::setMotorBound(Scalar max_impulse, bool normalized) {
+  const Scalar impulse = span("max motor impulse", max_impulse);
   Axis& axis = rotation();
   m_rotation->max_motor_impulse = impulse;
   axis.max_motor_impulse = impulse < 0 ? infinity : btMin(impulse, infinity);
@@ -386,9 +386,9 @@ btQuaternion ConeTwistJoint::limited(const btQuaternion& q, Scalar softness) con
   }
   if (m_swings == Swings::cone) {
     const Scalar angle = swing.norm();
-    const Scalar most =
+    const Scalar radius =
         m_swing.limited() && angle > 0 ? swingRadius(swing.z(), swing.y(), softness) : angle;
-    if (angle > most) swing *= most / angle;
+    if (angle > radius) swing *= radius / angle;
   } else {
     // As a sees it, which has turned by the twist.
     const auto as_a = equations::rotation<Scalar>(x, -twist);
@@ -588,7 +588,7 @@ inline equations::AngularRow<Scalar> ConeTwistJoint::coneRow(
 
 inline void ConeTwistJoint::addConeLimit(const At& at, const Turning& turning, Rows& rows) const {
   // The edge is no nearer than the smallest span is: no more is asked of a swing that is well inside.
-  if (!m_cone_look.isFarInside(at.cosine, turning.most))
+  if (!m_cone_look.isFarInside(at.cosine, turning.max))
     addNearConeLimit(at, turning.gained(), rows);
 }
 
@@ -631,10 +631,10 @@ void ConeTwistJoint::addOneSwingLimit(const At& at, const Turning& turning, Rows
 
 inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, Rows& rows) const {
   const Scalar length = 1 + at.cosine;
-  if (!(length > least_twist)) return;
+  if (!(length > min_twist_length)) return;
   const auto to = at.twist();
   // J_b is no longer than 2 / length.
-  if (!m_twist_look.isFarInside(to.x, -to.y, length, 2 * turning.most))
+  if (!m_twist_look.isFarInside(to.x, -to.y, length, 2 * turning.max))
     addNearTwistLimit(at, turning.gained() * 2 / length, rows);
 }
 

@@ -180,7 +180,7 @@ class ConeTwistJoint : public FrameJoint {
   Axis& rotation();
   void setUp(const btTransform& frame_a, const btTransform& frame_b);
   Scalar span(const char* field, Scalar value) const;
-  void setMotorBound(Scalar most, bool normalized);
+  void setMotorBound(Scalar max_impulse, bool normalized);
   void limitsChanged();
   equations::SwingSpans<Scalar> spans(Scalar softness) const;
   Scalar innerSpan() const;

@@ -117,9 +117,9 @@ btScalar ConstantVelocityJoint::getShaftAngle() const {
 // --- settings ------------------------------------------------------------------------------------
 
 void ConstantVelocityJoint::setBendLimit(btScalar max_bend) {
-  const Scalar most = bound("bend limit", max_bend);
-  m_bend.high = most < SIMD_PI ? most : infinity;
-  m_bend_look = CosineLimit(most);
+  const Scalar limit = bound("bend limit", max_bend);
+  m_bend.high = limit < SIMD_PI ? limit : infinity;
+  m_bend_look = CosineLimit(limit);
 }
 
 void ConstantVelocityJoint::setBendLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -195,7 +195,7 @@ PINTLE_NOINLINE bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pa
                                                               const Frames& at,
                                                               Scalar cosine) const {
   const AngularReach reach(pair, timeStep());
-  if (m_bend_look.isFarInside(cosine, reach.most())) return false;
+  if (m_bend_look.isFarInside(cosine, reach.max())) return false;
   const Vec3 now = at.x_b - at.x_a;
   const Vec3 moved = timeStep() * (cross(pair.w_b(), at.x_b) - cross(pair.w_a(), at.x_a));
   // At twice the speed of now, as the step may be longer than the last.

@@ -53,12 +53,13 @@ inline void DotHinge::addRows(const BodyPair& pair, const Frames& at, const Unwr
 
   // Along the error the rows turn 1/cos(swing) times as fast as they say.
   const Scalar sine = std::sqrt(x.dot(x));
-  const Scalar most =
+  const Scalar speed_per_error =
       sine > 0 ? getMaxCorrectionSpeed() * std::abs(c_a.dot(c_b)) / sine : Scalar(0);
   const Vec3 acceleration = equations::dot_acceleration<Scalar>(c_a, pair.w_a(), pair.w_b());
   for (const Vec3& tangent : {at.b.a(), at.b.b()}) {
     const auto row = equations::dot_hinge_row(c_a, tangent);
-    rows.addAngular(row.J_b, row.C, tangent.dot(acceleration)).max_speed = most * std::abs(row.C);
+    rows.addAngular(row.J_b, row.C, tangent.dot(acceleration)).max_speed =
+        speed_per_error * std::abs(row.C);
   }
   addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
   if (!m_axis.driven() && !m_axis.limited()) return;

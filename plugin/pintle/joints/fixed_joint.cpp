@@ -120,9 +120,10 @@ inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Frame& a,
   const Vec3 phi = turnBetween(a, b);
   const Vec3 curvature = equations::orientation_curvature<Scalar>(pair.w_a(), pair.w_b());
   const Scalar angle = std::sqrt(phi.dot(phi));
-  const Scalar most = angle > 0 ? getMaxCorrectionSpeed() / angle : Scalar(0);
+  const Scalar speed_per_error = angle > 0 ? getMaxCorrectionSpeed() / angle : Scalar(0);
   for (int i = 0; i < 3; ++i)
-    rows.addAngular(Vec3::Unit(i), phi[i], curvature[i]).max_speed = most * std::abs(phi[i]);
+    rows.addAngular(Vec3::Unit(i), phi[i], curvature[i]).max_speed =
+        speed_per_error * std::abs(phi[i]);
 }
 
 void FixedJoint::addDocumentRows(const Frame& a, const Frame& b, Rows& rows) const {
@@ -130,10 +131,11 @@ void FixedJoint::addDocumentRows(const Frame& a, const Frame& b, Rows& rows) con
   const auto p = equations::relative(equations::quaternion(F_a), equations::quaternion(F_b));
   const Scalar sine = std::sqrt(p.v.dot(p.v));
   // Along the error the row turns 2/|w| times as fast as it says.
-  const Scalar most = sine > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * sine) : Scalar(0);
+  const Scalar speed_per_error =
+      sine > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * sine) : Scalar(0);
   for (int i = 0; i < 3; ++i) {
     const auto row = equations::quaternion_row<Scalar>(p, F_a, Vec3::Unit(i));
-    rows.addAngular(row.J_b, row.C).max_speed = most * std::abs(row.C);
+    rows.addAngular(row.J_b, row.C).max_speed = speed_per_error * std::abs(row.C);
   }
 }
 

@@ -50,8 +50,8 @@ class FrameJoint : public Joint {
 
  protected:
   /// The constructor of the joint sets the frames: only there errors know its name.
-  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount most) : Joint(a, b, most) {}
-  FrameJoint(btRigidBody& a, RowCount most) : Joint(a, most) {}
+  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount max_rows) : Joint(a, b, max_rows) {}
+  FrameJoint(btRigidBody& a, RowCount max_rows) : Joint(a, max_rows) {}
 
   /// A right-handed basis of two unit vectors at right angles.
   static btMatrix3x3 basisOf(const btVector3& x, const btVector3& y) {

@@ -35,13 +35,13 @@ btVector3 zeroDirection(const btRigidBody& a, const btVector3& axis) {
 
 }  // namespace
 
-HingeBase::HingeBase(btRigidBody& a, btRigidBody& b, RowCount most, bool useReferenceFrameA)
-    : FrameJoint(a, b, most),
+HingeBase::HingeBase(btRigidBody& a, btRigidBody& b, RowCount max_rows, bool useReferenceFrameA)
+    : FrameJoint(a, b, max_rows),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {}
 
-HingeBase::HingeBase(btRigidBody& a, RowCount most, bool useReferenceFrameA)
-    : FrameJoint(a, most),
+HingeBase::HingeBase(btRigidBody& a, RowCount max_rows, bool useReferenceFrameA)
+    : FrameJoint(a, max_rows),
       m_sign(useReferenceFrameA ? Scalar(1) : Scalar(-1)),
       m_use_reference_frame_a(useReferenceFrameA) {}
 

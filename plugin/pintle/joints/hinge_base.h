@@ -129,8 +129,9 @@ class HingeBase : public FrameJoint {
   void drawJoint(btIDebugDraw& drawer) const override;
 
  protected:
-  HingeBase(btRigidBody& a, btRigidBody& b, RowCount most, bool useReferenceFrameA);
-  HingeBase(btRigidBody& a, RowCount most, bool useReferenceFrameA);  ///< b is Bullet's fixed body
+  HingeBase(btRigidBody& a, btRigidBody& b, RowCount max_rows, bool useReferenceFrameA);
+  HingeBase(btRigidBody& a, RowCount max_rows,
+            bool useReferenceFrameA);  ///< b is Bullet's fixed body
 
   // The rest of a constructor, as Bullet's hinge has it: the joint calls one of these in its own
   // body, where errors know its name.

@@ -104,9 +104,9 @@ void Joint::setAxisMotor(Axis& axis, bool on, Scalar velocity, Scalar max_impuls
 
 void Joint::setAxisForceMotor(Axis& axis, bool on, Scalar velocity, Scalar max_force,
                               const char* force_field) const {
-  const Scalar most = bound(force_field, max_force);
+  const Scalar limit = bound(force_field, max_force);
   setAxisMotor(axis, on, velocity, 0);
-  axis.max_motor_force = most;
+  axis.max_motor_force = limit;
 }
 
 void Joint::setAxisServo(Axis& axis, Scalar target, Scalar frequency_hz, Scalar damping_ratio,

@@ -94,11 +94,11 @@ void QuaternionHinge::addDocumentRows(const BodyPair& pair, const equations::Anc
   if (!BodyPair::is_finite(p.w + p.v.sum())) return;
   const Scalar across = std::hypot(p.v.x(), p.v.y());
   // Along the error the row turns 2/|w| times as fast as it says.
-  const Scalar most =
+  const Scalar speed_per_error =
       across > 0 ? getMaxCorrectionSpeed() * std::abs(p.w) / (2 * across) : Scalar(0);
   for (int i = 0; i < 2; ++i) {
     const auto row = equations::quaternion_hinge_row<Scalar>(p, F, Vec3::Unit(i));
-    rows.addAngular(row.J_b, row.C).max_speed = most * std::abs(row.C);
+    rows.addAngular(row.J_b, row.C).max_speed = speed_per_error * std::abs(row.C);
   }
   if (!m_angular_only) addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
   if (limit) {

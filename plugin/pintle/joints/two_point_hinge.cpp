@@ -102,9 +102,9 @@ inline void TwoPointHinge::addRows(const BodyPair& pair, const Frames& at,
   const Vec3 apart = at.c_b - at.c_a;
   const Scalar tangent2 = apart.dot(apart) * swing.h_scale;
   if (tangent2 > 0) {
-    const Scalar most = getMaxCorrectionSpeed() / std::sqrt(tangent2);
+    const Scalar speed_per_error = getMaxCorrectionSpeed() / std::sqrt(tangent2);
     for (int i = before; i < rows.size(); ++i)
-      rows[i].max_speed = most * std::abs(rows[i].position);
+      rows[i].max_speed = speed_per_error * std::abs(rows[i].position);
   }
   addAxisRow(acting(pair, twist, swing), swing, rows);
 }

@@ -18,11 +18,11 @@ constexpr int sign = -1;
 
 // Less than this of an axis's square is left across the other one: they have come together, and
 // there are no angles.
-constexpr Scalar least_across2 = Scalar(0.01);
+constexpr Scalar min_across2 = Scalar(0.01);
 
 // Axes that are off their right angle by more than 60 degrees go back first: what acts along the
 // angles would be torques that fight about one direction.
-constexpr Scalar most_cosine2 = Scalar(0.75);
+constexpr Scalar max_cosine2 = Scalar(0.75);
 
 // Bullet's, short of where its angles are singular.
 constexpr Scalar limit_margin = Scalar(0.01);
@@ -96,8 +96,8 @@ inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
   const auto to =
       equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b), dots[2]);
   // Not in a frame that its owner has spoiled, either.
-  if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > least_across2)) return;
-  if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > least_across2)) return;
+  if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > min_across2)) return;
+  if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > min_across2)) return;
   // The way back goes half a turn about both axes: counted anew.
   if (angles.turned_over && to.beta_x > 0) {
     angles.turned_over = false;
@@ -172,12 +172,12 @@ btScalar UniversalJoint::getRelativePivotPosition(int axis_index) const {
 
 void UniversalJoint::setDefaults() {
   m_turns_shafts = true;
-  const Scalar most[2] = {SIMD_HALF_PI - limit_margin, SIMD_PI - limit_margin};
+  const Scalar range[2] = {SIMD_HALF_PI - limit_margin, SIMD_PI - limit_margin};
   for (int i = 0; i < 2; ++i) {
     Axis& axis = m_hinges[i].axis;
     axis.own = &m_hinges[i].parameters;
-    axis.low = -most[i];
-    axis.high = most[i];
+    axis.low = -range[i];
+    axis.high = range[i];
     // Bullet's limits: no part of a correction is held back, and none rebounds.
     axis.bias = 1;
     axis.relaxation = 0;
@@ -475,7 +475,7 @@ inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, cons
   }
   addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
 
-  if (cosine * cosine > most_cosine2) return;
+  if (cosine * cosine > max_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
   const AngularReach reach(pair, timeStep());

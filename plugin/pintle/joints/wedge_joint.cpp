@@ -180,7 +180,7 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const 
   if (!BodyPair::is_finite(d.sum() + components[0] + components[1] + components[2])) return;
   const bool acts =
       m_side.driven() ||
-      (limited() && !m_look.isFarInside(components[0], components[1], 1, reach(pair).most()));
+      (limited() && !m_look.isFarInside(components[0], components[1], 1, reach(pair).max()));
   addPivotRows(pair, {a.r(), r_b, d}, rows);
   if (acts) addWedgeRows(pair, {a, c_b}, rows);
 }

@@ -1,6 +1,6 @@
 // Purpose: to see that a limit of an angle is far, from the angle's cosine or direction: without an arc
 // tangent, for a joint that is well inside.
-//   cos(width - most) <= cos(width) + slope most,
+//   cos(width - turn) <= cos(width) + slope turn,
 // slope the largest sine from `width` to 0; all are divided by it.
 #pragma once
 
@@ -23,9 +23,9 @@ class CosineLimit {
     m_edge = too_narrow ? infinity : (std::cos(width) + rounding) / slope;
   }
 
-  /// Whether an angle of this cosine (from the middle) is more than `most` (rad) inside. False says
+  /// Whether an angle of this cosine (from the middle) is more than `turn` (rad) inside. False says
   /// nothing.
-  bool isFarInside(Scalar cosine, Scalar most) const { return m_scale * cosine > m_edge + most; }
+  bool isFarInside(Scalar cosine, Scalar turn) const { return m_scale * cosine > m_edge + turn; }
 
  private:
   friend class DirectionLimit;
@@ -48,9 +48,9 @@ class DirectionLimit {
     m_edge = limit.m_edge;
   }
 
-  /// Whether (x, y), of this length, is more than `most` / length (rad) inside. False says nothing.
-  bool isFarInside(Scalar x, Scalar y, Scalar length, Scalar most) const {
-    return m_x * x + m_y * y > m_edge * length + most;
+  /// Whether (x, y), of this length, is more than `turn` / length (rad) inside. False says nothing.
+  bool isFarInside(Scalar x, Scalar y, Scalar length, Scalar turn) const {
+    return m_x * x + m_y * y > m_edge * length + turn;
   }
 
  private:

@@ -46,14 +46,14 @@ struct Reach {
     return *this;
   }
   /// Either way, at twice the speed of now (reaches).
-  Scalar most() const { return gained + 2 * btFabs(moved); }
+  Scalar max() const { return gained + 2 * btFabs(moved); }
   /// Whether the step may come to a limit of `axis`, or begins beyond it and will not leave it by
   /// itself: towards it at twice the speed of now, as the step may be longer than the last. `slack`: how
   /// far off `coordinate` may be.
   bool reaches(const Axis& axis, Scalar coordinate, Scalar slack = 0) const {
-    const Scalar most = gained + slack;
-    return coordinate - axis.low <= most + btMax(-2 * moved, -moved) ||
-           axis.high - coordinate <= most + btMax(2 * moved, moved);
+    const Scalar margin = gained + slack;
+    return coordinate - axis.low <= margin + btMax(-2 * moved, -moved) ||
+           axis.high - coordinate <= margin + btMax(2 * moved, moved);
   }
 };
 
@@ -62,7 +62,7 @@ class AngularReach {
  public:
   /// `a_may_stop`: another joint, or a contact, may stop a, and b goes on as fast as it turns now.
   AngularReach(const BodyPair& pair, Scalar dt, bool a_may_stop = false)
-      : m_pair(pair), m_dt(dt), m_a_may_stop(a_may_stop), m_most(atMost()) {}
+      : m_pair(pair), m_dt(dt), m_a_may_stop(a_may_stop), m_max(maxTurn()) {}
 
   /// By how much forces, and what stops a, add to the turn, at most.
   Scalar gained() const {
@@ -75,12 +75,12 @@ class AngularReach {
     return {sign * m_dt * h.dot(m_pair.w_b() - m_pair.w_a()), gained()};
   }
   /// No less than the turn about any axis, either way, at twice the speed of now (Reach::reaches).
-  Scalar most() const { return m_most; }
+  Scalar max() const { return m_max; }
 
  private:
   // 2 dt |w| + gained(), by (x + y)^2 <= 2 (x^2 + y^2) for both bodies and
   // (2 x + sqrt(2.5) y)^2 <= 6.5 (x^2 + y^2), and with z for what stops a 7.5 (x^2 + y^2 + z^2).
-  Scalar atMost() const {
+  Scalar maxTurn() const {
     const LanesView w_a = lanes(m_pair.a().getAngularVelocity());
     const Lanes w = lanes(m_pair.b().getAngularVelocity()) - w_a;
     const Lanes gain2 = accelerationBound2(m_pair.a()) + accelerationBound2(m_pair.b());
@@ -93,7 +93,7 @@ class AngularReach {
   const BodyPair& m_pair;
   Scalar m_dt;
   bool m_a_may_stop;
-  Scalar m_most;
+  Scalar m_max;
 };
 
 /// Of a distance (m) along a unit vector, between points at these levers of the bodies: `speed` is J v of
@@ -109,8 +109,8 @@ inline Reach linearReach(const BodyPair& pair, const Vec3& lever_a, const Vec3& 
                     T_a * T_a * I_a + T_b * T_b * I_b;
   const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * lever_a.dot(lever_a) +
                    I_b * lever_b.dot(lever_b);
-  const Scalar most = btSqrt(K * (aMa[0] + aMa[1] + aMa[2])) + btFabs(curvature);
-  return {dt * speed, dt * dt * most};
+  const Scalar max_acceleration = btSqrt(K * (aMa[0] + aMa[1] + aMa[2])) + btFabs(curvature);
+  return {dt * speed, dt * dt * max_acceleration};
 }
 
 /// Whether anything acts along a coordinate in this step.
@@ -132,7 +132,7 @@ Acting actingAngle(const Axis& axis, const UnwrappedAngle& angle, const Vec3& h,
   if (limited && !driven) {
     const Scalar distance = axis.distance(sign * angle.roughValue());
     broken = distance < -UnwrappedAngle::rough_error;
-    if (!broken && distance > makeReach().most() + UnwrappedAngle::rough_error) return acting;
+    if (!broken && distance > makeReach().max() + UnwrappedAngle::rough_error) return acting;
   }
   acting.position = sign * angle.value();
   acting.limit =

@@ -15,10 +15,10 @@ inline std::array<Vec3, 2> addSwingRows(const BodyPair& pair, const equations::S
                                         unsigned char firmness = 0) {
   const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p), w_a = pair.w_a(), w_b = pair.w_b();
   const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
-  const Scalar most = swing.angle > 0 ? max_correction_speed / swing.angle : Scalar(0);
+  const Scalar speed_per_error = swing.angle > 0 ? max_correction_speed / swing.angle : Scalar(0);
   const auto add = [&](const Vec3& u, Scalar second_derivative) {
     Row& row = rows.addAngular(u, u.dot(swing.sigma), second_derivative);
-    row.max_speed = most * std::abs(row.position);
+    row.max_speed = speed_per_error * std::abs(row.position);
     row.firmness = firmness;
   };
   add(p, curvature[0]);

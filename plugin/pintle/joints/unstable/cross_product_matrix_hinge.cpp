@@ -30,11 +30,12 @@ void CrossProductMatrixHinge::addRows(const BodyPair& pair, Rows& rows) const {
   if (!BodyPair::is_finite(d.sum() + x.sum())) return;
   // Along the error the rows turn 1/cos(swing) times as fast as they say.
   const Scalar sine = std::sqrt(x.dot(x));
-  const Scalar most =
+  const Scalar speed_per_error =
       sine > 0 ? getMaxCorrectionSpeed() * std::abs(c_a.dot(c_b)) / sine : Scalar(0);
   for (int i = 0; i < 3; ++i) {
     const auto row = equations::cross_product_matrix_row<Scalar>(Vec3::Unit(i), c_a, c_b);
-    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).max_speed = most * std::abs(row.C);
+    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).max_speed =
+        speed_per_error * std::abs(row.C);
   }
   addPivotRows(pair, {a.r(), b.r(), d}, rows);
 }
