@@ -642,7 +642,7 @@ Measurement measure(const scenes::DriveShaftSettings& settings) {
   const scenes::DriveShaftResult r = scenes::drive_shaft<Joint>(settings);
   constexpr bool constant = std::is_same_v<Joint, pintle::ConstantVelocityJoint>;
   const double error = or_infinite(r.finite, constant ? r.velocity_error : r.universal_error);
-  return {{r.least, r.most, r.ripple, degrees(error)}, error, r.microseconds_per_step};
+  return {{r.min, r.max, r.ripple, degrees(error)}, error, r.microseconds_per_step};
 }
 
 void run_drive_shaft(Csv& csv) {

@@ -48,8 +48,8 @@ class Observer {
       const scenes::Joint& joint = scene_.joints[i];
       const State &a = now[joint.a], &b = now[joint.b];
       const JointErrors left = joint_errors(joint, a, b);
-      gap = worse(gap, left.gap);
-      axis = worse(axis, left.axis);
+      gap = larger(gap, left.gap);
+      axis = larger(axis, left.axis);
       if (scene_.has(Error::overshoot)) grow(Error::overshoot, overshoots_[i](a, b));
     }
     at(Error::gap) += gap / steps_;
@@ -87,8 +87,8 @@ class Observer {
  private:
   double& at(Error error) { return errors_[size_t(error)]; }
   // Unlike std::max, keeps a NaN.
-  static double worse(double a, double b) { return a >= b ? a : b; }
-  void grow(Error error, double value) { at(error) = worse(at(error), value); }
+  static double larger(double a, double b) { return a >= b ? a : b; }
+  void grow(Error error, double value) { at(error) = larger(at(error), value); }
 
   const Scene& scene_;
   int steps_;

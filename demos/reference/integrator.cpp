@@ -131,8 +131,8 @@ class System {
           start[i].v + h * (force.segment<3>(6 * Eigen::Index(i)) - Vector3d(0, 0, gravity_of(i)));
       v.segment<3>(6 * Eigen::Index(i) + 3) = i == 0 ? start[i].w : after_gyroscopic(i, h);
     }
-    constexpr int most_iterations = 200;
-    for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    constexpr int max_iterations = 200;
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
       for (size_t i = 1; i < start.size(); ++i) {
         Coordinates& body = bodies_[i];
         body.v = v.segment<3>(6 * Eigen::Index(i));

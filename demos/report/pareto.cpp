@@ -52,7 +52,7 @@ namespace {
 Ratio ratio_over(double low, double high, const std::function<double(double)>& ratio) {
   constexpr int samples = 200;
   Ratio result;
-  result.least = HUGE_VAL;
+  result.min = HUGE_VAL;
   double sum = 0;
   int finite = 0;
   for (int i = 0; i < samples; ++i) {
@@ -60,8 +60,8 @@ Ratio ratio_over(double low, double high, const std::function<double(double)>& r
     if (!std::isfinite(value)) continue;
     ++finite;
     sum += std::log(value);
-    result.least = std::min(result.least, value);
-    result.most = std::max(result.most, value);
+    result.min = std::min(result.min, value);
+    result.max = std::max(result.max, value);
   }
   result.share = double(finite) / samples;
   result.mean = finite > 0 ? std::exp(sum / finite) : HUGE_VAL;

@@ -19,9 +19,9 @@ double error_at(const std::vector<Point>& front, double time);
 double time_at(const std::vector<Point>& front, double error);
 
 struct Ratio {
-  double mean = 0;             // geometric, over the range that both fronts share
-  double least = 0, most = 0;  // in it
-  double share = 0;            // the part of the range where ours has a value at all
+  double mean = 0;          // geometric, over the range that both fronts share
+  double min = 0, max = 0;  // in it
+  double share = 0;         // the part of the range where ours has a value at all
 };
 
 // Ours over stock's, of errors above 0. At equal run time: over the times from where both have begun

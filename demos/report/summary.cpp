@@ -82,8 +82,8 @@ class Report {
 std::string verdict(const Ratio& ratio) {
   // Times differ by a few percent from run to run, and the errors with them.
   constexpr double same = 1.05;
-  if (ratio.most <= same && ratio.least >= 1 / same) return "even";
-  if (ratio.most <= same) return "wins";
+  if (ratio.max <= same && ratio.min >= 1 / same) return "even";
+  if (ratio.max <= same) return "wins";
   if (ratio.mean < 1 / same) return "wins in the mean";
   return ratio.mean <= same ? "even in the mean" : "**loses**";
 }
@@ -94,17 +94,17 @@ std::string share(const Ratio& ratio) {
 
 // Of scenes and precisions, by the first error of each.
 struct Score {
-  int scenes = 0, at_most_stock = 0, in_the_mean = 0, tenth = 0;
+  int scenes = 0, never_above_stock = 0, in_the_mean = 0, tenth = 0;
   void count(const Ratio& errors) {
     ++scenes;
-    at_most_stock += errors.most <= 1.05;
+    never_above_stock += errors.max <= 1.05;
     in_the_mean += errors.mean <= 1.05;
     tenth += errors.mean <= 0.1;
   }
 };
 
 std::string range(const Ratio& errors) {
-  return number(errors.mean) + " (" + number(errors.least) + " to " + number(errors.most) + ")";
+  return number(errors.mean) + " (" + number(errors.min) + " to " + number(errors.max) + ")";
 }
 
 std::string emphasized(bool first, Error error) {
@@ -138,7 +138,7 @@ Score compare(std::ostream& out, const Report& report, const std::vector<Scene>&
 }
 
 void print(std::ostream& out, const std::string& who, const Score& score) {
-  out << "- " << who << ": nowhere above stock's at equal run time " << score.at_most_stock
+  out << "- " << who << ": nowhere above stock's at equal run time " << score.never_above_stock
       << ", not above it in the mean " << score.in_the_mean
       << ", at most a tenth of it in the mean " << score.tenth << '\n';
 }
@@ -165,15 +165,15 @@ StepErrors errors_of_steps(const Report& report, const std::vector<Scene>& all) 
 }
 
 // Over all iterations, in double precision.
-double least_error(const Report& report, const Scene& scene, Error error, const std::string& who,
-                   int hz) {
-  double least = HUGE_VAL;
+double min_error(const Report& report, const Scene& scene, Error error, const std::string& who,
+                 int hz) {
+  double min = HUGE_VAL;
   for (const Row& row : report.rows()) {
     if (row.scene == scene.name && row.contender == who && row.hz == hz &&
         row.precision == "double")
-      least = std::min(least, row.errors[size_t(error)]);
+      min = std::min(min, row.errors[size_t(error)]);
   }
-  return least;
+  return min;
 }
 
 // Where the least error of Pintle's joints, on either solver, is that of Bullet's steps, at every length
@@ -187,7 +187,7 @@ bool is_of_the_steps(const Report& report, const StepErrors& steps, const Scene&
                        [&](const auto& hz_and_errors) {
                          constexpr double same = 1.1;
                          const auto& [hz, errors] = hz_and_errors;
-                         const double ours = least_error(report, scene, error, who, hz);
+                         const double ours = min_error(report, scene, error, who, hz);
                          const double of_steps = errors[size_t(error)];
                          return of_steps > 0 && ours < same * of_steps && of_steps < same * ours;
                        });
@@ -213,7 +213,7 @@ void write_steps(std::ostream& out, const Report& report, const StepErrors& step
         out << "| " << scene.name << " | " << name(error) << " | " << hz << " | "
             << number(errors[size_t(error)]) << " |";
         for (const char* who : compared)
-          out << ' ' << number(least_error(report, scene, error, who, hz)) << " |";
+          out << ' ' << number(min_error(report, scene, error, who, hz)) << " |";
         out << '\n';
       }
     }
@@ -341,10 +341,10 @@ void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
   }
 }
 
-double least(const std::vector<Point>& points) {
-  double least = HUGE_VAL;
-  for (const Point& point : points) least = std::min(least, point.error);
-  return least;
+double minError(const std::vector<Point>& points) {
+  double min = HUGE_VAL;
+  for (const Point& point : points) min = std::min(min, point.error);
+  return min;
 }
 
 bool is_rounding(const std::vector<Point>& points, const std::string& precision) {
@@ -364,7 +364,7 @@ void write_data(const std::string& folder, const Report& report, const Scene& sc
         const auto points = report.points(precision, scene, error, who);
         // Reduced coordinates leave no gap at all: nothing to draw, if that is far below the others.
         if (is_rounding(points, precision) &&
-            least(report.points(precision, scene, error, "stock")) >
+            minError(report.points(precision, scene, error, "stock")) >
                 far_above * rounding(precision))
           continue;
         for (const Point& point : points) {

@@ -70,13 +70,13 @@ class Crowd {
   World& world() { return world_; }
 
   double gap() const {
-    double most = 0;
+    double largest = 0;
     for (const Pivot& p : pivots_) {
       const double gap = (point_in_world(*p.a, p.in_a) - point_in_world(*p.b, p.in_b)).norm();
       if (!std::isfinite(gap)) return HUGE_VAL;
-      most = std::max(most, gap);
+      largest = std::max(largest, gap);
     }
-    return most;
+    return largest;
   }
   double penetration() {
     double deepest = 0;

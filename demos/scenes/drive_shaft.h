@@ -11,7 +11,7 @@
 // plane there. A constant velocity joint has out = th.
 //
 // Measured, each in the mean over a step, by the poses:
-//   least, most       speed of the second shaft over that of the first
+//   min, max          speed of the second shaft over that of the first
 //   ripple            half of their difference
 //   universal error   the largest difference between the second shaft's angle and out(th), rad
 //   velocity error    the same of th
@@ -46,7 +46,7 @@ struct DriveShaftSettings {
 };
 
 struct DriveShaftResult {
-  double least = HUGE_VAL, most = -HUGE_VAL;
+  double min = HUGE_VAL, max = -HUGE_VAL;
   double ripple = 0;
   double universal_error = 0, velocity_error = 0;  // rad
   double max_gap = 0;                              // m
@@ -116,8 +116,8 @@ DriveShaftResult drive_shaft(const DriveShaftSettings& settings) {
     if (!result.finite) break;
     if (step < warm_up) continue;
     const double ratio = (out - out_before) / (th - th_before);
-    result.least = std::min(result.least, ratio);
-    result.most = std::max(result.most, ratio);
+    result.min = std::min(result.min, ratio);
+    result.max = std::max(result.max, ratio);
     const double universal = std::atan2(std::cos(b) * std::sin(th), std::cos(th));
     result.universal_error =
         std::max(result.universal_error, std::abs(std::remainder(out - universal, 2 * pi)));
@@ -127,7 +127,7 @@ DriveShaftResult drive_shaft(const DriveShaftSettings& settings) {
     result.max_gap = std::max(result.max_gap,
                               (point_in_world(first, end) - point_in_world(second, -end)).norm());
   }
-  result.ripple = (result.most - result.least) / 2;
+  result.ripple = (result.max - result.min) / 2;
   result.microseconds_per_step = world.microseconds_per_step();
   return result;
 }

@@ -160,13 +160,13 @@ class Playground {
  private:
   template <class Of>
   double largest(const Of& of) const {
-    double most = 0;
+    double max_value = 0;
     for (const btRigidBody* body : bodies_) {
       const double value = of(*body);
       if (!std::isfinite(value)) return HUGE_VAL;
-      most = std::max(most, value);
+      max_value = std::max(max_value, value);
     }
-    return most;
+    return max_value;
   }
   struct Anchors {
     const btRigidBody *a, *b;

@@ -94,13 +94,13 @@ TangleResult tangle(const CrowdSettings& settings, unsigned seed) {
     btRigidBody* parent = i > 0 ? bodies[size_t(dice.between(0, i))] : nullptr;
     if (i > 0 && dice.falls(0.5)) parent = bodies.back();
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
-    double most_room = -1;
+    double max_room = -1;
     for (int trial = 0; parent != nullptr && trial < 8; ++trial) {
       const Eigen::Vector3d p = position(*parent) + 0.8 * dice.direction();
       double room = HUGE_VAL;
       for (const btRigidBody* other : bodies) room = std::min(room, (position(*other) - p).norm());
-      if (room > most_room) at = p;
-      most_room = std::max(most_room, room);
+      if (room > max_room) at = p;
+      max_room = std::max(max_room, room);
     }
     const double mass = std::pow(10, dice.between(-decades / 2, decades / 2));
     const btVector3 half(btScalar(dice.between(0.1, 0.3)), btScalar(dice.between(0.1, 0.3)),

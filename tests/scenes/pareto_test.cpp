@@ -41,8 +41,8 @@ TEST(Pareto, RatiosOfATenthOfTheErrorAtTwiceTheTime) {
   EXPECT_EQ(errors.share, 1);
   const report::Ratio times = time_ratio(report::pareto(ours), report::pareto(stock));
   // Where stock is worse than ours ever is, ours needs its shortest time: 2.
-  EXPECT_GT(times.most, 1.9);
-  EXPECT_NEAR(times.least, 0.2, 0.01);
+  EXPECT_GT(times.max, 1.9);
+  EXPECT_NEAR(times.min, 0.2, 0.01);
 }
 
 TEST(Pareto, ErrorsThatAreNeverReachedAreNoPartOfTheShare) {

@@ -116,7 +116,7 @@ TEST(ConstantVelocity, RippleIsBelowATenThousandthAtEveryBend) {
           // Asked for: 1e-4. What is left is rounding of the poses that it is measured by, or what
           // the turn before leaves of the onset of the load.
           EXPECT_LT(ours.ripple, is_double ? 1e-5 : 2e-5);
-          EXPECT_NEAR(ours.most, 1, is_double ? 1e-6 : 2e-5);
+          EXPECT_NEAR(ours.max, 1, is_double ? 1e-6 : 2e-5);
           // A load winds the shafts up by what ten iterations leave of it: a constant angle.
           EXPECT_LT(ours.velocity_error, load > 0 ? 1e-3 : 1e-4);
           EXPECT_LT(ours.max_gap, 1e-5);

@@ -750,8 +750,8 @@ TEST(Universal, SpeedOverATurnIsTheClosedForm) {
     EXPECT_LT(ours.universal_error, 8e-4);
     EXPECT_LT(ours.universal_error, 0.5 * stock.universal_error);
     const double b = settings.bend;
-    EXPECT_NEAR(ours.least, std::cos(b), 2e-3);
-    EXPECT_NEAR(ours.most, 1 / std::cos(b), 1e-2);
+    EXPECT_NEAR(ours.min, std::cos(b), 2e-3);
+    EXPECT_NEAR(ours.max, 1 / std::cos(b), 1e-2);
     EXPECT_LT(ours.max_gap, 1e-5);
   }
 }
