@@ -52,16 +52,8 @@ T constant_velocity_curvature(const Vector3<T>& J_b, const Vector3<T>& w_a, cons
   return -J_b.dot(cross(w_a, w_b));
 }
 
-/// The same of the document's.
-template <class T>
-T constant_velocity_dot_curvature(const CrossAxes<T>& a, const Vector3<T>& w_a,
-                                  const CrossAxes<T>& b, const Vector3<T>& w_b) {
-  return dot_curvature(a.y, w_a, b.z, w_b) - dot_curvature(a.z, w_a, b.y, w_b);
-}
-
-/// The angle of the shaft: a joint cannot see its bodies turn but by where the bend is. While both
-/// turn at W along their own shaft and the bend stays where it is in the world, this angle grows at
-/// W. `length` is the sine of the bend: a motor of the shaft has its torque from the bend, and none
+/// The angle of the shaft: the direction of the bend, as body a sees it. While both bodies turn at W
+/// along their own shaft and the bend stands still in the world, this angle grows at W. `length` is the sine of the bend: a motor of the shaft has its torque from the bend, and none
 /// without.
 template <class T>
 AngleAbout<T> shaft_angle(const Vector3<T>& x_a, const Vector3<T>& y_a, const Vector3<T>& x_b) {

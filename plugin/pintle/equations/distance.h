@@ -39,20 +39,13 @@ LinearRow<T> distance_row(const Distance<T>& to, T l, const Vector3<T>& r_a,
 }
 
 /// The part of d^2/dt^2 of |d| that points gain as they pass each other at the relative velocity v:
-/// good for a step in which they pass by less than |d|.
+/// good for a step in which they pass by less than |d|. The other part is that of the centripetal
+/// acceleration, n . position_curvature.
 template <class T>
 T passing_curvature(const Distance<T>& to, const Vector3<T>& v) {
   if (!(to.length > T(0))) return T(0);
   const Vector3<T> across = cross(to.n, v);
   return across.dot(across) / to.length;
-}
-
-/// d^2/dt^2 of |d| at constant v, w: the centripetal part along n, and that of passing.
-template <class T>
-T distance_curvature(const Distance<T>& to, const Vector3<T>& r_a, const Vector3<T>& r_b,
-                     const Velocity<T>& v) {
-  return to.n.dot(position_curvature(v.w_a, r_a, v.w_b, r_b)) +
-         passing_curvature(to, relative_velocity(v, r_a, r_b));
 }
 
 }  // namespace pintle::equations

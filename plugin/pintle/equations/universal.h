@@ -50,16 +50,10 @@ T universal_curvature(const Vector3<T>& z, const Vector3<T>& y, const Vector3<T>
   return dot_curvature(z, w_a, y, w_b);
 }
 
-/// alpha, the turn about z. Bullet's getAngle1() is -alpha.
-template <class T>
-AngleAbout<T> universal_alpha(const Vector3<T>& x_a, const Vector3<T>& z, const Vector3<T>& x_b) {
-  return angle_about(z, x_a, x_b);
-}
-
 /// The angles of the two hinges by the spider between them, which both bodies see turn about one
 /// axis: alpha as the direction of y about z, and beta as that of z about y. They are alpha and
-/// beta wherever the joint holds, at any beta and beyond, where the forms with x_b have a
-/// singularity at pi/2; there J_b is z of alpha, and y of beta.
+/// beta wherever the joint holds, at any beta: forms with x_b have a singularity at pi/2. J_b is z of
+/// alpha, and y of beta. Bullet's getAngle1() and getAngle2() are -alpha and -beta.
 template <class T>
 struct SpiderAngles {
   T alpha_x, alpha_y;  ///< alpha = atan2(alpha_y, alpha_x)
@@ -69,14 +63,6 @@ struct SpiderAngles {
 template <class T>
 SpiderAngles<T> spider_angles(T x_a_dot_y_b, T y_a_dot_y_b, T z_a_dot_x_b, T z_a_dot_z_b) {
   return {y_a_dot_y_b, -x_a_dot_y_b, z_a_dot_z_b, -z_a_dot_x_b};
-}
-
-/// beta (rad, in [-pi/2, pi/2]), the turn about y, with J_b: a unit row that is its gradient.
-/// Bullet's getAngle2() is -beta.
-template <class T>
-AngularRow<T> universal_beta(const Vector3<T>& z, const Vector3<T>& x_b) {
-  const AngularRow<T> row = universal_row(z, x_b);
-  return {-row.J_b, -row.C};
 }
 
 }  // namespace pintle::equations

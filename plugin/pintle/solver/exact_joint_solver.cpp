@@ -125,7 +125,6 @@ void ExactJointSolver::setPositionIterations(int iterations) {
   m_position_iterations = iterations;
 }
 
-int ExactJointSolver::getDependentRows() const { return m_island->joints.dependent(); }
 size_t ExactJointSolver::getMemory() const { return m_island->joints.bytes(); }
 
 // As Bullet's own, but that rows are not made for its iteration: most are none of it.

@@ -58,8 +58,6 @@ class ExactJointSolver : public btSequentialImpulseConstraintSolver {
   /// made, in the last island that had joints and any such rows: how far limits, motors, contacts and
   /// friction are from being met all at once.
   btScalar getComplementarityResidual() const { return m_complementarity_residual; }
-  /// Joint rows of the last island with joints that said again what others say, and had no impulse.
-  int getDependentRows() const;
   /// What the solver holds on to from step to step, bytes.
   size_t getMemory() const;
 

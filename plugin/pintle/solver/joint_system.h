@@ -187,8 +187,6 @@ class JointSystem {
   const std::vector<JointBlock>& blocks() const { return m_blocks; }
   /// The largest velocity that a row is to have at its target, m/s or rad/s.
   double maxCorrectionSpeed() const { return m_max_correction_speed; }
-  /// How many rows say what others say already.
-  int dependent() const { return m_factor.dependent(); }
   /// Bytes held, of which an island needs its share.
   size_t bytes() const;
 
