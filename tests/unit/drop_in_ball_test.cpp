@@ -86,15 +86,8 @@ Answers setAndAsk(bool to_world) {
   now();
   out.add("ERP", ball.getParam(BT_CONSTRAINT_ERP));
   out.add("CFM", ball.getParam(BT_CONSTRAINT_CFM));
-  base.setUserConstraintType(12);
-  base.setUserConstraintId(34);
-  base.setDbgDrawSize(scalar(0.7));
-  base.setOverrideNumSolverIterations(25);
-  base.setBreakingImpulseThreshold(1000);
-  base.setEnabled(false);
-  base.enableFeedback(true);
   btJointFeedback feedback;
-  base.setJointFeedback(&feedback);
+  support::setBaseSettings(base, feedback);
   now();
   return out;
 }

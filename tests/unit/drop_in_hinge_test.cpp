@@ -383,15 +383,8 @@ Answers setAndAsk(bool use_reference_frame_a) {
   now();
   base.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.02));
   now();
-  base.setUserConstraintType(12);
-  base.setUserConstraintId(34);
-  base.setDbgDrawSize(scalar(0.7));
-  base.setOverrideNumSolverIterations(25);
-  base.setBreakingImpulseThreshold(1000);
-  base.setEnabled(false);
-  base.enableFeedback(true);
   btJointFeedback feedback;
-  base.setJointFeedback(&feedback);
+  support::setBaseSettings(base, feedback);
   now();
   base.setUserConstraintPtr(&feedback);
   out.add("user pointer", base.getUserConstraintPtr() == &feedback);

@@ -354,7 +354,7 @@ TEST(DocumentLimit, HoldsOverAnyNumberOfTurnsAndIsOvershotByLessThanAStepsMotion
 // --- as a spring ---------------------------------------------------------------------------------
 
 // Frequency (Hz), damping ratio, partner, step rate (Hz).
-class LimitSpring : public testing::TestWithParam<std::tuple<double, double, Partner, double>> {};
+class LimitSpring : public testing::TestWithParam<physics::SpringCase> {};
 
 // One step of implicit Euler for x'' = push - w^2 x - 2 z w x', which the spring may only add to if
 // it pushes out of the limit, and which acts from beyond it only.
@@ -402,18 +402,7 @@ TEST_P(LimitSpring, IsTheImplicitEulerStepOfASpringAboutTheTrueInertia) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Springs, LimitSpring,
-                         testing::Combine(testing::Values(0.1, 1, 5, 20, 60, 240),
-                                          testing::Values(0, 0.1, 0.7, 1, 3, 10),
-                                          testing::Values(Partner::fixed_b, Partner::fixed_a,
-                                                          Partner::free),
-                                          testing::Values(60., 240.)),
-                         [](const auto& tested) {
-                           return angle_name(std::get<0>(tested.param)) + "HzDamped" +
-                                  angle_name(std::get<1>(tested.param)) +
-                                  to_string(std::get<2>(tested.param)) + "StepRate" +
-                                  angle_name(std::get<3>(tested.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(Springs, LimitSpring, physics::springCases(), physics::springName);
 
 // --- the count -----------------------------------------------------------------------------------
 

@@ -7,7 +7,6 @@
 
 namespace motor_test {
 
-using physics::angle_name;
 using physics::HingeRig;
 using physics::Partner;
 using physics::pi;
@@ -192,7 +191,7 @@ TEST_P(Motor, ServoStopsWhereFrictionHoldsIt) {
   }
 }
 
-class Servo : public testing::TestWithParam<std::tuple<double, double, Partner, double>> {};
+class Servo : public testing::TestWithParam<physics::SpringCase> {};
 
 TEST_P(Servo, StepResponseIsThatOfImplicitEuler) {
   const auto [frequency_, damping_ratio, partner, rate] = GetParam();
@@ -214,18 +213,7 @@ TEST_P(Servo, StepResponseIsThatOfImplicitEuler) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Springs, Servo,
-                         testing::Combine(testing::Values(0.1, 1, 5, 20, 60, 240),
-                                          testing::Values(0, 0.1, 0.7, 1, 3, 10),
-                                          testing::Values(Partner::fixed_b, Partner::fixed_a,
-                                                          Partner::free),
-                                          testing::Values(60., 240.)),
-                         [](const auto& tested) {
-                           return angle_name(std::get<0>(tested.param)) + "HzDamped" +
-                                  angle_name(std::get<1>(tested.param)) +
-                                  to_string(std::get<2>(tested.param)) + "StepRate" +
-                                  angle_name(std::get<3>(tested.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(Springs, Servo, physics::springCases(), physics::springName);
 
 TEST_P(Motor, ServoOfUnboundedTorqueIsThatOfALargeOne) {
   for (const btScalar unbounded : {SIMD_INFINITY, std::numeric_limits<btScalar>::infinity()}) {

@@ -10,6 +10,7 @@
 #include <limits>
 #include <ostream>
 #include <string>
+#include <tuple>
 
 namespace physics {
 
@@ -62,6 +63,19 @@ inline std::string angle_name(double degrees_) {
     if (c == '.') c = 'p';
   }
   return text;
+}
+
+/// A spring: frequency (Hz), damping ratio, what it connects, steps a second.
+using SpringCase = std::tuple<double, double, Partner, double>;
+inline auto springCases() {
+  return testing::Combine(testing::Values(0.1, 1, 5, 20, 60, 240),
+                          testing::Values(0, 0.1, 0.7, 1, 3, 10),
+                          testing::Values(Partner::fixed_b, Partner::fixed_a, Partner::free),
+                          testing::Values(60., 240.));
+}
+inline std::string springName(const testing::TestParamInfo<SpringCase>& tested) {
+  return angle_name(std::get<0>(tested.param)) + "HzDamped" + angle_name(std::get<1>(tested.param)) +
+         to_string(std::get<2>(tested.param)) + "StepRate" + angle_name(std::get<3>(tested.param));
 }
 
 /// How far a body has turned about z, turns included: exact, for Bullet turns one body by less than

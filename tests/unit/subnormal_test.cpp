@@ -1,5 +1,5 @@
-// A processor is a hundred times as slow with numbers near the least that there are, and a solver that
-// converges comes near them wherever something is exactly 0: a door that turns in one plane.
+// A processor is a hundred times as slow with denormal numbers. A solver that converges meets them wherever something
+// is exactly 0: a door that turns in one plane.
 #include <gtest/gtest.h>
 #include <pintle/joints/quaternion_hinge.h>
 

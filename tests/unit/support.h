@@ -74,14 +74,14 @@ class Random {
   std::mt19937 m_engine;
 };
 
-/// A body that is in no world.
-/// For a joint whose start is apart, and whose ERP is looked at step by step: no speed bounds how it closes.
+/// Lets a joint that starts apart close by its ERP alone, with no bound on the speed.
 template <class Joint>
 void closeByErpAlone(Joint& joint) {
   if constexpr (std::is_base_of_v<pintle::Joint, Joint>)
     joint.setMaxLinearCorrectionSpeed(scalar(1e9));
 }
 
+/// A body that is in no world.
 inline std::unique_ptr<btRigidBody> body(double mass, const btVector3& inertia,
                                          const btTransform& pose) {
   auto result = std::make_unique<btRigidBody>(scalar(mass), nullptr, nullptr,
@@ -201,13 +201,25 @@ class SolverRows {
   btScalar m_damping = 1;
 };
 
+/// The settings of every joint's base class, none at its default.
+inline void setBaseSettings(btTypedConstraint& joint, btJointFeedback& feedback) {
+  joint.setUserConstraintType(12);
+  joint.setUserConstraintId(34);
+  joint.setDbgDrawSize(scalar(0.7));
+  joint.setOverrideNumSolverIterations(25);
+  joint.setBreakingImpulseThreshold(1000);
+  joint.setEnabled(false);
+  joint.enableFeedback(true);
+  joint.setJointFeedback(&feedback);
+}
+
 /// The step in which a joint breaks under a load on the free body that grows by 1 N (N m) a step, up to
-/// `most`; -1: not within 120.
+/// `max_load`; -1: not within 120.
 template <class Rig>
 int stepOfBreaking(Rig& rig, const btTypedConstraint& joint, const btVector3& force,
-                   const btVector3& torque, double most = 1000) {
+                   const btVector3& torque, double max_load = 1000) {
   for (int i = 1; i <= 120; ++i) {
-    const btScalar size = scalar(std::min(double(i), most));
+    const btScalar size = scalar(std::min(double(i), max_load));
     rig.free().applyCentralForce(force * size);
     rig.free().applyTorque(torque * size);
     rig.step();
