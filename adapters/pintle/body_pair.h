@@ -22,7 +22,7 @@ inline MatrixView view(const btMatrix3x3& m) {
 /// The fourth lane is what Bullet pads with: anything.
 inline LanesView lanes(const btVector3& v) { return LanesView(static_cast<const btScalar*>(v)); }
 
-/// The velocity of a body at the end of a step if its forces were all that acted.
+/// The velocity of a body at the end of a step in which only its forces act.
 inline Vec3 freeLinear(const btRigidBody& body, Scalar dt) {
   return view(body.getLinearVelocity()) +
          dt * body.getInvMass() *
@@ -59,13 +59,13 @@ class BodyPair {
 
   const btRigidBody& a() const { return m_a; }
   const btRigidBody& b() const { return m_b; }
-  /// Whether the poses are those of the bodies, to which their velocities belong.
+  /// Whether the poses are the bodies' own, to which their velocities belong.
   bool inPlace() const { return &m_pose_a == &m_a.getCenterOfMassTransform(); }
   const btTransform& pose_a() const { return m_pose_a; }
   const btTransform& pose_b() const { return m_pose_b; }
 
-  /// False if a velocity, a force or a mass of either body holds NaN or infinity. (A pose that does
-  /// shows in everything that is made of it.)
+  /// False if a velocity, a force or a mass of either body holds NaN or infinity. (Poses need no check: NaN in one
+  /// shows in every row.)
   bool finite() const {
     // A sum is finite only if its terms are, and costs less than looking at each.
     const Lanes sum = lanes(m_a.getLinearVelocity()) + lanes(m_b.getLinearVelocity()) +

@@ -1,5 +1,5 @@
-// Purpose: a joint frame in the world. It is kept component by component, as it comes from the
-// product of two matrices, so that products of two frames' axes are had by threes.
+// Purpose: a joint frame in the world. It is stored by component, as the product of two matrices yields it, so that
+// three products of two frames' axes are one operation.
 #pragma once
 
 #include <pintle/body_pair.h>

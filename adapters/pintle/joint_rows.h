@@ -1,4 +1,4 @@
-// Purpose: the rows of any joint, asked for as Bullet's solver asks, and what it makes of one that it iterates.
+// Purpose: the rows of any joint, called as Bullet's solver calls it, and prepared as Bullet's iteration needs them.
 #pragma once
 
 #include <pintle/precision.h>
@@ -18,8 +18,8 @@ struct StepOfRows {
   int iterations;
 };
 
-/// Fills `rows`, of which there is room for as many as the joint has. m_rhs is the velocity that a row is to have
-/// by its position (m/s, rad/s). Returns the part of its velocity now that it takes away.
+/// Fills `rows`, which has room for all of the joint's. m_rhs becomes the velocity (m/s, rad/s) that a row asks for by
+/// its position. Returns the joint's damping: the part of the present velocity that its rows take away.
 inline Scalar askRows(btTypedConstraint& joint, const StepOfRows& step, btSolverConstraint* rows,
                       int count) {
   std::memset(static_cast<void*>(rows), 0, size_t(count) * sizeof(btSolverConstraint));
@@ -55,8 +55,8 @@ inline Scalar velocity(const btSolverConstraint& row, const btSolverBody& a,
          row.m_relpos2CrossNormal.dot(b.m_angularVelocity + b.m_externalTorqueImpulse);
 }
 
-/// Makes m_rhs what J v of the solver's bodies is to become. If the joint says so, Bullet takes away only a part of
-/// the velocity; and it counts that of static bodies, for which its solver has one body that stands.
+/// Makes m_rhs the target of J v of the solver's bodies. A joint's damping leaves a part of the velocity. And Bullet
+/// counts the velocity of static bodies, for which its solver has a single body at rest.
 inline void completeTargets(btSolverConstraint* rows, int count, const btTypedConstraint& joint,
                             Scalar damping, const btSolverBody& a, const btSolverBody& b) {
   const auto standsIn = [](const btSolverBody& of, const btRigidBody& body) {
@@ -80,7 +80,7 @@ inline void completeTargets(btSolverConstraint* rows, int count, const btTypedCo
   }
 }
 
-/// 1 / (J M^-1 J^T), which knows nothing of the bodies' factors, as Bullet has it; 0: nobody can move.
+/// 1 / (J M^-1 J^T) as Bullet has it, without the bodies' factors; 0: nobody can move.
 inline Scalar inverseK(const btSolverConstraint& row, const btTypedConstraint& joint) {
   const auto part = [](const btRigidBody& body, const btVector3& L, const btVector3& A) {
     return body.getInvMass() * L.length2() + A.dot(body.getInvInertiaTensorWorld() * A);
@@ -90,7 +90,7 @@ inline Scalar inverseK(const btSolverConstraint& row, const btTypedConstraint& j
   return K > SIMD_EPSILON ? 1 / K : Scalar(0);
 }
 
-/// What Bullet's iteration needs of a row; m_rhs becomes the impulse that would bring it to its target alone.
+/// Prepares a row for Bullet's iteration. m_rhs becomes the impulse that alone brings the row to its target.
 inline void prepareToIterate(btSolverConstraint& row, const btTypedConstraint& joint,
                              const btSolverBody& a, const btSolverBody& b) {
   const auto turned = [](const btRigidBody& body, const btVector3& A) {

@@ -10,8 +10,7 @@
 #define PINTLE_PRECISION f32
 #endif
 
-// A function into which all that it calls is inlined: on the way of every joint in every step; and one that
-// is not, off that way.
+// FLATTEN inlines all calls of a function: for what every joint does in every step. NOINLINE keeps rare work out of it.
 #if defined(__GNUC__)
 #define PINTLE_FLATTEN __attribute__((flatten))
 #define PINTLE_NOINLINE __attribute__((noinline))

@@ -1,4 +1,4 @@
-// Purpose: to ask for memory before it is needed, where a step goes through thousands of objects that each lie elsewhere.
+// Purpose: prefetch memory where a step goes through thousands of scattered objects.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ inline void prefetch(const void* line) {
 #endif
 }
 
-/// The first so many bytes of an object.
+/// The first `bytes` of an object.
 inline void prefetch(const void* object, std::size_t bytes) {
   constexpr std::size_t line = 64;
   for (std::size_t i = 0; i < bytes; i += line) prefetch(static_cast<const char*>(object) + i);

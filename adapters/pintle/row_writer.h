@@ -30,8 +30,8 @@ class RowWriter {
   /// The world's default; Bullet hands it over in the first row only.
   Scalar cfm() const { return m_cfm; }
 
-  /// Writes every field of the next row; the vectors' fourth lanes mean nothing. `target` and the bounds are the document's (body b positive), cfm is Bullet's: a
-  /// fraction of the row's own K.
+  /// Writes every field of the next row. The vectors' fourth lanes mean nothing. `target` and the bounds are the
+  /// document's (body b positive); cfm is Bullet's, a fraction of the row's own K.
   void write(const Lanes& L, const Lanes& A_a, const Lanes& A_b, Scalar target, Scalar cfm,
              Scalar lower, Scalar upper) {
     put(m_J1linear + m_at, L);
@@ -46,13 +46,13 @@ class RowWriter {
   }
 
  private:
-  // Three numbers: what follows them in Bullet's row is not ours.
+  // Three numbers only: the fourth in Bullet's row is another field.
   static void put(Scalar* to, const Lanes& v) {
     std::memcpy(to, v.data(), 2 * sizeof(Scalar));
     to[2] = v[2];
   }
 
-  // Copies: a pointer in Bullet's structure would be read again after each number written.
+  // Copies, as pointers in Bullet's structure would be read again after each number written.
   Scalar *m_J1linear, *m_J1angular, *m_J2linear, *m_J2angular;
   Scalar *m_error, *m_cfms, *m_lower, *m_upper;
   std::ptrdiff_t m_skip, m_at = 0;

@@ -1,4 +1,4 @@
-// Purpose: where Bullet's solver has a body in the midst of a step: its velocity, and the pose to which that leads.
+// Purpose: a body of Bullet's solver in the midst of a step: its velocity, and the pose to which that leads.
 #pragma once
 
 #include <pintle/vectors.h>
@@ -17,19 +17,18 @@ inline btVector3 angularVelocity(const btSolverBody& body) {
   return body.m_angularVelocity + body.m_externalTorqueImpulse + body.m_deltaAngularVelocity;
 }
 
-/// Where a step of length dt leads from `start`, as Bullet integrates it: to the last digit, for a limit that bears
-/// a heavy load shows what is beside that.
+/// The pose after a step of length dt from `start`, integrated by Bullet itself: a limit under a heavy load shows a
+/// difference in the last digit.
 inline void endOfStep(const btTransform& start, const btSolverBody& body, Scalar dt,
                       btTransform& end) {
   btTransformUtil::integrateTransform(start, linearVelocity(body), angularVelocity(body), dt, end);
 }
 
-/// Of an angular row A of the pose at that end (a small turn t of the body there changes it by A.t) the row of the
-/// velocity in the step: a change dw of that changes it by dt times this.dw. Turned by phi, the end turns by the
-/// left Jacobian of phi times the change of phi, of which the row is the transpose:
+/// The chain rule from a row of the pose at the end of the step to a row of the velocity. A small turn t of the end
+/// changes C by A.t; a change dw of the velocity changes it by dt times the result.dw. The end turns by the left
+/// Jacobian of phi times the change of phi, phi the rotation vector of the step. So A is multiplied by its transpose:
 ///   1 - (1 - cos phi) / phi [n]x + (1 - sin phi / phi) [n]x [n]x,  n the axis
-/// Up to Bullet's ANGULAR_MOTION_THRESHOLD phi is w dt. What is asked for beyond that makes the tangent of half
-/// of phi longer.
+/// Up to Bullet's ANGULAR_MOTION_THRESHOLD phi is w dt. Beyond it tan(phi/2) is proportional to w.
 inline Eigen::Vector3d byVelocity(const btSolverBody& body, Scalar dt, const Eigen::Vector3d& A) {
   const btVector3 w = angularVelocity(body);
   const Eigen::Vector3d asked =

@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 using Vec3 = Vector3<Scalar>;
 using Mat3 = Matrix3<Scalar>;
 
-/// A vector and a spare lane, for the sake of the vector unit.
+/// A vector and a spare lane, so that it fills a SIMD register.
 using Lanes = Eigen::Array<Scalar, 4, 1>;
 using LanesView = Eigen::Map<const Lanes, Eigen::Unaligned>;
 

@@ -14,7 +14,7 @@
 
 namespace pintle::equations {
 
-/// Both coordinates of the direction are there for an angle that counts its turns.
+/// Both coordinates of the direction: an angle that counts its turns needs them.
 template <class T>
 struct AngleAbout {
   T x, y;           ///< the angle is atan2(y, x)

@@ -1,7 +1,7 @@
 // Purpose: the inverse effective mass of rows (document, section 2.2), for the general Jacobian
 //   J = [-L, -A_a, L, A_b]
-// of a constraint between two bodies. L is one vector, not two: no joint feels a translation of both
-// bodies together.
+// of a constraint between two bodies. L is one vector, not two: a translation of both bodies together
+// moves no joint.
 #pragma once
 
 #include <pintle/notation.h>

@@ -14,13 +14,13 @@ T impulse(T K, T Jv, T b) {
   return (Jv + b) / -K;                                                                   // (2.4)
 }
 
-/// The same as the force that acts for the whole step: lambda of most other works.
+/// The same as a force over the whole step, which most other works call lambda.
 template <class T>
 T force(T K, T Jv, T b, T dt) {
   return impulse(K, Jv, b) / dt;                                                          // (B.5)
 }
 
-/// Velocity bias that takes away the fraction beta of the error c in one step.
+/// Velocity bias that corrects the fraction beta of the error c in one step.
 template <class T>
 T baumgarte(T c, T beta, T dt) {
   return c / dt * beta;                                                                   // (2.7)
@@ -34,7 +34,7 @@ struct Softness {
   T beta;
 };
 
-/// From stiffness k and damping d. The document does not say gamma and beta; these follow from
+/// From stiffness k and damping d. The document does not give gamma and beta; these follow from
 /// lambda / dt = -k (c + dt J v) - d J v. k = d = 0 is no spring, and has no softness.
 template <class T>
 Softness<T> softness(T k, T d, T dt) {

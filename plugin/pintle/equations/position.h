@@ -41,7 +41,7 @@ Jacobian<T> position_row_world(const Vector3<T>& r_a, const Vector3<T>& r_b) {
   return {Vector3<T>::Unit(i), cross_unit<i>(r_a), cross_unit<i>(r_b)};
 }
 
-/// The same with u fixed in body a: C = u.d then also feels w_a x u, which moves the lever of body a
+/// The same with u fixed in body a: w_a x u is then a part of dC/dt, which moves the lever of body a
 /// to p_b. Both bodies are held at one point, and angular momentum is conserved at any violation.
 template <class T>
 Jacobian<T> position_row_conserving(const Vector3<T>& u, const Vector3<T>& r_a,

@@ -11,7 +11,7 @@
 namespace pintle::equations {
 
 /// The document's row about the axis u of the joint frame, normal to the hinge's: two of the lock's
-/// three rows, with p to settle which angle is zero. The printed J is transposed. It vanishes along
+/// three rows, where p decides which angle is zero. The printed J is transposed. It vanishes along
 /// the error as the error nears pi: J has singular values 1/2 and cos(swing/2)/2, and at pi the row
 /// is stuck.
 template <class T>

@@ -1,4 +1,4 @@
-// Purpose: the blocks that K is made of, a joint's rows by another's, and what factors do with them.
+// Purpose: the blocks of K, one joint's rows by another's, and what the factors do with them.
 #pragma once
 
 #include <pintle/vectors.h>
@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 
 /// A block has up to this many rows and columns.
 constexpr int block_rows = 6;
-/// A column of so many rows takes the place of this many numbers: what is beyond the rows is zero.
+/// The storage height of a column of `rows` rows. Numbers beyond the rows are zero.
 constexpr int column_height(int rows) { return rows <= 4 ? 4 : block_rows; }
 template <int height>
 using Column = Eigen::Matrix<double, height, 1>;
@@ -25,13 +25,13 @@ Eigen::Map<const Column<height>> column(const double* block, int i = 0) {
 }
 using BlockColumn = Column<block_rows>;
 
-/// Calls f with the height of columns of so many rows as a constant.
+/// Calls f with column_height(rows) as a constant.
 template <class Function>
 auto withHeight(int rows, const Function& f) {
   return column_height(rows) == 4 ? f(std::integral_constant<int, 4>())
                                   : f(std::integral_constant<int, block_rows>());
 }
-/// Calls f with the number of rows as a constant, which the compiler then unrolls loops by.
+/// Calls f with the number of rows as a constant, so that the compiler unrolls its loops.
 template <class Function>
 inline void withConstant(int rows, const Function& f) {
   switch (rows) {
@@ -45,7 +45,7 @@ inline void withConstant(int rows, const Function& f) {
   }
 }
 
-/// to -= A B^T, of so many rows of A and columns of both, and `width` rows of B, whose columns are of `height_of_B`.
+/// to -= A B^T. A has `height` rows, B `width` rows in columns of `height_of_B`; both have `columns` columns.
 template <int height, int columns>
 inline void subtractProduct(double* to, const double* A, const double* B, int width,
                             int height_of_B) {

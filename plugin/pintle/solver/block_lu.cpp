@@ -6,7 +6,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// What is left of a block after less than this part of it is rounding.
+// A pivot below this part of its block's largest is rounding.
 constexpr double dependent_part = 1e-12;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Purpose: L U of a matrix of the same blocks as K that is not symmetric: J_end M^-1 J^T, by which impulses along the
-// rows of a step's start change what the rows of its end say.
+// Purpose: the factor L U of an unsymmetric matrix with the pattern of K: J_end M^-1 J^T, the effect of impulses along
+// the rows of the start on the rows of the end of the step.
 #pragma once
 
 #include <pintle/solver/block_factor.h>
@@ -9,18 +9,18 @@ inline namespace PINTLE_PRECISION {
 
 class BlockLU {
  public:
-  /// Room for a matrix with these blocks. Allocates if it has not been as large.
+  /// Memory for a matrix of this pattern. Allocates only to grow.
   void reserve(const BlockFactor& pattern);
-  /// All of it zero. Columns are eliminated in the order of the pattern's, which is to stand.
+  /// Sets all blocks to zero. Keep the pattern as long as this.
   void begin(const BlockFactor& pattern);
 
-  /// Of the blocks on the diagonal and below, in columns of the rows' height; and of those above it, transposed: as
-  /// those below that they are opposite to.
+  /// lower: the blocks on the diagonal and below, in columns of column_height. upper: the transposed blocks above it,
+  /// by the number of the block below that they mirror.
   double* lower(int block) { return m_lower.data() + m_pattern->place(block); }
   double* upper(int block) { return m_upper.data() + m_pattern->place(block); }
 
   void factorise();
-  /// x = A^-1 x, as BlockFactor's. What the rows of a block say twice gets no impulse for it.
+  /// x = A^-1 x, as in BlockFactor. Dependent rows of a block get no impulse.
   void eliminate(int column, double* x) const;
   void substitute(int column, double* x) const;
 

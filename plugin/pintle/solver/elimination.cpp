@@ -40,7 +40,7 @@ void Elimination::analyse(int nodes, const std::vector<Edge>& edges) {
     by_degree.erase(by_degree.begin());
     m_column[size_t(node)] = int(m_node.size());
     m_node.push_back(node);
-    // Those that it couples are coupled among themselves from now on.
+    // Its neighbours become a clique.
     const Nodes& clique = adjacent[size_t(node)];
     for (const int other : clique) {
       Nodes& list = adjacent[size_t(other)];
@@ -91,7 +91,7 @@ void Elimination::close(std::vector<char>& marked, std::vector<int>& list) const
   }
 }
 
-// The first row below a column's diagonal holds all of its others.
+// The parent of a column is the first row below its diagonal.
 void Elimination::climb(int column, std::vector<char>& marked, std::vector<int>& list) const {
   while (!marked[size_t(column)]) {
     marked[size_t(column)] = true;

@@ -1,5 +1,5 @@
-// Purpose: in which order to eliminate the joints of an island, and which of their blocks the factor
-// of K = J M^-1 J^T then has. It depends on the topology alone, and stands as long as that does.
+// Purpose: the order in which the joints of an island are eliminated, and the pattern of the factor of
+// K = J M^-1 J^T in that order. Both depend on the topology alone, and last as long as it does.
 #pragma once
 
 #include <pintle/precision.h>
@@ -10,11 +10,10 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Symbolic factorisation of a symmetric matrix of blocks. Nodes are eliminated by least degree, of
-/// equals the one whose degree has stood longest: trees from all their ends, without fill-in, and loops
-/// with little; what a node's solution depends on stays short. Columns and rows are counted in the order
-/// of elimination. Blocks are numbered: the diagonal ones as their column, then those
-/// below the diagonal, column by column.
+/// Symbolic factorisation of a symmetric matrix of blocks, by minimum degree. Ties go to the node whose degree has
+/// stood longest: trees are then eliminated from all their ends at once, so that paths in the elimination tree stay
+/// short. Trees have no fill-in, loops little. Columns and rows are counted in the order of elimination. Blocks are
+/// numbered: the diagonal ones as their column, then those below the diagonal, column by column.
 class Elimination {
  public:
   using Edge = std::pair<int, int>;  ///< two different nodes that share a body
@@ -31,13 +30,12 @@ class Elimination {
   int row(int block) const { return m_row[size_t(block - columns())]; }
   /// The block in which two columns meet; it exists if they share an edge.
   int block(int row, int column) const;
-  /// Marks with each marked column the rows of its blocks, and lists what is marked, in order.
+  /// Marks also the rows of each marked column's blocks, and lists all marked columns in order.
   void close(std::vector<char>& marked, std::vector<int>& columns) const;
-  /// Marks a column and all that it is eliminated into, one after the other, and appends to the list what was not
-  /// marked before.
+  /// Marks a column and its ancestors in the elimination tree, and appends to the list those not marked before.
   void climb(int column, std::vector<char>& marked, std::vector<int>& columns) const;
-  /// What the elimination of a column changes: for each pair of its blocks, the first one's row not
-  /// after the second's, the block in their rows. In the order of first, then second.
+  /// The blocks that the elimination of a column changes: for each pair of its blocks, the first no lower than the
+  /// second, the block where their rows meet. In the order of first, then second.
   const int* targets(int column) const { return &m_target[m_first_target[size_t(column)]]; }
 
   size_t bytes() const;

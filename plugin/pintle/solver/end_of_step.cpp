@@ -15,19 +15,18 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// What the last step left of an error is taken away in whole, and so is what is no faster to correct
-// than this, m/s or rad/s: it is of the size of what a step of motion makes. A joint that starts
-// further off is brought together as ERP and its largest speed of correction say.
+// An error that this speed (m/s, rad/s) closes in one step is corrected whole: a step of motion makes errors of that
+// size. A joint that starts further off closes by its ERP and its largest correction speed.
 constexpr double free_correction_speed = 1;
 
-// A limit that sends its coordinate further inside than this, m or rad, makes it rebound: by a velocity, wherever
-// that leads.
+// A limit that sends its coordinate further inside than this, m or rad, rebounds. A rebound is a velocity, with no
+// position to hold.
 constexpr Scalar min_rebound = Scalar(1e-6);
 
-// Joints and bodies lie elsewhere each. Of thousands none is in the cache any more: so many blocks before it is their
-// turn joints are asked for, which tell where their bodies are, and these.
+// Joints and bodies are scattered in memory, and of thousands none is still in the cache. Joints are prefetched this
+// number of blocks ahead, then the bodies to which they point.
 constexpr size_t prefetch_joints = 12, prefetch_bodies = 6;
-constexpr size_t prefetch_joint_bytes = 384, prefetch_row_bytes = 384;  // of most
+constexpr size_t prefetch_joint_bytes = 384, prefetch_row_bytes = 384;  // enough for most joints
 
 constexpr int max_stock_rows = 16;  // of a stock joint
 
@@ -104,7 +103,7 @@ void EndOfStep::predict(const btAlignedObjectArray<btSolverBody>& bodies,
   }
 }
 
-// J v of bodies that their owner moves: they are where they will be at the end of the step.
+// J v of kinematic bodies: their pose is that of the end of the step already.
 Scalar EndOfStep::ownersVelocity(const Joint& joint, const Row& row) {
   const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
   const auto owners = [](const btRigidBody& body, const btVector3& v) -> Vec3 {
@@ -118,8 +117,8 @@ int EndOfStep::equalities(const JointBlock& block) {
   return block.ours != nullptr ? block.ours->m_rows.equalities() : max_stock_rows;
 }
 
-// A limit that `end` has no row of is one that the step leaves. The document's form foresees nothing, and who
-// turns this far would have to go far past the limit to be sent back to it.
+// 0 for a limit that the step leaves: `end` has no row of it. 0 for the document's form, too: it does not predict, and
+// a body that turns this far would pass the limit by far to be sent back to it.
 Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
   const Row* const limit = joint.limitAt(row);
   if (limit == nullptr) return 0;
@@ -138,8 +137,8 @@ Scalar EndOfStep::missing(const Joint& joint, int row, const Rows& end) const {
   return 0;
 }
 
-// A row that is not the one of its number at the start may be along what as many hold there: directions in a plane, or
-// in all of space, are chosen anew.
+// A row may differ from the start's row of the same number, and still lie in the span of all rows there: tangents of a
+// plane, for instance, are chosen anew at each pose.
 inline EndOfStep::Match EndOfStep::match(const Joint& joint, const Rows& end, int i) {
   const RowList& start = joint.m_rows;
   if (i >= start.equalities() || i >= end.equalities()) return Match::none;
@@ -189,7 +188,7 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
     return;
   }
   PoseGuard at_a(a, pose_a), at_b(b, pose_b);
-  // Of a stock joint Bullet's rows, of a step that takes away all of the error, and of one that takes none.
+  // A stock joint's speed is the difference of its rows with ERP 1 and with ERP 0.
   btSolverConstraint with[max_stock_rows], without[max_stock_rows];
   if (askRows(*block.joint, {fps, 1, 0, 1, 1}, with, max_stock_rows) != 1) return;
   askRows(*block.joint, {fps, 0, 0, 1, 1}, without, max_stock_rows);
@@ -227,7 +226,7 @@ void EndOfStep::addEndRows(JointSystem& joints, const btConstraintArray& rows,
   }
 }
 
-// Calls `set` with those that hold in position, as the document's or Bullet's row has them.
+// Calls `set` with each row that holds a position.
 template <class Set>
 void EndOfStep::endRows(const JointBlock& block, const btConstraintArray& rows, const Set& set) {
   btRigidBody &a = block.joint->getRigidBodyA(), &b = block.joint->getRigidBodyB();
@@ -306,8 +305,8 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
   unsigned char turned_at_start;
   speeds(block, rows, a.getCenterOfMassTransform(), b.getCenterOfMassTransform(), start, max_speed,
          turned_at_start);
-  // A row with a largest speed says where to turn: beyond that it does not say how far, nor do angular rows
-  // beside it. The speeds that they have are right.
+  // A row beyond its largest speed gives a direction, but no distance, and neither do the angular rows beside it. Their
+  // own speeds are right.
   bool turns_back = false, leaves = false;
   for (int r = 0; r < block.rows; ++r) {
     if (block.index[r] >= first_axis) continue;
@@ -323,7 +322,7 @@ void EndOfStep::errors(const JointBlock& block, const btConstraintArray& rows, d
     leaves = true;
   }
   if (!turns_back && !leaves) return;
-  // How much of what was missing at the start is to be left a row does not say that has turned since.
+  // A turned row does not tell how much of the error at the start may stay.
   for (int r = 0; r < block.rows; ++r)
     if ((turned & rowBit(r)) != 0 ||
         (turns_back && (max_speed[r] < double(infinity) || !block.linear[r])))

@@ -9,27 +9,27 @@ inline namespace PINTLE_PRECISION {
 
 class EndOfStep {
  public:
-  /// Begins a step of so many blocks.
+  /// Begins a step with this number of blocks.
   void begin(size_t blocks, const btAlignedObjectArray<btSolverBody>& bodies);
   /// The poses that Bullet integrates to from the velocities that the bodies have now.
   void predict(const btAlignedObjectArray<btSolverBody>& bodies, const btContactSolverInfo& info);
 
-  /// Of each row of each block, the change of its velocity (m/s, rad/s) that makes it hold at the end
-  /// of the step, as far as a step is to go, and a limit end where its row sends it; 0 for rows that are
-  /// soft or no matter of position.
-  /// The largest one of each component of the topology, times the step, is `largest`, m or rad: but for what
-  /// positions so far from the origin are rounded by.
+  /// `error`: of each row of each block, the change of velocity (m/s, rad/s) by which it holds at the end of the
+  /// step, or corrects as much as a step should. For a limit, by which it ends where its row sends it. 0 for rows
+  /// that are soft or do not hold a position.
+  /// `largest`: of each component, the largest error times the step, m or rad, less the rounding of positions.
   void errors(const JointSystem& joints, const btConstraintArray& rows, std::vector<double>& error,
               std::vector<double>& largest);
-  /// The largest of rows that have turned away from those of the start, and by these cannot be corrected.
+  /// The largest error, m or rad, of rows that have turned since the start: the start's rows cannot correct them.
   double largestTurned() const { return m_largest_turned; }
+  /// Sets the errors of those rows to zero.
   void clearTurned(std::vector<double>& error) const;
-  /// Adds to the joints their rows at the predicted poses, by what these change with the bodies' velocities.
+  /// Adds the joints' rows at the predicted poses, as rows of the bodies' velocities (byVelocity).
   void addEndRows(JointSystem& joints, const btConstraintArray& rows,
                   const btAlignedObjectArray<btSolverBody>& bodies);
 
  private:
-  /// `far`: whether it begins further off than the step may close.
+  /// `far`: the joint starts further off than one step may close.
   void errors(const JointBlock& block, const btConstraintArray& rows, double* error, char& far,
               unsigned char& turned);
   const btTransform& pose(const btRigidBody& body, int solver_body) const {
@@ -37,20 +37,19 @@ class EndOfStep {
   }
   template <class Set>
   void endRows(const JointBlock& block, const btConstraintArray& rows, const Set& set);
-  /// Whether a row at the end tells of what the joint holds at the start: as the same row, or as one that has turned.
+  /// Whether a row of the end belongs to what the joint holds at the start: as the same row, or as a turned one.
   enum class Match { none, same, turned };
   static Match match(const Joint& joint, const Rows& end, int row);
   static Match match(const JointBlock& block, const btConstraintArray& rows, int r,
                      const btSolverConstraint& end);
   using Speeds = double[block_rows];
-  /// Those of the whole error, with the bodies at the given poses; of a limit, of what is missing on the way
-  /// to where its row sends it.
+  /// The speeds that close all of each row's error at the given poses; of a limit, what its row is short of.
   void speeds(const JointBlock& block, const btConstraintArray& rows, const btTransform& pose_a,
               const btTransform& pose_b, Speeds& speed, Speeds& max_speed, unsigned char& turned);
-  /// How many of the joint's rows come before those of free coordinates, which only Pintle's tell of.
+  /// The number of the joint's rows before those of free coordinates; a stock joint does not tell these apart.
   static int equalities(const JointBlock& block);
   static Scalar ownersVelocity(const Joint& joint, const Row& row);
-  /// Of the velocity of a rigid limit's row in the mean over a step that ends with the rows `end`.
+  /// The mean velocity over the step that a rigid limit's row is short of, if the step ends with the rows `end`.
   Scalar missing(const Joint& joint, int row, const Rows& end) const;
 
   RowMemory<most_joint_rows, most_joint_rows> m_memory;

@@ -17,26 +17,28 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// The force of the joints depends on the stiffness, which depends on the force. Two rounds do, but
-// where a load comes suddenly.
+// Rounds of geometric stiffness a step. The joints' force depends on the stiffness, and the stiffness on the force.
+// Two rounds converge, unless a load comes suddenly.
 constexpr int max_stiffenings = 6;
 
-// After this many iterations the contacts have loaded the joints with most of what they will.
+// Contact passes after which the geometric stiffness is found again: the contacts have then put most of their load
+// on the joints.
 constexpr int contact_load_iterations = 2;
 
-// What leaves its bounds is iterated, and what has come within is not, and all is solved anew: so often. From
-// then on bounds are only left, and in the end all that has any is iterated.
+// Rounds of the active set a step. A row at its bound goes to Bullet's iteration, a row inside its bounds comes back,
+// and the island is solved again. After `max_reclaim_rounds` rows only go, so that the set settles; in round
+// `max_active_set_rounds` every row with bounds goes.
 constexpr int max_reclaim_rounds = 3, max_active_set_rounds = 6;
 
-// Errors at the end of a step, m or rad. What is small one correction leaves next to nothing of; of larger ones no
-// more than the rest is to be left: it adds up to energy, over a million steps to more than there was. Large ones
-// are of motion that may be too violent to be corrected.
-// What is still open after all corrections, by more than a part of what it moves by, or in any case, cannot be held.
+// Sizes of position errors at the end of a step, m or rad.
 struct Tolerances {
-  double small, remaining, large, open;
+  double small;      // one correction leaves next to nothing of it
+  double remaining;  // of larger errors no more is left: it adds up to energy over a million steps
+  double large;      // the motion may be too violent for a correction
+  double open;       // a component with a larger gap after all corrections cannot be held
 };
 constexpr Tolerances free_tolerances = {1e-5, 1e-6, 1e-4, 2e-3};
-// Contacts take energy, and do not follow what joints correct: more may be left.
+// Contacts take energy, and are not solved again with a correction, so more may remain.
 constexpr Tolerances contact_tolerances = {1e-2, 1e-2, 1e-2, 1e-2};
 const Tolerances& tolerances(bool contacts) {
   return contacts ? contact_tolerances : free_tolerances;
@@ -45,7 +47,7 @@ bool anyExceeds(const std::vector<double>& errors, double than) {
   return std::any_of(errors.begin(), errors.end(), [than](double e) { return !(e <= than); });
 }
 
-// Whether any is larger than this, and has at least been halved.
+// Whether an error above `than` has at least been halved.
 bool isConverging(const std::vector<double>& errors, const std::vector<double>& before,
                   double than) {
   for (size_t i = 0; i < errors.size(); ++i)
@@ -53,56 +55,63 @@ bool isConverging(const std::vector<double>& errors, const std::vector<double>& 
   return false;
 }
 
-// By this a step may raise the energy of what joints connect, and by what it takes to move it at
-// this speed, m/s and rad/s.
-constexpr double max_energy_ratio = 1.1, correction_speed = 3;
+// A component may end its step with this multiple of the kinetic energy that it has without impulses, plus the energy
+// of a motion at `correction_speed`.
+constexpr double max_energy_ratio = 1.1;
+constexpr double correction_speed = 3;  // m/s and rad/s
 
-// A centre that is to end its step on its circle moves along the chord, for which its speed holds
-// (w dt / 2)^2 more than on the circle. No more than twice that, and what it takes to move at this speed,
-// m/s and rad/s, may the ends of steps add to the energy of what joints connect, where it turns by more than
-// the first of these in a step, rad, and for no more than the second.
-constexpr double chord_speed = 1, min_chord_turn = 0.4, max_chord_turn = 0.8;
+// A centre that ends its step on a circle moves along the chord, and its energy there is (w dt / 2)^2 of itself larger
+// than on the circle. End-of-step corrections may add twice that to a component, plus the energy of a motion at
+// `chord_speed`. The budget applies to turns above `min_chord_turn`, and does not grow beyond `max_chord_turn`.
+constexpr double chord_speed = 1;                             // m/s and rad/s
+constexpr double min_chord_turn = 0.4, max_chord_turn = 0.8;  // rad a step
 
-// What would take more, or is still open by more than this part of what it moves by, cannot be held at the end of the
-// step: it is slowed down to the least turn, between these parts of its speed, and up to so often.
-constexpr double max_gap_per_motion = 0.02, min_speed_factor = 0.5, max_speed_factor = 0.9;
+// A component cannot be held at the end of the step if it exceeds that budget, or keeps a gap above this part of the
+// way that it moves. It is then slowed towards `min_chord_turn`, by a factor between these, at most
+// `max_slowdowns` times.
+constexpr double max_gap_per_motion = 0.02;
+constexpr double min_speed_factor = 0.5, max_speed_factor = 0.9;
 constexpr int max_slowdowns = 4;
 
-// Where bodies turn by more than this in a step, rad, but by no more than Bullet turns them, and for so long after, s,
-// what the chords of a step give to a component or take from it is made up for, by this part of its velocities at the
-// most; less than this part of its energy waits.
-constexpr double min_compensated_turn = 0.1, compensation_time = 10, max_speed_change = 0.2,
-                 min_energy_error = 1e-4;
+// Compensation of the energy that chords give to a component or take from it: the energy of a whipping chain errs by
+// 0.4 % instead of 3.7 %. It begins where a body turns by more than `min_compensated_turn`, lasts so long after,
+// and ends above `max_chord_turn`.
+constexpr double min_compensated_turn = 0.1;  // rad a step
+constexpr double compensation_time = 10;      // s
+constexpr double max_speed_change = 0.2;      // of the velocities, a step
+constexpr double min_energy_error = 1e-4;     // of the energy; a smaller error waits
 
-// What gains more is closed as fast as it moves, between these bounds: a body that is brought back from far
-// away must not be thrown, and one that turns at 1000 rad/s must not get away.
+// A component that gains too much energy closes its gaps as fast as it moves, between these speeds, m/s and rad/s. A
+// body that is brought back from far away must not be thrown; one that turns at 1000 rad/s must not get away.
 constexpr double min_closing_speed = 20, max_closing_speed = 100;
 
-// Corrections by rows of the end are not to make a body turn by more than this in the step, rad, which is where these
-// rows end, too, unless it turns so far without them, but for this.
-constexpr double max_end_turn = 1, max_end_turn_ratio = 1.1;
+// A correction by rows of the end is rejected if a body then turns by more than this in the step, where those rows lose
+// their meaning, and by more than this multiple of its turn without impulses.
+constexpr double max_end_turn = 1;  // rad
+constexpr double max_end_turn_ratio = 1.1;
 
-// What is larger is corrected again, up to so often; and up to so often as long as that is of use, which it is not
-// where poses are rounded, or rows say again what others say.
+// Corrections beyond the position iterations, while an error exceeds `remaining`. After the first number they go on, up
+// to the second, only while they converge: they do not where poses are rounded or rows are dependent.
 constexpr int max_extra_iterations = 3, max_converging_iterations = 6;
 
 }  // namespace
 
-// What an island is solved with.
+// The state of one solve.
 struct ExactJointSolver::Island {
   JointSystem joints;
   EndOfStep end;
-  std::vector<double> error;                  ///< of all rows at the end of the step, by block
-  std::vector<double> largest, next_largest;  ///< of each component, before and after a correction
-  std::vector<JointSystem::Energy> energy;    ///< of each component
-  std::vector<double> speeds;                 ///< of each component, to close what is open
-  std::vector<double> parts;                  ///< of the impulses or velocities, that each keeps
-  std::vector<double> gained;                 ///< by each, if this is how the step ends
-  std::vector<char> rejected;                 ///< whether a large error has grown, or energy has
-  std::vector<btTypedConstraint*> in_passes;  ///< joints that Bullet's passes are to call
+  std::vector<double> error;         ///< at the end of the step, of each row by block, m/s or rad/s
+  std::vector<double> largest;       ///< error of each component, m or rad
+  std::vector<double> next_largest;  ///< the same after a correction
+  std::vector<JointSystem::Energy> energy;  ///< of each component
+  std::vector<double> speeds;  ///< of each component: bound of its closing, m/s and rad/s
+  std::vector<double> parts;   ///< of each component: factor on its impulses or velocities
+  std::vector<double> gained;  ///< Topology::gained, if the step ends like this
+  std::vector<char> rejected;  ///< of each component: its correction is rejected
+  std::vector<btTypedConstraint*> in_passes;  ///< the joints that Bullet's passes call
   int stiffenings = 0;                        ///< in this step
 
-  /// A step that is the first to need these allocates nothing, either.
+  /// So that a later step, the first to need these, does not allocate.
   void reserve(int constraints) {
     in_passes.reserve(size_t(constraints));
     const auto components = size_t(joints.topology().components);
@@ -127,7 +136,7 @@ void ExactJointSolver::setPositionIterations(int iterations) {
 
 size_t ExactJointSolver::getMemory() const { return m_island->joints.bytes(); }
 
-// As Bullet's own, but that rows are not made for its iteration: most are none of it.
+// As Bullet's own, without preparing rows for its iteration: most never enter it.
 void ExactJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
                                      const btContactSolverInfo& infoGlobal) {
   AsJoint as_joint;
@@ -188,8 +197,8 @@ btScalar ExactJointSolver::solveGroupCacheFriendlySetup(
     btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& infoGlobal,
     btIDebugDraw* debugDrawer) {
   btContactSolverInfo info = infoGlobal;
-  // A heavy load on light, jointed bodies takes many iterations to be borne, which are spread over the
-  // steps: what one has found the next must not give away.
+  // Contacts need many iterations to find a heavy load on light, jointed bodies. The warm start spreads them over the
+  // steps, so it must keep all of the impulse.
   if (numConstraints > 0) info.m_warmstartingFactor = 1;
   return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
       bodies, numBodies, manifoldPtr, numManifolds, constraints, numConstraints, info, debugDrawer);
@@ -212,7 +221,7 @@ void ExactJointSolver::resetVelocities() {
   }
 }
 
-// Whether bodies became stiffer or softer, and the joints were solved anew.
+// Updates the geometric stiffness. Returns whether it has changed and the joints were solved again.
 bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
   JointSystem& joints = m_island->joints;
   if (m_island->stiffenings == max_stiffenings || !joints.stiffen(info.m_timeStep)) return false;
@@ -221,7 +230,7 @@ bool ExactJointSolver::stiffen(const btContactSolverInfo& info) {
   return true;
 }
 
-// Solves the joints anew, with the inertia that bodies have now, and what has been iterated so far.
+// Solves the joints again, with the present inertia of the bodies and the impulses iterated so far.
 void ExactJointSolver::restart() {
   JointSystem& joints = m_island->joints;
   resetVelocities();
@@ -230,8 +239,8 @@ void ExactJointSolver::restart() {
   joints.begin(m_tmpSolverBodyPool);
 }
 
-// What rows begin with bore a load in the last step. Where joints have made of it more than there was to hold,
-// as where limits or contacts ask for what no motion of the joints can do, the next step is not to go on from there.
+// Drops the warm start of components that gain energy by it. That happens where limits or contacts ask for a motion
+// that the joints cannot make.
 void ExactJointSolver::dropGainingWarmStarts() {
   computeEnergies();
   if (!rejectEnergyGains(max_energy_ratio, correction_speed)) return;
@@ -249,7 +258,7 @@ void ExactJointSolver::dropGainingWarmStarts() {
   restart();
 }
 
-// Bullet calls each joint in each pass: those of Pintle's only where rows of theirs are iterated.
+// Bullet calls each joint in each pass. A joint of Pintle's needs the call only if rows of its own are iterated.
 void ExactJointSolver::findInPasses(btTypedConstraint** constraints, int numConstraints) {
   const btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
   m_island->in_passes.clear();
@@ -272,7 +281,7 @@ void ExactJointSolver::beginReactions() {
       m_tmpSolverNonContactConstraintPool);
 }
 
-// The errors at the end of the step, and the largest of each component, m or rad.
+// Finds the errors at the end of the step, and the largest of each component, m or rad.
 template <class Vector>
 void ExactJointSolver::predictErrors(const btContactSolverInfo& info, Vector& largest) {
   Island& island = *m_island;
@@ -288,7 +297,7 @@ void ExactJointSolver::computeEnergies() {
   island.rejected.resize(island.energy.size());
 }
 
-// Whether a component cannot be held at the end of the step, or not without more energy than that may add: `rejected`.
+// Rejects components that cannot be held at the end of the step, or only by exceeding the energy budget of chords.
 bool ExactJointSolver::rejectUnheld(double dt) {
   Island& island = *m_island;
   island.gained = island.joints.topology().gained;
@@ -301,13 +310,13 @@ bool ExactJointSolver::rejectUnheld(double dt) {
     const JointSystem::Energy& energy = island.energy[i];
     const double turn = std::min(energy.spin * dt, max_chord_turn);
     const double max_gain = turn * turn / 2 * energy.free + chord_speed * chord_speed * energy.unit;
-    // What other rows add is not the joints' work, and what they take is none of it.
+    // The joints' work neither counts what other rows add, nor is it lessened by what they take.
     const double sum = gained[i] + std::min(energy.work, energy.now - energy.free) / max_gain;
-    // What starts far apart may well turn by being brought together.
+    // A component that starts far apart may turn by being brought together.
     const double max_spin = closes ? energy.spin : std::max(energy.spin, energy.spin_at_end);
     const double moved = dt * std::sqrt(std::max(energy.free, energy.now) / energy.unit);
     const double max_gap = std::clamp(max_gap_per_motion * moved, tolerance.small, tolerance.open);
-    // What nothing holds would lose momentum for what its joints alone make it turn by.
+    // A free component would lose angular momentum if the turn that its own joints give it counted.
     const double spin = island.joints.topology().grounded[i] ? max_spin : energy.spin;
     const bool open = !(spin * dt < min_chord_turn) && !(island.largest[i] < max_gap);
     island.rejected[i] = open || (!(max_spin * dt < min_chord_turn) && !(sum <= 1));
@@ -317,7 +326,7 @@ bool ExactJointSolver::rejectUnheld(double dt) {
   return any;
 }
 
-// Whether a component has gained more energy than joints may give it: `rejected`.
+// Rejects components that have gained more energy than joints may give.
 bool ExactJointSolver::rejectEnergyGains(double gain, double speed) {
   Island& island = *m_island;
   bool any = false;
@@ -329,7 +338,7 @@ bool ExactJointSolver::rejectEnergyGains(double gain, double speed) {
   return any;
 }
 
-// Components that are `rejected` end the step where it takes them.
+// Solves rejected components without their end-of-step corrections.
 void ExactJointSolver::undoRejected() {
   JointSystem& joints = m_island->joints;
   joints.undoCorrections(m_tmpSolverNonContactConstraintPool, m_island->rejected);
@@ -337,7 +346,7 @@ void ExactJointSolver::undoRejected() {
   joints.solveLoopTargets();
 }
 
-// Slows down what is `rejected` by more than before, from where it is uncorrected. Returns whether there is such.
+// Scales down the uncorrected velocities of rejected components, further with each call. Returns whether any was.
 bool ExactJointSolver::slowRejected(double dt) {
   Island& island = *m_island;
   bool any = false;
@@ -356,9 +365,9 @@ bool ExactJointSolver::slowRejected(double dt) {
   return true;
 }
 
-// Rigid joints neither give energy nor take it. A step that ends on the joints goes along chords: it gives while a
-// body comes to turn faster, and takes while it turns slower, and not the same. What was given is taken back; what is
-// taken is given back, as far as it was taken here.
+// Rigid joints do no work, but a step that ends on the joints moves along chords. It gives energy while a body comes to
+// turn faster, and takes energy while it slows down, and the two do not cancel. Energy that was given is taken back;
+// energy that was taken is returned, as far as this function took it.
 void ExactJointSolver::compensateChordEnergy(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
@@ -406,9 +415,9 @@ void ExactJointSolver::compensateChordEnergy(const btContactSolverInfo& info) {
   }
 }
 
-// Bodies that turn further in a step than Bullet turns them leave joints far open. To close these by
-// force would add energy without end: components that gain too much close them at a bounded speed, and
-// what still gains more than that, where other rows drive it, gets as much less of all impulses.
+// A body that turns further in a step than Bullet turns it leaves its joints far open, and closing them by force would
+// add energy without end. A component that gains too much closes at a bounded speed. If other rows drive it beyond
+// that, all of its impulses are scaled down.
 void ExactJointSolver::limitEnergyGain(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
@@ -427,7 +436,7 @@ void ExactJointSolver::limitEnergyGain(const btContactSolverInfo& info) {
   }
   joints.topology().gained = island.gained;
   if (!rejectEnergyGains(max_energy_ratio, correction_speed)) return;
-  // What contacts have borne was found with bodies as stiff as they are.
+  // The contacts' impulses were found with the present stiffness, so that stays.
   if (hasContacts()) {
     undoRejected();
     computeEnergies();
@@ -446,7 +455,7 @@ void ExactJointSolver::limitEnergyGain(const btContactSolverInfo& info) {
   island.parts.assign(island.energy.size(), 1);
   for (size_t i = 0; i < island.energy.size(); ++i) {
     if (!island.rejected[i]) continue;
-    // The energy at a part f of the changes: added f^2 + 2 half f + free
+    // The energy at a factor f on the impulses: added f^2 + 2 half f + free
     const JointSystem::Energy& energy = island.energy[i];
     const double half = (energy.now - energy.added - energy.free) / 2;
     const double more = max_closing_speed * max_closing_speed * energy.unit;
@@ -456,8 +465,9 @@ void ExactJointSolver::limitEnergyGain(const btContactSolverInfo& info) {
   joints.scaleImpulses(island.parts);
 }
 
-// Corrects by the rows of the start, and what these leave by those of the end: impulses are along the start's all the
-// same, and keep momentum. Returns whether bodies may have been moved by more than is good for them.
+// Newton's iteration for the positions at the end of the step: first by the rows of the start, then by those of the
+// end. Impulses act along the rows of the start either way, and so conserve momentum. Returns whether an error was so
+// large that the correction may have added energy.
 bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
   Island& island = *m_island;
   JointSystem& joints = island.joints;
@@ -482,7 +492,7 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
       joints.correct(island.error);
     }
     if (!far && last) return any_large;
-    // Components in which that has made it worse go half of the way, or else none.
+    // Line search: a component whose correction is rejected goes half of the way, then none of it.
     bool any_rejected = false;
     for (const double part : {0.5, 0.}) {
       predictErrors(info, island.next_largest);
@@ -502,7 +512,7 @@ bool ExactJointSolver::iteratePositions(const btContactSolverInfo& info) {
       if (last && !more) return any_large;
       continue;
     }
-    // By the other rows it may become better.
+    // The other kind of rows may still do better.
     if (last && (!may_be_at_end || extra >= max_extra_iterations)) return any_large;
     may_be_at_end = !at_end;
     predictErrors(info, island.largest);
@@ -514,7 +524,7 @@ bool ExactJointSolver::rejectGrowingErrors(double large) {
   bool any = false;
   island.rejected.resize(island.largest.size());
   for (size_t i = 0; i < island.largest.size(); ++i) {
-    // Not NaN, either.
+    // Written so that NaN is rejected.
     island.rejected[i] =
         !(island.next_largest[i] <= large) && !(island.next_largest[i] < island.largest[i]);
     any = any || island.rejected[i];
@@ -522,7 +532,7 @@ bool ExactJointSolver::rejectGrowingErrors(double large) {
   return any;
 }
 
-// Whether a component turns a body further than rows of its end tell of, by impulses: `rejected`, too.
+// Also rejects components in which impulses turn a body further than rows of its end are good for.
 bool ExactJointSolver::rejectLargeTurns(double dt) {
   Island& island = *m_island;
   const std::vector<int>& component = island.joints.topology().body_component;
@@ -538,14 +548,14 @@ bool ExactJointSolver::rejectLargeTurns(double dt) {
   return any;
 }
 
-// All of an island, with the rows that the system holds. Returns the number of iterations.
+// Solves an island with the present active set. Returns the number of passes.
 template <class Pass>
 int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, const Pass& pass) {
   JointSystem& joints = m_island->joints;
   const int iterations =
       hasBounds() ? btMax(info.m_numIterations, m_maxOverrideNumSolverIterations) : 0;
-  // The impulses of the last step say how stiff the bodies will be. Among contacts, which load the
-  // joints anew, that is looked at again when they have done so.
+  // The impulses of the last step predict the geometric stiffness. Contacts load the joints anew, so it is found again
+  // after them.
   m_island->stiffenings = 0;
   const bool foreseen = stiffen(info);
   if (!foreseen) {
@@ -560,8 +570,8 @@ int ExactJointSolver::solveIsland(const btContactSolverInfo& info, bool again, c
   if (iterations > 0) dropGainingWarmStarts();
   joints.solveLoopTargets();
 
-  // Each iteration is a pass of Bullet's over what has bounds, and an exact solution of the rest, as far
-  // as that matters to what has.
+  // Each iteration is a pass of Bullet's over the rows with bounds, then an exact solution of the joints, as far as
+  // those rows depend on it.
   int used = 0;
   m_leastSquaresResidual = 0;
   if (iterations > 0) {
@@ -606,7 +616,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
         debugDrawer);
   };
   btConstraintArray& rows = m_tmpSolverNonContactConstraintPool;
-  // Among contacts limits are iterated with these: each touches the others, and some change in every step.
+  // Among contacts limits are iterated, too: both change each other, and some change in every step.
   const bool limits = !hasContacts();
   const auto gather = [&] {
     return joints.gather(m_tmpSolverBodyPool, rows, limits, infoGlobal.m_numIterations);
@@ -633,7 +643,7 @@ btScalar ExactJointSolver::solveGroupCacheFriendlyIterations(
     used = solveIsland(infoGlobal, true, pass);
   }
   if (!joints.finite()) {
-    // Numbers that have overflowed are in rows and contacts as well: nothing acts in this step.
+    // Overflow has spread to rows and contacts, too. Nothing acts in this step.
     joints.releaseAll(rows, infoGlobal.m_numIterations);
     resetVelocities();
     for (btConstraintArray* pool : allRows())

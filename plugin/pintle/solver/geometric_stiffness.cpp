@@ -6,12 +6,12 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Of three by three numbers Jacobi's rotations converge in as many passes at most. The axes are
-// orthonormal whatever is left; less than this part of a stiffness is next to nothing of it.
+// Jacobi's rotations of a 3 x 3 matrix converge within this number of passes. The axes are orthonormal in any case.
 constexpr int max_passes = 6;
+// Off-diagonal elements below this part of the diagonal are left.
 constexpr double negligible = 1e-6;
 
-// Turns axes p and q so that A(p, q) becomes 0, unless it is next to nothing.
+// Jacobi's rotation of axes p and q: A(p, q) becomes 0. Left out below the threshold.
 void rotate(Matrix3d& A, Matrix3d& V, int p, int q, double threshold) {
   const double off = A(p, q);
   if (!(std::abs(off) > threshold)) return;

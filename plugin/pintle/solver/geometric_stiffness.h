@@ -1,7 +1,6 @@
-// Purpose: the stiffness that a joint's force has because its lever turns with the body (Tournier et al.
-// 2015, Andrews et al. 2017). A light body between heavy ones swings under its load many times within a
-// step, and an explicit step turns that into any motion at all. Taken into the inertia the torque of
-// the load is that of the whole step.
+// Purpose: geometric stiffness: a joint's force turns with its lever (Tournier et al. 2015, Andrews et al. 2017).
+// A light body between heavy ones swings many times in a step under its load, and an explicit step makes
+// any motion of that. With the stiffness in the inertia, the load's torque is that of the whole step.
 #pragma once
 
 #include <pintle/vectors.h>
@@ -12,15 +11,15 @@ inline namespace PINTLE_PRECISION {
 using Vector3d = Eigen::Matrix<double, 3, 1>;
 using Matrix3d = Eigen::Matrix<double, 3, 3>;
 
-/// -[p]x [r]x, symmetric: by how much the torque r x p of an impulse p (N s) falls as its lever r (m)
-/// turns with the body, N m s a radian.
+/// The symmetric part of -[p]x [r]x, N m s a radian: how much the torque r x p of an impulse p (N s) falls as its lever
+/// r (m) turns with the body.
 inline Matrix3d leverStiffness(const Vector3d& p, const Vector3d& r) {
   const Matrix3d rp = r * p.transpose();
   return r.dot(p) * Matrix3d::Identity() - (rp + rp.transpose()) / 2;
 }
 
-/// A stiffness h^2 P against the inertia of its body, I = (S S^T)^-1: h^2 S^T P S, of which what is
-/// negative is left out, by its principal axes.
+/// A stiffness h^2 P relative to the inertia I = (S S^T)^-1 of its body: h^2 S^T P S by its principal axes, without the
+/// negative ones.
 struct Stiffening {
   Matrix3d axes = Matrix3d::Identity();
   Vector3d mu = Vector3d::Zero();  ///< (omega h)^2 of the swing about each axis
@@ -30,7 +29,7 @@ struct Stiffening {
 
   double max() const { return mu.maxCoeff(); }
   bool any() const { return max() > 0; }
-  /// Of f(mu). Most axes have no stiffness.
+  /// The matrix with these axes and the eigenvalues f(mu). Most mu are 0.
   template <class Function>
   Matrix3d matrix(const Function& f) const {
     const double f_0 = f(0.);

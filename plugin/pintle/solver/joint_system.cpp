@@ -17,25 +17,25 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// What is left of a pivot after this part of its row is rounding: of double, or, where rows came in
-// single precision, of what two of them that say the same differ by, squared.
+// A pivot below this part of its diagonal is rounding, and its row dependent: rounding of double, or the square of the
+// difference of two equal rows that came in single precision.
 constexpr double dependent_pivot = 1e-12;
 
-// Joints of a loop depend on each other, or nearly so. Impulses that nobody feels stay small by the
-// first part of the diagonal. A change that is asked of rows that depend on each other but for d makes
-// velocities of 1 / d of it; the second bounds that: 1 / (2 sqrt(part)).
-// Rows that ought to say the same differ by d where joints are open, or by a millionth in single precision. What
-// they then contradict each other in is a motion that the loop has, of which each step takes away d^2 over the
-// first part: that must be far larger, and small enough for heavy loads on light links.
+// Softness of the rows of a loop, as a part of their diagonal: it keeps impulses small that no body would show.
+// Rows that should be equal differ by some d where joints are open, or by 1e-6 in single precision. Their contradiction
+// takes away d^2 / softness a step of a motion that the loop has, so the softness must be far above d^2; and it must be
+// small enough for heavy loads on light links.
 constexpr double min_norm_softness = 3e-8;
+// Damping of corrections in a loop, as a part of the diagonal. Where rows are dependent but for d, a correction would
+// make velocities of 1 / d of it. The damping bounds that factor by 1 / (2 sqrt(damping)) = 50.
 constexpr double correction_damping = 1e-4;
-// Rows of one joint that depend on each other but for this part are treated as those of a loop.
+// A joint with a pivot below this part of its diagonal is treated as a loop.
 constexpr double nearly_dependent = 1e-6;
-// Of a body's largest velocity: numerical zero.
+// A velocity below this part of the body's largest component is rounding.
 constexpr double velocity_rounding = 1e-13;
 
-// Rows with bounds of which no more than this is left are iterated. Factors leave more: what a game in
-// two dimensions forbids is never next to nothing for long, but passed through.
+// A row with bounds is iterated if its K is no more than this part of what the bodies could have: of all directions, or
+// of K without the bodies' factors. The second is larger: a game in two dimensions only passes through such a row.
 constexpr Scalar min_K_ratio = Scalar(1e-5), min_K_ratio_with_factors = Scalar(0.01);
 
 Vector3d inDouble(const btVector3& v) { return {double(v[0]), double(v[1]), double(v[2])}; }
@@ -49,35 +49,35 @@ double changeOfVelocity(const btSolverConstraint& row,
          inDouble(row.m_relpos2CrossNormal).dot(inDouble(b.m_deltaAngularVelocity));
 }
 
-// Rows take numbers of this size for no bound; Bullet's own is the largest of its type.
+// A bound of this size is none. Bullet's own infinity is larger: the largest number of its type.
 constexpr Scalar no_bound = Scalar(BT_LARGE_FLOAT);
 
 bool isBilateral(const btSolverConstraint& row) {
   return row.m_lowerLimit <= -no_bound && row.m_upperLimit >= no_bound;
 }
 
-// Whether the row is prepared for Bullet's iteration. Else its m_rhs is the velocity that it is to have.
+// Whether the row is prepared for Bullet's iteration. Otherwise its m_rhs is its target velocity.
 bool isPrepared(const btSolverConstraint& row) { return row.m_jacDiagABInv > 0; }
 
-// J M^-1 J^T of such a row, as Bullet has it, of bodies without factors.
+// J M^-1 J^T of a prepared row, as Bullet has it: without the bodies' factors.
 double bulletK(const btSolverConstraint& row) { return 1 / double(row.m_jacDiagABInv); }
 
-// Holds both ways, if need be until the joint breaks: Bullet breaks it when a row's impulse is at this bound.
+// Acts both ways, up to the breaking threshold at most. Bullet breaks a joint when a row's impulse is at that bound.
 bool isEquality(const btSolverConstraint& row, const btTypedConstraint& joint) {
   const Scalar threshold = joint.getBreakingImpulseThreshold();
   return isBilateral(row) ||
          (threshold > 0 && row.m_lowerLimit == -threshold && row.m_upperLimit == threshold);
 }
-// Acts one way only, and is to move that way at this speed.
+// Acts one way only, and asks for a speed that way.
 bool isPushing(const btSolverConstraint& row, double speed) {
   return (row.m_lowerLimit >= 0 && speed > 0) || (row.m_upperLimit <= 0 && speed < 0);
 }
-// Has broken in this step.
+// Has broken its joint in this step.
 bool isPinned(const btSolverConstraint& row) {
   return row.m_lowerLimit == row.m_upperLimit && row.m_lowerLimit != 0;
 }
 
-// What J v lacks before any impulse, of which -rest is there.
+// The change of J v that the row asks for before any impulse, when J v is -rest.
 double rhs(const btSolverConstraint& row, double rest) {
   return isPrepared(row) ? double(row.m_rhs) * bulletK(row) : double(row.m_rhs) + rest;
 }
@@ -88,9 +88,9 @@ bool hasLockedAxes(const btSolverBody& body) {
          !(body.m_angularFactor == one && body.m_linearFactor == one);
 }
 
-// Whether J M^-1 J^T of a row is next to nothing of what the bodies could have, as across a needle: a limit
-// there that is held exactly turns the needle about itself without bound. Or whether the bodies' factors, of which
-// Bullet's K knows nothing, leave next to nothing of it. (m_jacDiagABInv is that of bodies that bear loads.)
+// Whether K of a row is next to nothing of what the bodies could have, as about a needle: a limit held exactly there
+// turns the needle about itself without bound. Or whether the bodies' factors, which Bullet's K leaves out, take away
+// nearly all of it. K is computed here, as m_jacDiagABInv may be that of stiffened bodies.
 bool isIllConditioned(const btSolverConstraint& row,
                       const btAlignedObjectArray<btSolverBody>& bodies) {
   Scalar K = 0, left = 0, all = 0;
@@ -109,30 +109,30 @@ bool isIllConditioned(const btSolverConstraint& row,
   return !(K > min_K_ratio * all) || !(left > min_K_ratio_with_factors * K);
 }
 
-// Of the last step's impulse. Bullet's limits have no row in a step that begins within them: one that is held by all
-// of its impulse closes, and lets go in the next step.
+// Warm start of stock joints' limits, as a part of the last impulse. A stock limit has no row in a step that begins
+// inside it, so all of the impulse would close the limit, and the next step would let go.
 constexpr Scalar stock_warm_start = Scalar(0.995);
 
-// Rows at a bound that this is to be missed by, m or rad, are not to be left there.
+// A row does not stay at its bound if that leaves more than this error, m or rad.
 constexpr double max_bound_error = 5e-5;
 
-// As Topology::at_bound has it.
+// The value for Topology::at_bound.
 Scalar atBound(const btSolverConstraint& row, Scalar impulse) {
   if (impulse > row.m_lowerLimit && impulse < row.m_upperLimit) return Topology::inside;
   return btMax(row.m_lowerLimit, btMin(impulse, row.m_upperLimit));
 }
 
-// (omega h)^2 of a body's swing under its load. Up to the first an explicit step is as good as any.
-// Beyond the second it is not stable, and the swing would be fed by what turns the load: half of what
-// a body turns otherwise than its neighbours is taken away in each step, the more the further beyond.
-// Where nothing holds what spins, to be stiffer now and then would feed it.
+// (omega h)^2 of a body's swing under its load. Up to `stiff_swing` an explicit step resolves it. Beyond
+// `unresolved_swing` an explicit step is unstable, and a turning load would feed the swing: a part of the body's turn
+// against its neighbours, up to half, is then taken away in each step. A free component is stiffened from a higher
+// threshold on, as changing stiffness would feed its spin.
 constexpr double stiff_swing = 1, stiff_swing_if_free = 2.5, unresolved_swing = 4;
 
-// A change of 1 + mu by this factor is worth another solution.
+// The joints are solved again if 1 + mu of a body changes by more than this factor.
 constexpr double stiffness_ratio = 1.5;
 
-// J J^T of a joint's rows for a body, to its block of K: two columns, from the diagonal on. Angular rows, and such
-// along the world's axes, have next to no linear part.
+// Adds J J^T of a joint's rows for one body to the diagonal block of K, by two columns from the diagonal down. Linear
+// parts are often zero, of angular rows and of rows along the world's axes.
 template <int height, int first>
 void addSquare(double* to, const double (&J)[6][block_rows], int end) {
   using Part = Column<height - first>;
@@ -152,7 +152,7 @@ void addSquare(double* to, const double (&J)[6][block_rows], int rows) {
   });
 }
 
-// A J^T of two joints' rows for a body, of so many rows of A and of J, to their block of K.
+// Adds A J^T of two joints' rows for one body to their block of K.
 void addProduct(double* to, const double (&A)[6][block_rows], const double (&J)[6][block_rows],
                 int rows, int columns) {
   withHeight(rows, [&](auto height) {
@@ -324,8 +324,8 @@ bool JointSystem::gather(const btAlignedObjectArray<btSolverBody>& bodies, btCon
   return true;
 }
 
-// All rows of the joint whose first one is given, if they are bilateral, fit in a block, and move a body. Returns how
-// many there are, or 0.
+// Gathers all rows of the joint that begins at `first`, if they are bilateral, fit a block and move a body. Returns
+// their number, or 0.
 int JointSystem::gatherBilateral(const btConstraintArray& rows, int first, AsJoint& as_joint) {
   const btSolverConstraint& row = rows[first];
   const int max_count = std::min(rows.size() - first, block_rows + 1);
@@ -349,7 +349,7 @@ int JointSystem::gatherBilateral(const btConstraintArray& rows, int first, AsJoi
   return count;
 }
 
-// Joints of Pintle's know what their limits had. What one of Bullet's has in that place now may be another limit.
+// A joint of Pintle's keeps its limits' impulses itself. A stock joint may have another limit in this row now.
 void JointSystem::warmStart(btSolverConstraint& row, int index, AsJoint& as_joint) const {
   if (row.m_appliedImpulse != 0) return;
   auto* joint = static_cast<btTypedConstraint*>(row.m_originalContactPoint);
@@ -383,7 +383,7 @@ void JointSystem::rememberIteratedImpulses(const btConstraintArray& rows) {
   std::sort(known.begin(), known.end());
 }
 
-// Of A = S S^T the Cholesky factor. An axis about which the body cannot turn has no column.
+// S is the Cholesky factor of the inverse inertia. A locked axis has a zero column.
 void JointSystem::scale(Body& body, const btSolverBody& of) const {
   const btVector3 &mass = of.internalGetInvMass(), &f = of.m_angularFactor;
   const btMatrix3x3& I = of.m_originalBody->getInvInertiaTensorWorld();
@@ -403,7 +403,7 @@ void JointSystem::scale(Body& body, const btSolverBody& of) const {
   body.inverse << r0, 0, 0, i1, r1, 0, -(l2 * r0 + m2 * i1) * r2, -m2 * r1 * r2, r2;
 }
 
-// J S, of one body.
+// A row's J S of one body.
 void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vector3d& A, double (&j)[6]) {
   const Vector3d w = body.angular.transpose() * A;
   for (int k = 0; k < 3; ++k) {
@@ -412,7 +412,7 @@ void JointSystem::scaleRow(const Body& body, const Vector3d& L, const Vector3d& 
   }
 }
 
-// To Bullet's iteration. Returns whether it does anything there: if nobody can move, or it holds NaN, it does not.
+// Returns false for a row without effect: nobody can move along it, or it holds NaN.
 bool JointSystem::leaveToBullet(const btAlignedObjectArray<btSolverBody>& bodies,
                                 btSolverConstraint& row) {
   if (!isPrepared(row))
@@ -423,7 +423,7 @@ bool JointSystem::leaveToBullet(const btAlignedObjectArray<btSolverBody>& bodies
   return acts;
 }
 
-// J S, how fast the rows move before any impulse, and what they lack. All rows of a joint have the same bodies.
+// Sets J S, rest, rhs and softness. All rows of a joint have the same bodies.
 void JointSystem::setRows(JointBlock& block, btConstraintArray& rows) {
   if (block.rows == 0) return;
   for (int r = 0; r < block.rows; ++r) {
@@ -453,7 +453,7 @@ void JointSystem::setRows(JointBlock& block, btConstraintArray& rows) {
     }
     for (int k = 0; k < 3; ++k) {
       column(J[k]) *= body.linear[k];
-      // S is lower triangular as long as nothing has stiffened the body.
+      // S is lower triangular while the body is not stiffened.
       BlockColumn turned = body.angular(k, k) * A[k];
       for (int i = k + 1; i < 3; ++i) turned += body.angular(i, k) * A[i];
       column(J[3 + k]) = turned;
@@ -484,7 +484,7 @@ void JointSystem::setRows(JointBlock& block, btConstraintArray& rows) {
   }
 }
 
-// Nobody can move along it, or it holds NaN.
+// For a row along which nobody can move, or that holds NaN.
 void JointSystem::clearRow(JointBlock& block, int r) {
   for (auto& J : block.J)
     for (auto& of_coordinate : J) of_coordinate[r] = 0;
@@ -534,7 +534,7 @@ void JointSystem::factorise() {
   m_end_factor.reserve(m_factor);
 }
 
-// As softness of the rows it holds in whatever is solved, and all of that agrees.
+// It becomes the rows' own softness, so that every later solve agrees.
 void JointSystem::addMinNormSoftness() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     JointBlock& block = m_blocks[c];
@@ -607,7 +607,7 @@ bool JointSystem::isStiff(double swing, size_t body) const {
          (swing > stiff_swing && m_topology->grounded[size_t(m_topology->body_component[body])]);
 }
 
-// Whether a body bears so much more or less than when its stiffness was looked at that it may be another.
+// Whether a body's load has changed enough to find its stiffness again.
 bool JointSystem::loadsChanged() const {
   for (size_t i = 0; i < m_bodies.size(); ++i) {
     const Body& body = m_bodies[i];
@@ -651,7 +651,7 @@ void JointSystem::addNeighbours() {
   }
 }
 
-// Whether a joint that holds all of an orientation, or two points, or says that it does, says some of it twice.
+// Whether rows of one joint depend on each other. Only a joint that holds an orientation, or two points, can.
 bool JointSystem::dependsOnItself() {
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const JointBlock& block = m_blocks[c];
@@ -711,7 +711,7 @@ bool JointSystem::hasUnresolved() const {
                      [](const Swing& swing) { return swing.stiffening.max() > unresolved_swing; });
 }
 
-// To the next stiffening of each body.
+// Applies the next stiffening of each body.
 void JointSystem::changeInertia() {
   for (size_t i = 0; i < m_swings.size(); ++i) {
     Swing& swing = m_swings[i];
@@ -765,7 +765,7 @@ void JointSystem::stiffenRows(btAlignedObjectArray<btSolverBody>& bodies, btCons
         stiffened(row.m_solverBodyIdA, row.m_relpos1CrossNormal, row.m_angularComponentA) +
         stiffened(row.m_solverBodyIdB, row.m_relpos2CrossNormal, row.m_angularComponentB);
     if (row.m_jacDiagABInv > 0) {
-      // Nothing but rounding may be left of it: then the row does nothing.
+      // Where only rounding is left the row does nothing.
       const Scalar K = 1 / row.m_jacDiagABInv, left = K + change;
       const Scalar factor = left > rounding_of_K * K ? K / left : Scalar(0);
       row.m_jacDiagABInv *= factor;
@@ -791,8 +791,7 @@ void JointSystem::readBody(int i, const btSolverBody& from, double* u) const {
   }
 }
 
-// What rounding leaves where there is nothing would take a body out of its plane, and become a number so small
-// that processors are slow with it.
+// Rounding is cut to zero: it would move a body out of its plane, and become a denormal number, which is slow.
 void JointSystem::writeBody(int i, btSolverBody& to) const {
   const Body& body = m_bodies[size_t(i)];
   const double* u = &m_u[6 * size_t(i)];
@@ -810,7 +809,7 @@ void JointSystem::writeBody(int i, btSolverBody& to) const {
   }
 }
 
-// Bodies without joints are none of the system's.
+// Bodies without joints are not in the system.
 bool JointSystem::read(const btAlignedObjectArray<btSolverBody>& bodies) {
   bool any = false;
   for (size_t i = 0; i < m_topology->body_component.size(); ++i) {
@@ -879,13 +878,13 @@ void JointSystem::listJoint(int c) {
   }
 }
 
-// Those of a body, and its side, that have been listed.
+// Calls f with each listed joint of a body, and the body's side there.
 template <class Function>
 void JointSystem::eachJoint(int body, const Function& f) const {
   for (int i = m_first_of[size_t(body)]; i >= 0; i = m_next_of[size_t(i)]) f(i / 2, i % 2);
 }
 
-// J M^-1 J^T of a row that is left when all joints react: those of its bodies, and what these lead to.
+// The Schur complement: K of a row with the reaction of all joints.
 double JointSystem::reactingK(const btSolverConstraint& row) {
   double whole = 0;
   const auto each = [&](const auto& f) {
@@ -914,9 +913,8 @@ double JointSystem::reactingK(const btSolverConstraint& row) {
   return whole - taken;
 }
 
-// What joints let a row move by is less than Bullet's K says: it would come to its target by small parts. All
-// of a pass's rows are iterated before the joints react to any of them. That converges as long as no row
-// goes further than twice as far as by Bullet's K.
+// The joints' reaction makes K of a row smaller than Bullet's, so plain steps would reach its target slowly. A whole
+// pass is iterated before the joints react. That converges as long as no step exceeds twice Bullet's.
 void JointSystem::overRelax(const btAlignedObjectArray<btSolverBody>& bodies,
                             btConstraintArray& rows) {
   m_over_relaxed.clear();
@@ -1036,7 +1034,7 @@ void JointSystem::restoreMomentum(const btAlignedObjectArray<btSolverBody>& bodi
   });
 }
 
-// In the world: rows may have turned by the next step.
+// In world space, as rows may turn until the next step.
 void JointSystem::rememberPointImpulses() {
   m_topology->impulses.resize(3 * m_blocks.size());
   for (size_t c = 0; c < m_blocks.size(); ++c)
@@ -1072,8 +1070,7 @@ BlockColumn JointSystem::residual(const JointBlock& block) const {
          velocity(block);
 }
 
-// Each joint is looked at twice: on the way up the elimination and down again. What is large does not fit the
-// cache.
+// Each joint is visited twice only, once up and once down the elimination: a large island does not fit the cache.
 template <class Factor, class Change>
 void JointSystem::apply(const Factor& factor, const Change& change) {
   m_x.assign(block_rows * m_blocks.size(), 0.);
@@ -1102,7 +1099,7 @@ void JointSystem::begin(const btAlignedObjectArray<btSolverBody>& bodies) {
     changed = true;
   }
   for (JointBlock& block : m_blocks) column(block.impulse).setZero();
-  // Rest is what all rows of a loop can be brought to, whatever they are.
+  // All rows of a loop can come to rest together, even where their corrections contradict each other.
   apply(m_factor, [this, changed](size_t c) -> BlockColumn {
     const JointBlock& block = m_blocks[c];
     const auto target = column(loops() ? block.rest : block.rhs);
@@ -1117,7 +1114,7 @@ void JointSystem::solveLoopTargets() {
   });
 }
 
-// Rows keep of their targets what they have reached: all but their damping.
+// The rhs becomes what the rows have reached: all but their damping.
 template <class Change>
 void JointSystem::applyDamped(const Change& change) {
   if (!m_damped_is_factor) m_damped.factorise(dependent_pivot);
@@ -1133,7 +1130,7 @@ void JointSystem::solve() {
   apply(m_factor, [this](size_t c) { return residual(m_blocks[c]); });
 }
 
-// Rows are at their targets when they are corrected: what they lack is what these change by.
+// Rows are solved before they are corrected, so the residual is the correction alone.
 void JointSystem::correct(const std::vector<double>& change) {
   const auto add = [&](size_t c) -> BlockColumn {
     const auto more = column(change.data(), int(c));
@@ -1162,7 +1159,7 @@ void JointSystem::scaleRow(const JointBlock& block, int r, const Vector3d (&line
   }
 }
 
-// Of J_end M^-1 J^T the rows of a block: with it itself, and with each other that shares a body.
+// Adds a block's rows of J_end M^-1 J^T: with itself, and with each block that shares a body.
 void JointSystem::addEndRows(size_t c, const ScaledRows& J) {
   const Elimination& elimination = m_topology->elimination;
   const JointBlock& block = m_blocks[c];
@@ -1186,7 +1183,7 @@ void JointSystem::addEndRows(size_t c, const ScaledRows& J) {
 void JointSystem::correctAtEnd(const std::vector<double>& change) {
   m_end_factor.factorise();
   apply(m_end_factor, [&](size_t c) -> BlockColumn { return column(change.data(), int(c)); });
-  // Rows of the start are to keep what that has made of them.
+  // The rows of the start keep the velocities that result.
   for (JointBlock& block : m_blocks)
     column(block.rhs) =
         velocity(block) + column(block.softness).cwiseProduct(column(block.impulse));
@@ -1244,12 +1241,12 @@ void JointSystem::energies(const btAlignedObjectArray<btSolverBody>& bodies,
     sum.spin_at_end = std::max(sum.spin_at_end, double(w_end.length()));
     sum.now += energy(v_end, w_end);
     sum.added += added;
-    // That of an impulse d at a velocity v: d M v = E(v + d) - E(v) - E(d)
+    // The work of a velocity change d at v: d M v = E(v + d) - E(v) - E(d)
     const btVector3 twice_v = of.m_linearVelocity + v_end, twice_w = of.m_angularVelocity + w_end;
     sum.given += (energy(twice_v + dv, twice_w + dw) - energy(twice_v, twice_w) - added) / 2;
     sum.unit += energy(btVector3(1, 0, 0), btVector3(1, 1, 1) / btSqrt(3));
   }
-  // An impulse works by the mean of the velocities before and after, of which moving frames are a part.
+  // An impulse works on the mean of the velocities before and after it. Moving frames count in these.
   for (size_t c = 0; c < m_blocks.size(); ++c) {
     const JointBlock& block = m_blocks[c];
     const BlockColumn change = velocity(block);
@@ -1360,7 +1357,7 @@ bool JointSystem::releaseSaturated(btConstraintArray& rows, bool all) {
     at_bound = equality ? Topology::inside : atBound(row, impulse);
     any = any || at_bound != Topology::inside;
   });
-  // What others have beyond their bounds would break joints for nothing.
+  // Breaking is looked at once no other row exceeds its bounds: such an excess would break joints for nothing.
   if (!any)
     each([&](btSolverConstraint& row, bool equality, Scalar impulse, Scalar& at_bound) {
       if (equality) at_bound = atBound(row, impulse);
@@ -1378,7 +1375,7 @@ bool JointSystem::releaseSaturated(btConstraintArray& rows, bool all) {
 bool JointSystem::reclaimUnsaturated(const btAlignedObjectArray<btSolverBody>& bodies,
                                      const btConstraintArray& rows, Scalar dt) {
   if (m_all) return false;
-  // What the row lacks, against a bound that lets it push that way.
+  // Whether the row's residual would draw it off its bound.
   const double much = max_bound_error / double(dt);
   const auto isDrawnOff = [&](const btSolverConstraint& row) {
     const double lacks = double(row.m_rhs - row.m_cfm * row.m_appliedImpulse) * bulletK(row) -

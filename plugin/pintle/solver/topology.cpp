@@ -7,11 +7,10 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// A world solves its islands in turn: one that was not met while all others were, several times
-// over, is gone.
+// A world solves its islands in turn. An island that was not solved while all others were, so many times, is gone.
 constexpr unsigned long long rounds_kept = 8;
 
-// Bodies that belong together, found as they are joined.
+// Disjoint sets of bodies.
 class Sets {
  public:
   explicit Sets(int size) : m_leader(static_cast<size_t>(size)) {
@@ -22,7 +21,7 @@ class Sets {
       i = m_leader[size_t(i)] = m_leader[size_t(m_leader[size_t(i)])];
     return i;
   }
-  /// False if they are together already.
+  /// False if they are in one set already.
   bool join(int a, int b) {
     a = find(a);
     b = find(b);

@@ -1,4 +1,4 @@
-// Purpose: the analysis of each island that is met again, so that a step makes only numbers.
+// Purpose: the symbolic analysis of each island, kept from step to step, with what its next step starts from.
 #pragma once
 
 #include <pintle/solver/block_factor.h>
@@ -25,50 +25,49 @@ struct Topology {
   std::vector<Joint> joints;
   const void* first = nullptr;  ///< of the joints, by which islands of the same shape differ
   Elimination elimination;
-  /// Whether some joints close a loop, which may be by the ground: then some of them may say again
-  /// what the others do.
+  /// Whether joints close a loop, which may lead through the ground. Rows may then depend on each other.
   bool loops = false;
-  /// What joints connect, the ground apart: numbers of the component of each joint, in the order of
-  /// elimination, and of each body; -1 for a body that has none.
+  /// Components: bodies connected by joints, not counting the ground. The number of each joint's, in the order of
+  /// elimination, and of each body's; -1: a body without joints.
   std::vector<int> component, body_component;
   int components = 0;
-  /// Whether a component hangs on the ground, or on what its owner moves.
+  /// Of each component: whether it is joined to a static or kinematic body.
   std::vector<char> grounded;
-  /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the
-  /// world, which says how stiff the bodies will be in the next. Empty before the first.
+  /// Of each joint, in the order of elimination: the impulse of its point in the last step, N s in the world. It
+  /// predicts the geometric stiffness of the next. Empty before the first step.
   std::vector<double> impulses;
-  /// Of each row of each joint, joint_rows of each, in the order of elimination: its impulse in the last
-  /// step, if it was at a bound; else `inside`.
+  /// Of each row with bounds, joint_rows a joint, in the order of elimination: its impulse in the last step, if it was
+  /// at a bound; else `inside`.
   std::vector<Scalar> at_bound;
   static constexpr Scalar inside = infinity;
-  /// Of a joint, no more than block_rows of which have a place in its block: those at a bound need none.
+  /// Rows of a joint, of which block_rows fit its block. Rows at a bound need no place there.
   static constexpr int joint_rows = 8;
-  /// A row of a joint of Bullet's own that was iterated in the last step.
+  /// A stock joint's row that was iterated in the last step.
   struct Iterated {
     const btTypedConstraint* joint;
     int index;                  ///< among the rows of the joint
-    Scalar impulse;             ///< with which it is to begin
+    Scalar impulse;             ///< of the warm start
     btVector3 linear, angular;  ///< of the row, for body a
     friend bool operator<(const Iterated& a, const Iterated& b) {
       return a.joint != b.joint ? std::less<>()(a.joint, b.joint) : a.index < b.index;
     }
   };
   std::vector<Iterated> iterated;  ///< sorted
-  /// Of each component: how much of what the ends of steps may add to its energy they have.
+  /// Of each component: the part used of the energy that end-of-step corrections may add.
   std::vector<double> gained;
-  /// Of each component that turns fast, J: what its joints have given it, less what has been taken for that, and what
-  /// has been taken, which may be given back.
+  /// The energy balance of a component that turns fast, J: `given` by its joints and not yet taken back, and `taken`,
+  /// which may be returned.
   struct ChordEnergy {
     double given = 0, taken = 0;
   };
   std::vector<ChordEnergy> chord_energy;
-  double compensation_left = 0;  ///< for which this is still kept, s
+  double compensation_left = 0;  ///< how long the balance is still kept, s
   unsigned long long last_use = 0;
 };
 
 class Topologies {
  public:
-  /// The analysis of these joints: one that stands, or a new one.
+  /// The analysis of these joints: the known one, or a new one.
   Topology& get(const std::vector<Topology::Joint>& joints, const void* first);
   size_t bytes() const;
 
