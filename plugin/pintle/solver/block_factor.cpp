@@ -45,12 +45,7 @@ void BlockFactor::factoriseDiagonal(int c, double tolerance) {
     const Column<height> diagonal = column<height>(inverse);
     for (int p = 0; p < n; ++p) {
       const double pivot = A[p * height + p];
-      if (pivot > tolerance * diagonal[p]) {
-        inverse[p] = 1 / pivot;
-      } else {
-        inverse[p] = 0;
-        ++m_dependent;
-      }
+      inverse[p] = pivot > tolerance * diagonal[p] ? 1 / pivot : 0;
       const Column<height> L = inverse[p] * column<height>(A, p);
       for (int q = p + 1; q < n; ++q) column<height>(A, q) -= A[p * height + q] * L;
       column<height>(A, p) = L.cwiseProduct(column<height>(below[p]));
@@ -61,7 +56,6 @@ void BlockFactor::factoriseDiagonal(int c, double tolerance) {
 void BlockFactor::factorise(double tolerance) {
   const Elimination& e = *m_elimination;
   const int columns = e.columns();
-  m_dependent = 0;
   // The diagonal of K, before anything is taken from it.
   for (int c = 0; c < columns; ++c) {
     const int rows = m_rows[size_t(c)];

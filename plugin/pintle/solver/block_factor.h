@@ -29,8 +29,6 @@ class BlockFactor {
   /// Factorises K in place. A pivot below `tolerance` times its diagonal element is rounding: the row depends on
   /// others, and gets no impulse.
   void factorise(double tolerance);
-  /// The number of dependent rows.
-  int dependent() const { return m_dependent; }
 
   /// x = K^-1 x, with block_rows numbers a joint: eliminate() from the first column to the last (forward
   /// substitution), then substitute() from the last to the first.
@@ -56,7 +54,6 @@ class BlockFactor {
   std::vector<double> m_blocks;   ///< K, then L
   std::vector<double> m_inverse;  ///< of D
   std::vector<double> m_scratch;  ///< L D of one column
-  int m_dependent = 0;
 };
 
 }  // namespace PINTLE_PRECISION

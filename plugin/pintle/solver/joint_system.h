@@ -1,5 +1,5 @@
 // Purpose: the bilateral joint rows of an island as one linear system,
-//   (J M^-1 J^T + Sigma) lambda = deficit - J v,  Sigma = gamma / dt (document, 2.12),
+//   (J M^-1 J^T + Sigma) lambda = rhs - J v,  Sigma = gamma / dt (document, 2.12),
 // written in velocities u that are scaled by the root of the mass, v = S u with S S^T = M^-1. Rows
 // become J S, which is all that K and the effect of an impulse need.
 #pragma once
