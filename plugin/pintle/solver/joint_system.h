@@ -163,8 +163,9 @@ class JointSystem {
   bool bounded() const { return m_bounded; }
   /// Whether an iterated row has a warm start.
   bool loaded() const { return m_loaded; }
-  /// Active set: marks rows that exceed their bounds for Bullet's iteration; with `all`, every row with bounds. A
-  /// row that breaks its joint keeps the impulse of its bound. Returns whether any was marked: gather again.
+  /// Active set: marks rows that exceed their bounds for Bullet's iteration; if there are such and `all` is set, every
+  /// row with bounds. A row that breaks its joint keeps the impulse of its bound. Returns whether any was marked:
+  /// gather again.
   bool releaseSaturated(btConstraintArray& rows, bool all);
   /// Active set: marks iterated rows for the system if they are within their bounds, or would leave them by what
   /// the system has done since. Returns whether any was marked: gather again.
