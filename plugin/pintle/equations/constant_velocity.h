@@ -53,8 +53,8 @@ T constant_velocity_curvature(const Vector3<T>& J_b, const Vector3<T>& w_a, cons
 }
 
 /// The angle of the shaft: the direction of the bend, as body a sees it. While both bodies turn at W
-/// along their own shaft and the bend stands still in the world, this angle grows at W. `length` is the sine of the bend: a motor of the shaft has its torque from the bend, and none
-/// without.
+/// along their own shaft and the bend stands still in the world, this angle grows at W. `length` is
+/// the sine of the bend: a motor of the shaft has its torque from the bend, and none without.
 template <class T>
 AngleAbout<T> shaft_angle(const Vector3<T>& x_a, const Vector3<T>& y_a, const Vector3<T>& x_b) {
   AngleAbout<T> azimuth = angle_about(x_a, y_a, x_b);

@@ -95,6 +95,15 @@ bool isRounding(const Row& row, const BodyPair& pair) {
   return !(K > 8 * SIMD_EPSILON * terms);
 }
 
+// The rows of what acts along an axis, all along the same J; `target`: what their own targets are added to.
+inline void writeParts(RowWriter& out, const AxisState& axis, const Lanes& L, const Lanes& A_a,
+                       const Lanes& A_b, Scalar target, const AxisRow (&parts)[Axis::parts]) {
+  for (const Axis::Part i : Axis::each_part)
+    if (axis.row[i] >= 0)
+      out.write(L, A_a, A_b, target + parts[i].target, parts[i].cfm, parts[i].lower,
+                parts[i].upper);
+}
+
 bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
   return std::any_of(parts, parts + Axis::parts, [](const AxisRow& part) { return part.cfm > 0; });
 }
@@ -399,14 +408,6 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   if (!m_solved_at_once) limitClosing(step);
   const ImpulseSetting setting = impulseSetting();
   info->m_damping = setting.damping;
-  const auto write_axis = [&](const Row& row, const Lanes& L, const Lanes& A_a, const Lanes& A_b,
-                              Scalar target, const AxisRow(&parts)[Axis::parts]) {
-    const AxisState& state = m_rows.axis(row.axis);
-    for (const Axis::Part i : Axis::each_part)
-      if (state.row[i] >= 0)
-        out.write(L, A_a, A_b, target + parts[i].target, parts[i].cfm, parts[i].lower,
-                  parts[i].upper);
-  };
 
   const int equalities = m_rows.equalities();
   if (n > equalities) forgetImpulses();
@@ -436,7 +437,8 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
       const bool soft = m_rows.axis(row.axis).axis->isSoft(row.limit);
       if (!soft) act(row, nullptr, nullptr, step, parts);
       if (soft || hasSoftness(parts)) actBesideEqualities(row, step, parts);
-      write_axis(row, row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0, parts);
+      writeParts(out, m_rows.axis(row.axis), row.lanesL(), row.lanesA_a(), row.lanesA_b(), 0,
+                 parts);
     }
     return;
   }
@@ -471,7 +473,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
       block.eliminate(to, m_rows[i]);
     AxisRow parts[Axis::parts];
     act(m_rows[i], &to, &block, step, parts);
-    write_axis(m_rows[i], to.L, to.A_a, to.A_b, to.target(), parts);
+    writeParts(out, m_rows.axis(m_rows[i].axis), to.L, to.A_a, to.A_b, to.target(), parts);
   }
 }
 
@@ -511,10 +513,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
     if (row.axis >= 0) {
       AxisRow parts[Axis::parts];
       act(row, nullptr, nullptr, step, parts);
-      const AxisState& state = m_rows.axis(row.axis);
-      for (const Axis::Part k : Axis::each_part)
-        if (state.row[k] >= 0)
-          out.write(L, A_a, A_b, parts[k].target, parts[k].cfm, parts[k].lower, parts[k].upper);
+      writeParts(out, m_rows.axis(row.axis), L, A_a, A_b, 0, parts);
       continue;
     }
     Scalar cfm = step.cfm[row.firmness], target = step.target(row);

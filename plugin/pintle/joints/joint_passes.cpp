@@ -114,13 +114,15 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
                      passes <= std::numeric_limits<short>::max();
   m_passes_left = static_cast<short>(shown ? passes : 0);
   // Forces on bodies that turn far in a step are others in the next one, and so is what a motor makes of them.
-  bool is_driven = false;
-  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-    const Axis::Drive drive = m_rows.axis(m_rows[i].axis).axis->drive;
-    is_driven = is_driven || (drive != Axis::Drive::off && drive != Axis::Drive::servo);
-  }
-  m_may_start_warm = m_starts_warm && !m_starts_apart && !is_driven && m_passes_left > few_passes &&
-                     curvedPart() > 0;
+  const auto is_driven = [this] {
+    for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+      const Axis::Drive drive = m_rows.axis(m_rows[i].axis).axis->drive;
+      if (drive != Axis::Drive::off && drive != Axis::Drive::servo) return true;
+    }
+    return false;
+  };
+  m_may_start_warm = m_starts_warm && !m_starts_apart && m_passes_left > few_passes &&
+                     curvedPart() > 0 && !is_driven();
   const Scalar turn = m_angular_speed * m_time_step;
   m_looks_ahead =
       m_formulation == Formulation::conditioned && turn > least_look && turn < most_look;
