@@ -18,7 +18,7 @@ namespace {
 // cast by type.
 constexpr auto pintle_type = btTypedConstraintType(15);
 
-constexpr int max_firmness = 3;
+constexpr int max_groups = 3;
 
 // An impulse that is given, as that of a soft spring, does not see what other joints do to its coordinate
 // in the step. They are going to do again what they did; half of what has changed is taken over in a
@@ -113,9 +113,9 @@ bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
 // What all rows of a joint share in a step.
 struct Joint::Step {
   Scalar fps;
-  Scalar limit_erp;                              ///< unless the limit has its own
-  Scalar rate[max_firmness], cfm[max_firmness];  ///< of equalities: erp / dt, and softness
-  bool rigid;                                    ///< no equality is soft
+  Scalar limit_erp;                          ///< unless the limit has its own
+  Scalar rate[max_groups], cfm[max_groups];  ///< of equalities: erp / dt, and softness
+  bool rigid;                                ///< no equality is soft
   Scalar curved_time;   ///< s: with the curvature, what it adds to a mean velocity
   Scalar foreseen = 1;  ///< the part of that that equalities reckon with
   Scalar closing = 1;   ///< the part of the correction that rows without a largest speed take
@@ -126,23 +126,23 @@ struct Joint::Step {
     rate[0] = limit_erp * fps;
     cfm[0] = joint.m_cfm.orElse(default_cfm);
     rigid = cfm[0] == 0;
-    if (joint.m_firmness_differs) setFirmness(joint, info, default_cfm);
+    if (joint.m_erp_cfm_differs) setGroups(joint, info, default_cfm);
   }
 
-  void setFirmness(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
+  void setGroups(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
     rigid = true;
-    const Firmness* const all = joint.firmness();
-    for (int i = 0; i < max_firmness; ++i) {
-      const Firmness& firmness = all[i];
-      rate[i] = firmness.factor * firmness.erp.orElse(info.erp) * fps;
-      cfm[i] = firmness.cfm.orElse(default_cfm);
+    const ErpCfm* const all = joint.groups();
+    for (int i = 0; i < max_groups; ++i) {
+      const ErpCfm& group = all[i];
+      rate[i] = group.factor * group.erp.orElse(info.erp) * fps;
+      cfm[i] = group.cfm.orElse(default_cfm);
       rigid = rigid && cfm[i] == 0;
     }
   }
 
   // Whether Bullet's iteration would diverge for an equality.
   bool tooSoft(const Joint& joint) const {
-    const int n = joint.m_firmness_differs ? max_firmness : 1;
+    const int n = joint.m_erp_cfm_differs ? max_groups : 1;
     return !std::all_of(cfm, cfm + n, [](Scalar c) { return c < diverging_cfm; });
   }
 
@@ -154,8 +154,8 @@ struct Joint::Step {
 
   // The velocity that takes away the part erp of C (2.3).
   Scalar correction(const Row& row) const {
-    const Scalar away = -rate[row.firmness] * (closes(row) ? closing : Scalar(1)) * row.position;
-    const Scalar speed = btFabs(away) > least_speed ? away : Scalar(0);
+    const Scalar away = -rate[row.group] * (closes(row) ? closing : Scalar(1)) * row.position;
+    const Scalar speed = btFabs(away) > min_speed ? away : Scalar(0);
     return btMax(-row.max_speed, btMin(speed, row.max_speed));
   }
 
@@ -164,9 +164,9 @@ struct Joint::Step {
   Scalar target(const Row& row) const { return correction(row) - foreseen * gain(row); }
 };
 
-Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount most)
+Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows)
     : btTypedConstraint(pintle_type, a, b),
-      m_firmness_differs(false),
+      m_erp_cfm_differs(false),
       m_foresees_curvature(false),
       m_turns_shafts(false),
       m_starts_warm(true),
@@ -174,23 +174,25 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount most)
       m_solved_at_once(false),
       m_formulation(Formulation::conditioned),
       m_looks_ahead(false),
-      m_passes_done(0),
       m_remembers(false),
       m_learned(false),
       m_may_start_warm(false),
       m_might_start_warm(false),
       m_relaxed(false),
+      m_undisturbed(false),
+      m_acts_in_each(false),
+      m_rests(false),
       m_starts_apart(false),
       m_shows_passes(false),
-      m_rows(makeRows(most)) {}
+      m_rows(makeRows(max_rows)) {}
 
-Joint::Joint(btRigidBody& a, RowCount most) : Joint(a, getFixedBody(), most) {}
+Joint::Joint(btRigidBody& a, RowCount max_rows) : Joint(a, getFixedBody(), max_rows) {}
 
 Joint::~Joint() { deleteRows(m_rows); }
 
-void Joint::setRowCount(RowCount most) {
+void Joint::setRowCount(RowCount max_rows) {
   const RowList old = m_rows;
-  m_rows = makeRows(most);
+  m_rows = makeRows(max_rows);
   deleteRows(old);
 }
 
@@ -202,12 +204,13 @@ void Joint::buildJacobian() {
   m_solver_rows = nullptr;
   // A solver that did not show its passes, or not all: what is remembered is old.
   m_remembers = m_learned && m_passes_left == 0;
-  if (m_passes_left > 0 && m_passes_done == 0) m_shows_passes = false;
+  if (m_passes_left > 0 && m_passes_left == m_passes) m_shows_passes = false;
+  if (m_passes == 0) m_undisturbed = false;
   m_might_start_warm = m_may_start_warm;
-  m_learned = m_may_start_warm = m_relaxed = m_looks_ahead = false;
+  m_learned = m_may_start_warm = m_relaxed = m_rests = m_looks_ahead = false;
   m_last_foreseen = m_foreseen;
   m_foreseen = -1;
-  m_passes_left = 0;
+  m_passes = m_passes_left = 0;
   // A disabled joint has no rows, but its angle goes on turning.
   if (!isEnabled()) {
     forget();
@@ -252,18 +255,20 @@ Scalar Joint::gapInLever(Scalar lever2, Scalar gap2) const {
 void Joint::limitClosing(Step& step) {
   Scalar gap2 = 0, other2 = 0;
   const int n = m_rows.equalities();
-  for (int i = 0; i < n; ++i)
-    (step.closes(m_rows[i]) ? gap2 : other2) += m_rows[i].position * m_rows[i].position;
+  for (int i = 0; i < n; ++i) {
+    const Row& row = m_rows[i];
+    (step.closes(row) ? gap2 : other2) += row.position * row.position;
+  }
   const Scalar last = m_gap, rate = step.rate[0];
   m_gap = btSqrt(gap2);
   const Scalar speed = rate * m_gap,
-               most = btMax(m_max_linear_correction_speed, m_gap / longest_closing);
-  if (!(speed > apart * most || rate * btSqrt(other2) > apart * m_max_correction_speed)) {
+               max_speed = btMax(m_max_linear_correction_speed, m_gap / longest_closing);
+  if (!(speed > apart * max_speed || rate * btSqrt(other2) > apart * m_max_correction_speed)) {
     m_starts_apart = false;
     return;
   }
   if (last < 0) m_starts_apart = true;
-  if (!m_starts_apart && speed > most && m_rbA.getInvMass() > 0 && m_rbB.getInvMass() > 0) {
+  if (!m_starts_apart && speed > max_speed && m_rbA.getInvMass() > 0 && m_rbB.getInvMass() > 0) {
     // J v, whichever way the bodies have turned in the step.
     const BodyPair pair(m_rbA, m_rbB);
     const Scalar v = (pair.v_b() - pair.v_a()).norm(), w_a = pair.w_a().norm(),
@@ -275,22 +280,22 @@ void Joint::limitClosing(Step& step) {
       const Scalar largest = row.L.norm() * v + row.A_a.norm() * w_a + row.A_b.norm() * w_b;
       speed2 += largest * largest;
     }
-    m_starts_apart = m_gap > last + (most + 2 * btSqrt(speed2)) * m_time_step;
+    m_starts_apart = m_gap > last + (max_speed + 2 * btSqrt(speed2)) * m_time_step;
   }
   if (!m_starts_apart) return;
-  const Scalar times = speed / most;
+  const Scalar times = speed / max_speed;
   step.closing = times < infinity ? 1 / btSqrt(1 + times * times) : Scalar(0);  // also NaN
 }
 
 // At the start of a step a row that the last one solved moves at
 //   J v = correction + residual + gain,
 // for it was to have correction - gain, and J has turned by twice the gain since. What else is left along it is how its
-// bend has changed. The target makes up for what is still left of the residual; and it foresees a bend only as far as that
-// lasts. An impulse lambda of the row works by lambda . J (v0 + v1) / 2, v0 and v1 the velocities before and after the
-// step: a bend that lasts turns v0 into -v1 along the row, and does no work whatever the load. One that a blow has
-// made feeds what hits the joint next.
-inline void Joint::foresee(Step& step, const BodyPair& pair) {
-  const Vec3 v = pair.v_b() - pair.v_a(), w_a = pair.w_a(), w_b = pair.w_b();
+// bend has changed. The targets, which hold the corrections, make up for what is still left of the residual; and a bend
+// is foreseen only as far as it lasts: returns that part. An impulse lambda of the row works by
+// lambda . J (v0 + v1) / 2, v0 and v1 the velocities before and after the step: a bend that lasts turns v0 into -v1
+// along the row, and does no work whatever the load. One that a blow has made feeds what hits the joint next.
+inline Scalar Joint::compareWithLast(const Step& step, const BodyPair& pair) {
+  const RelativeVelocity V(pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b());
   const bool makes_up = m_remembers && !m_starts_apart;
   const Scalar part = feed_forward * curvedPart();
   Scalar bend2 = 0, change2 = 0;
@@ -298,20 +303,36 @@ inline void Joint::foresee(Step& step, const BodyPair& pair) {
     Row& row = m_rows[i];
     const Scalar gain = step.gain(row);
     const Scalar residual = makes_up ? m_rows.history(i).residual : Scalar(0);
-    const Scalar left = velocity(row, v, w_a, w_b) - gain - step.correction(row);
-    row.target = -part * agreed(residual, left);
+    const Scalar left = V.along(row) - gain - row.target;
+    row.target -= part * agreed(residual, left);
     if (row.angular) continue;
     const Scalar change = residual - left + (1 - m_last_foreseen) * gain;
     bend2 += gain * gain;
     change2 += change * change;
   }
+  if (m_last_foreseen < 0 || m_foresees_curvature) return 1;
   // Twice, since the gain is half of what J has turned by. Where a pivot hardly moves there is nothing but rounding.
-  const Scalar most2 = 4 * smooth * smooth * bend2;
+  const Scalar max_change2 = 4 * smooth * smooth * bend2;
   const Scalar moves = m_angular_speed * m_angular_speed * m_time_step;
-  const bool lasts = m_last_foreseen < 0 || m_foresees_curvature || !(change2 > most2) ||
-                     !(bend2 > SIMD_EPSILON * moves * moves);
-  m_foreseen = step.foreseen = lasts ? Scalar(1) : btSqrt(most2 / change2);
-  if (lasts) step.curved_time = m_curved_time = lastingTime();
+  return change2 > max_change2 && bend2 > SIMD_EPSILON * moves * moves
+             ? btSqrt(max_change2 / change2)
+             : Scalar(1);
+}
+
+// Gives each equality the velocity that it is to have. (All at once: a lane that is read just after a number of it was
+// written waits for that.)
+inline void Joint::aim(Step& step, const BodyPair& pair) {
+  const int n = m_rows.equalities();
+  Row* const rows = n > 0 ? &m_rows[0] : nullptr;
+  for (int i = 0; i < n; ++i) rows[i].target = step.correction(rows[i]);
+  if (!m_solved_at_once) {
+    // A joint that nothing disturbed in the last step was not hit.
+    m_foreseen = step.foreseen =
+        m_undisturbed && m_shows_passes ? Scalar(1) : compareWithLast(step, pair);
+    if (step.foreseen == 1) step.curved_time = m_curved_time = lastingTime();
+  }
+  const Scalar bend = step.foreseen * step.curved_time;
+  for (int i = 0; i < n; ++i) rows[i].target -= bend * rows[i].curvature;
 }
 
 void Joint::placeRows(int room) {
@@ -391,7 +412,7 @@ inline void Joint::forgetImpulses() {
     AxisState& state = m_rows.axis(i);
     const Scalar limit = state.impulse[Axis::limit];
     state.impulse = {};
-    if (m_solver_rows != nullptr) state.impulse[Axis::limit] = limit;
+    if (m_solver_rows != nullptr && state.row[Axis::limit] >= 0) state.impulse[Axis::limit] = limit;
   }
 }
 
@@ -425,11 +446,11 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   if (!m_block_rows || m_solved_at_once || !mayMix()) {
     const Scalar bound = setting.max_impulse;
     m_remembers = false;
-    if (!m_solved_at_once) foresee(step, pair);
+    aim(step, pair);
     for (int i = 0; i < equalities; ++i) {
-      Row& row = m_rows[i];
-      out.write(row.lanesL(), row.lanesA_a(), row.lanesA_b(), step.target(row),
-                step.cfm[row.firmness], -bound, bound);
+      const Row& row = m_rows[i];
+      out.write(row.lanesL(), row.lanesA_a(), row.lanesA_b(), row.target, step.cfm[row.group],
+                -bound, bound);
     }
     for (int i = equalities; i < n; ++i) {
       Row& row = m_rows[i];
@@ -447,15 +468,14 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
     beginPasses(*info);
   else
     m_remembers = false;
-  foresee(step, pair);
+  aim(step, pair);
   m_looks_ahead = m_looks_ahead && step.foreseen == 1;
 
   Block block(pair);
   for (int i = 0; i < equalities; ++i) {
-    Row& row = m_rows[i];
-    row.target += step.target(row);
+    const Row& row = m_rows[i];
     const BlockRow& to = block.add(row);
-    out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.firmness], -infinity, infinity);
+    out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.group], -infinity, infinity);
   }
   // A row that depends on others shares its impulse with them as it comes.
   if (!block.independent()) {
@@ -483,10 +503,7 @@ PINTLE_NOINLINE void Joint::actBesideEqualities(Row& row, const Step& step,
                                                 AxisRow (&parts)[Axis::parts]) {
   const BodyPair pair(m_rbA, m_rbB);
   Block block(pair);
-  for (int i = 0; i < m_rows.equalities(); ++i) {
-    m_rows[i].target = step.target(m_rows[i]);
-    block.add(m_rows[i]);
-  }
+  for (int i = 0; i < m_rows.equalities(); ++i) block.add(m_rows[i]);
   BlockRow plain, orthogonal;
   row.target = 0;
   Block::take(plain, row);
@@ -516,7 +533,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
       writeParts(out, m_rows.axis(row.axis), L, A_a, A_b, 0, parts);
       continue;
     }
-    Scalar cfm = step.cfm[row.firmness], target = step.target(row);
+    Scalar cfm = step.cfm[row.group], target = step.target(row);
     if (!m_solved_at_once && !(cfm < diverging_cfm)) {
       // Bullet takes this part of the free velocity away.
       const Scalar free = setting.damping * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);

@@ -7,6 +7,8 @@
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 
+#include <cstdint>
+
 class btIDebugDraw;
 struct btSolverConstraint;
 
@@ -90,10 +92,10 @@ class Joint : public btTypedConstraint {
 
  protected:
   /// The most rows that it has. Memory for them is taken here, and kept as long as the joint.
-  Joint(btRigidBody& a, btRigidBody& b, RowCount most);
-  Joint(btRigidBody& a, RowCount most);  ///< b is Bullet's fixed body
+  Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows);
+  Joint(btRigidBody& a, RowCount max_rows);  ///< b is Bullet's fixed body
   /// Another number, from the next step on. Those of the last one are forgotten.
-  void setRowCount(RowCount most);
+  void setRowCount(RowCount max_rows);
   /// Those of the last step.
   const RowList& rows() const { return m_rows; }
 
@@ -105,8 +107,8 @@ class Joint : public btTypedConstraint {
     addRows(pair, rows);
   }
   virtual ImpulseSetting impulseSetting() const { return {}; }
-  /// Three, by Row::firmness, if m_firmness_differs.
-  virtual const Firmness* firmness() const { return nullptr; }
+  /// Three, by Row::group, if m_erp_cfm_differs.
+  virtual const ErpCfm* groups() const { return nullptr; }
   /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
   /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
   /// had: the curvature is left out from there on, and by degrees before, on the side of losing energy.
@@ -153,8 +155,8 @@ class Joint : public btTypedConstraint {
   Parameter m_erp, m_cfm;              ///< of equalities
   Parameter m_limit_erp, m_limit_cfm;  ///< of limits
   Parameter m_motor_cfm;
-  /// Whether the equalities differ; else m_erp and m_cfm hold for all, and Row::firmness is 0.
-  bool m_firmness_differs : 1;
+  /// Whether the equalities differ; else m_erp and m_cfm hold for all, and Row::group is 0.
+  bool m_erp_cfm_differs : 1;
   /// Whether the curvature of its rows is that at the end of the step. Else it is that of now, and
   /// what the bodies' turning suggests is made of it.
   bool m_foresees_curvature : 1;
@@ -195,17 +197,21 @@ class Joint : public btTypedConstraint {
   bool m_block_rows : 1;
   bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated
   Formulation m_formulation : 1;
-  bool m_looks_ahead : 1;           ///< between Bullet's passes
-  unsigned char m_passes_done : 4;  ///< of Bullet's over the rows; no more than 15
-  bool m_remembers : 1;             ///< what the last step's passes left (RowHistory)
-  bool m_learned : 1;               ///< the same of this step
+  bool m_looks_ahead : 1;  ///< between Bullet's passes
+  bool m_remembers : 1;    ///< what the last step's passes left (RowHistory)
+  bool m_learned : 1;      ///< the same of this step
   /// Whether this step may begin with impulses of the last one, and whether that might.
   bool m_may_start_warm : 1, m_might_start_warm : 1;
-  bool m_relaxed : 1;                  ///< over-relaxed in this step
-  bool m_starts_apart : 1;             ///< its pivots are being brought together
-  bool m_shows_passes : 1;             ///< Bullet's solver did so in the last step
+  bool m_relaxed : 1;       ///< over-relaxed in this step
+  bool m_undisturbed : 1;   ///< nothing changed its impulses since the first pass
+  bool m_acts_in_each : 1;  ///< has something to do after each pass, not the last two alone
+  bool m_rests : 1;         ///< its rows are left out of Bullet's passes
+  bool m_starts_apart : 1;  ///< its pivots are being brought together
+  bool m_shows_passes : 1;  ///< Bullet's solver did so in the last step
   signed char m_solver_row_count = 0;  ///< of Bullet's: an axis may have one for each part
-  short m_passes_left = 0;             ///< until what the last one leaves is known
+  /// Bullet's over the rows: all, and those until what the last one leaves is known.
+  short m_passes = 0, m_passes_left = 0;
+  std::uint32_t m_velocities = 0;  ///< a hash of the bodies', while the joint rests
 
   void beginPasses(const btConstraintInfo2& info);
   /// Gives each part of each axis its place among Bullet's rows, of which there are so many.
@@ -221,16 +227,24 @@ class Joint : public btTypedConstraint {
   bool goesOn() const;
   void rememberPass();
   bool isDisturbed() const;
-  void start(btSolverBody& a, btSolverBody& b);
+  void rest(btSolverBody& a, btSolverBody& b, int done);
+  void setPasses(int count);
+  void solveRows(btSolverBody& a, btSolverBody& b);
+  bool isSettled() const;
+  void actBetweenPasses(btSolverBody& a, btSolverBody& b);
+  void startWarm(btSolverBody& a, btSolverBody& b);
   Scalar relaxation() const;
-  void foresee(Step& step, const BodyPair& pair);
+  void aim(Step& step, const BodyPair& pair);
+  Scalar compareWithLast(const Step& step, const BodyPair& pair);
   void limitClosing(Step& step);
   void liftThresholds();
   void breakIfOverloaded(btSolverBody& a, btSolverBody& b);
   void relax(Scalar factor);
   void lookAhead(const btSolverBody& a, const btSolverBody& b);
   void learn(const btSolverBody& a, const btSolverBody& b);
-  void seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b);
+  void seeAxis(const Row& row, const btSolverBody& a, const btSolverBody& b);
+  void seeDisturbance(const Row& row, AxisState& axis, const btSolverBody& a,
+                      const btSolverBody& b);
   void forget();
   void forgetImpulses();
   void writeDelicate(btConstraintInfo2& info);
@@ -250,8 +264,8 @@ class Joint : public btTypedConstraint {
   Scalar m_curved_time = 0;  ///< s, of this step
   Scalar m_max_correction_speed = 8;
   Scalar m_max_linear_correction_speed = 1;
-  Scalar m_last_load =
-      0;              ///< N s or N m s, after the last pass over the rows of a joint that may break
+  /// N s or N m s, after the last pass over the rows of a joint that may break.
+  Scalar m_last_load = 0;
   Scalar m_gap = -1;  ///< m, at the start of the last step; < 0: there was none
 };
 

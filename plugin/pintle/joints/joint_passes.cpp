@@ -4,6 +4,8 @@
 #include <pintle/joints/joint.h>
 #include <pintle/solver_body.h>
 
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace pintle {
@@ -40,20 +42,24 @@ constexpr int few_passes = 3;
 // these in a step, rad, it is found anew from where the velocities of now lead, each time that the number of
 // passes has doubled; by more than the second that need not converge. Nor for a joint that is further open
 // than it closes in a step at this speed, m/s or rad/s. (The document's form has no curvature.)
-constexpr Scalar least_look = Scalar(0.05), most_look = Scalar(0.3), open_speed = Scalar(0.3);
+constexpr Scalar min_look_turn = Scalar(0.05), max_look_turn = Scalar(0.3),
+                 open_speed = Scalar(0.3);
 
-// Looks come after one, two, four and eight passes: more are not counted.
-constexpr int most_passes_done = 15;
+// A joint may rest from this pass on, and if its impulses have changed by no more than this part of the largest: what the
+// rounding of single precision leaves of rows that are orthogonal.
+constexpr int passes_to_rest = 3;
+constexpr Scalar rounding_of_impulses = 64 * SIMD_EPSILON;
+
+// Looks come after one, two, four and eight passes.
+constexpr int last_look = 8;
 
 // Others may disturb the rows of a joint by so many times what that changes: beyond it is too early.
-constexpr Scalar most_disturbance = 3;
+constexpr Scalar max_disturbance = 3;
 
-// Stops a velocity that is made of `others` and `part`, by that part.
+// Sets to 0 what is slower than min_speed of the velocity that `part` and `others` make.
 void stopIfSlow(btVector3& part, const btVector3& others) {
-  for (int i = 0; i < 3; ++i) {
-    if (btFabs(part[i] + others[i]) < least_speed) part[i] = -others[i];
-    if (btFabs(part[i]) < least_speed) part[i] = 0;
-  }
+  for (int i = 0; i < 3; ++i)
+    if (btFabs(part[i] + others[i]) < min_speed) part[i] = -others[i];
 }
 void stopIfSlow(btSolverBody& body) {
   stopIfSlow(body.m_deltaLinearVelocity, body.m_linearVelocity + body.m_externalForceImpulse);
@@ -62,18 +68,32 @@ void stopIfSlow(btSolverBody& body) {
 
 // Bullet's gyroscopic term multiplies the velocity of what turns by thousands of radians in a step. None leaves
 // its joints faster than this, rad: Bullet turns no body by more than pi/4.
-constexpr Scalar fastest_turn = 1000;
+constexpr Scalar max_turn = 1000;
 void boundTurn(btSolverBody& body, Scalar dt) {
   const btVector3 w = angularVelocity(body);
   const Scalar turn2 = w.length2() * dt * dt;
-  if (turn2 > fastest_turn * fastest_turn && !body.internalGetInvMass().isZero())
-    body.m_deltaAngularVelocity -= (1 - fastest_turn / btSqrt(turn2)) * w;
+  if (turn2 > max_turn * max_turn && !body.internalGetInvMass().isZero())
+    body.m_deltaAngularVelocity -= (1 - max_turn / btSqrt(turn2)) * w;
 }
 
 Vec3 linear(const btSolverBody& body) { return view(linearVelocity(body)); }
 Vec3 angular(const btSolverBody& body) { return view(angularVelocity(body)); }
 
 bool isPowerOfTwo(int n) { return (n & (n - 1)) == 0; }
+
+// Of what a step's impulses have given the bodies so far: another one if a number is another. (FNV-1a, by words.)
+std::uint32_t hashOfVelocities(const btSolverBody& a, const btSolverBody& b) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const btVector3* v : {&a.m_deltaLinearVelocity, &a.m_deltaAngularVelocity,
+                             &b.m_deltaLinearVelocity, &b.m_deltaAngularVelocity}) {
+    for (int i = 0; i < 3; ++i) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &(*v)[i], sizeof(btScalar));
+      hash = (hash ^ bits) * 0x100000001b3u;
+    }
+  }
+  return static_cast<std::uint32_t>(hash ^ hash >> 32);
+}
 
 // J M^-1 J^T of two rows of a joint, both of the same sign.
 Scalar product(const Row& row, const btSolverConstraint& other, const btSolverBody& a,
@@ -84,13 +104,36 @@ Scalar product(const Row& row, const btSolverConstraint& other, const btSolverBo
          row.A_b.dot(view(other.m_angularComponentB));
 }
 
-void setImpulse(btSolverConstraint& row, btSolverBody& a, btSolverBody& b, Scalar impulse) {
-  const Scalar change = impulse - row.m_appliedImpulse;
-  a.internalApplyImpulse(row.m_contactNormal1 * a.internalGetInvMass(), row.m_angularComponentA,
-                         change);
-  b.internalApplyImpulse(row.m_contactNormal2 * b.internalGetInvMass(), row.m_angularComponentB,
-                         change);
-  row.m_appliedImpulse = impulse;
+// Changes of the impulses of a joint's rows, given to its bodies at once: all rows act on the same two.
+class ImpulseSum {
+ public:
+  void setImpulse(btSolverConstraint& row, Scalar impulse) {
+    const Scalar change = impulse - row.m_appliedImpulse;
+    m_linear += change * row.m_contactNormal1;
+    m_angular_a += change * row.m_angularComponentA;
+    m_angular_b += change * row.m_angularComponentB;
+    row.m_appliedImpulse = impulse;
+  }
+  void apply(btSolverBody& a, btSolverBody& b) const {
+    a.internalApplyImpulse(m_linear * a.internalGetInvMass(), m_angular_a, 1);
+    b.internalApplyImpulse(-m_linear * b.internalGetInvMass(), m_angular_b, 1);
+  }
+
+ private:
+  btVector3 m_linear{0, 0, 0}, m_angular_a{0, 0, 0}, m_angular_b{0, 0, 0};
+};
+
+// As Bullet's pass does.
+void solveRow(btSolverConstraint& row, btSolverBody& a, btSolverBody& b) {
+  const Scalar velocity = row.m_contactNormal1.dot(a.m_deltaLinearVelocity) +
+                          row.m_relpos1CrossNormal.dot(a.m_deltaAngularVelocity) +
+                          row.m_contactNormal2.dot(b.m_deltaLinearVelocity) +
+                          row.m_relpos2CrossNormal.dot(b.m_deltaAngularVelocity);
+  const Scalar impulse =
+      row.m_appliedImpulse * (1 - row.m_cfm) + row.m_rhs - velocity * row.m_jacDiagABInv;
+  ImpulseSum sum;
+  sum.setImpulse(row, btMax(row.m_lowerLimit, btMin(impulse, row.m_upperLimit)));
+  sum.apply(a, b);
 }
 
 // The same row with a Jacobian so many times as long: its impulse is that much smaller.
@@ -112,7 +155,8 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
   // Bullet shows none beyond its own number; so many are enough for any joint.
   const bool shown = m_solver_rows != nullptr && passes <= info.m_numIterations &&
                      passes <= std::numeric_limits<short>::max();
-  m_passes_left = static_cast<short>(shown ? passes : 0);
+  m_passes = m_passes_left = static_cast<short>(shown ? passes : 0);
+  m_acts_in_each = true;
   // Forces on bodies that turn far in a step are others in the next one, and so is what a motor makes of them.
   const auto is_driven = [this] {
     for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
@@ -123,14 +167,14 @@ void Joint::beginPasses(const btConstraintInfo2& info) {
   };
   m_may_start_warm = m_starts_warm && !m_starts_apart && m_passes_left > few_passes &&
                      curvedPart() > 0 && !is_driven();
+  m_last_load = -1;
   const Scalar turn = m_angular_speed * m_time_step;
   m_looks_ahead =
-      m_formulation == Formulation::conditioned && turn > least_look && turn < most_look;
-  m_passes_done = 0;
+      m_formulation == Formulation::conditioned && turn > min_look_turn && turn < max_look_turn;
 }
 
 PINTLE_NOINLINE void Joint::forget() {
-  m_remembers = false;
+  m_remembers = m_undisturbed = false;
   for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).seen = false;
 }
 
@@ -158,15 +202,17 @@ void Joint::breakIfOverloaded(btSolverBody& a, btSolverBody& b) {
   const Scalar load = btMax(P.cwiseAbs().maxCoeff(), T.norm()),
                threshold = getBreakingImpulseThreshold();
   // Bullet ends a step whose passes change nothing: what has settled may be the end.
-  const bool settled = m_passes_done > 1 && load == m_last_load;
+  const bool settled = load == m_last_load;
   m_last_load = load;
   if (m_passes_left > 0 && !settled) return;
   if (load >= threshold) {
+    ImpulseSum sum;
     for (int i = 0; i < n; ++i) {
       btSolverConstraint& row = m_solver_rows[i];
-      setImpulse(row, a, b, threshold / load * row.m_appliedImpulse);
+      sum.setImpulse(row, threshold / load * row.m_appliedImpulse);
       row.m_lowerLimit = row.m_upperLimit = row.m_appliedImpulse;
     }
+    sum.apply(a, b);
     setEnabled(false);
     return;
   }
@@ -207,19 +253,26 @@ Scalar Joint::warmLimit(int solver_row, Scalar part) const {
   return btMax(of->m_lowerLimit, btMin(impulse, of->m_upperLimit));
 }
 
-// The rows go on from what they had in the last step. (No K: Bullet passes over the row.)
-inline void Joint::start(btSolverBody& a, btSolverBody& b) {
+// After the first pass: the rows go on from what they had in the last step, over-relaxed from there on. (No K: Bullet
+// passes over the row.)
+inline void Joint::startWarm(btSolverBody& a, btSolverBody& b) {
   const Scalar part = warm_start * lasting();
-  for (int i = 0; i < m_rows.equalities(); ++i)
-    if (m_solver_rows[i].m_jacDiagABInv > 0)
-      setImpulse(m_solver_rows[i], a, b, part * m_rows.history(i).impulse);
-  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
-    const AxisState& state = m_rows.axis(m_rows[i].axis);
-    btSolverConstraint* const row =
-        state.impulse[Axis::limit] != 0 ? rigidLimit(m_rows[i]) : nullptr;
-    if (row != nullptr && row->m_jacDiagABInv > 0)
-      setImpulse(*row, a, b, warmLimit(state.row[Axis::limit], warm_limit));
+  ImpulseSum sum;
+  if (goesOn()) {
+    for (int i = 0; i < m_rows.equalities(); ++i)
+      if (m_solver_rows[i].m_jacDiagABInv > 0)
+        sum.setImpulse(m_solver_rows[i], part * m_rows.history(i).impulse);
+    for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+      const AxisState& state = m_rows.axis(m_rows[i].axis);
+      btSolverConstraint* const row =
+          state.impulse[Axis::limit] != 0 ? rigidLimit(m_rows[i]) : nullptr;
+      if (row != nullptr && row->m_jacDiagABInv > 0)
+        sum.setImpulse(*row, warmLimit(state.row[Axis::limit], warm_limit));
+    }
+    sum.apply(a, b);
   }
+  relax(relaxation());
+  m_relaxed = true;
 }
 
 inline Scalar Joint::relaxation() const { return 1 + over_relaxation * curvedPart(); }
@@ -253,11 +306,11 @@ inline bool Joint::isDisturbed() const {
 
 // What the passes have come to, and the velocities that they leave.
 inline void Joint::learn(const btSolverBody& a, const btSolverBody& b) {
-  const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
+  const RelativeVelocity V(linear(a), angular(a), linear(b), angular(b));
   for (int i = 0; i < m_rows.equalities(); ++i) {
     RowHistory& history = m_rows.history(i);
     history.impulse = m_solver_rows[i].m_appliedImpulse;
-    history.residual = velocity(m_rows[i], v_ab, w_a, w_b) - m_rows[i].target;
+    history.residual = V.along(m_rows[i]) - m_rows[i].target;
   }
   m_learned = true;
 }
@@ -266,18 +319,18 @@ inline void Joint::learn(const btSolverBody& a, const btSolverBody& b) {
 // elimination of rows/block.h as they did there.
 PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody& b) {
   const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
-  const Scalar most = most_look / m_time_step;
-  if (!(btMax(w_a.squaredNorm(), w_b.squaredNorm()) < most * most)) return;
+  const Scalar max_w = max_look_turn / m_time_step;
+  if (!(btMax(w_a.squaredNorm(), w_b.squaredNorm()) < max_w * max_w)) return;
   btTransform end_a, end_b;
   endOfStep(m_rbA.getCenterOfMassTransform(), a, m_time_step, end_a);
   endOfStep(m_rbB.getCenterOfMassTransform(), b, m_time_step, end_b);
-  RowMemory<most_joint_rows, most_joint_rows> memory;
+  RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   addRows(BodyPair(m_rbA, end_a, m_rbB, end_b), end);
   const int n = m_rows.equalities();
   if (end.equalities() != n) return;
   const Scalar curved_time = m_curved_time;
-  Scalar change[most_joint_rows], sum = 0, disturbance = 0;
+  Scalar change[max_joint_rows], sum = 0, disturbance = 0;
   for (int i = 0; i < m_rows.size(); ++i) {
     const Row& row = m_rows[i];
     const bool is_equality = i < n;
@@ -298,8 +351,8 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
     sum += btFabs(change[i]);
     disturbance += btFabs(now - row.target);
   }
-  if (!(disturbance < most_disturbance * sum && sum < infinity)) return;  // also NaN
-  Scalar by_K[most_joint_rows];
+  if (!(disturbance < max_disturbance * sum && sum < infinity)) return;  // also NaN
+  Scalar by_K[max_joint_rows];
   for (int i = 0; i < m_rows.size(); ++i) {
     Row& row = m_rows[i];
     Scalar eliminated = 0;
@@ -326,51 +379,111 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
 // Bullet calls this after each pass over the rows of all joints, before that over the contacts.
 void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
   m_shows_passes = true;
-  if (m_passes_left > 0) {
-    if (m_passes_done < most_passes_done) ++m_passes_done;
-    --m_passes_left;
-    if (m_passes_left % 2 == 0) {
-      stopIfSlow(a);
-      stopIfSlow(b);
-    }
-    // Not after the last one: nothing would come of it. And soon: Bullet ends a step whose passes change nothing.
-    if (m_looks_ahead && m_passes_left > 0 && isPowerOfTwo(m_passes_done)) lookAhead(a, b);
-    if (m_passes_left == 0) {
-      boundTurn(a, m_time_step);
-      boundTurn(b, m_time_step);
-    }
-    if (m_passes_done == 1 && breakable()) liftThresholds();
-    if (m_passes_done > 1 && breakable()) breakIfOverloaded(a, b);
-    const bool warm = m_may_start_warm && m_might_start_warm && m_remembers;
-    if (m_passes_done == 1) {
-      rememberPass();
-      if (warm) {
-        if (goesOn()) start(a, b);
-        relax(relaxation());
-        m_relaxed = true;
-      }
-    } else if (m_passes_left == 1 && m_relaxed) {
-      relax(1 / relaxation());
-    }
-    if (m_passes_left == 0 && !m_starts_apart && (m_passes_done == 1 || isDisturbed())) learn(a, b);
-  }
+  if (m_passes_left > 0 && (--m_passes_left <= 1 || m_acts_in_each)) actBetweenPasses(a, b);
   if (m_solver_rows == nullptr) return;
   for (int i = m_rows.equalities(); i < m_rows.size(); ++i) seeAxis(m_rows[i], a, b);
 }
 
+PINTLE_NOINLINE void Joint::actBetweenPasses(btSolverBody& a, btSolverBody& b) {
+  const int done = m_passes - m_passes_left;
+  // Not after the last one: nothing would come of it. And soon: Bullet ends a step whose passes change nothing.
+  if (m_looks_ahead && m_passes_left > 0 && done <= last_look && isPowerOfTwo(done))
+    lookAhead(a, b);
+  if (done == 1) {
+    m_undisturbed = false;
+    rememberPass();
+    if (breakable()) liftThresholds();
+    if (m_may_start_warm && m_might_start_warm && m_remembers) startWarm(a, b);
+    if (m_relaxed && !m_looks_ahead && !breakable()) m_acts_in_each = false;
+  } else if (breakable()) {
+    breakIfOverloaded(a, b);
+  }
+  if (m_acts_in_each && !m_looks_ahead && !breakable()) rest(a, b, done);
+  if (m_passes_left == 1 && m_relaxed) relax(1 / relaxation());
+  if (m_passes_left > 0) return;
+  boundTurn(a, m_time_step);
+  boundTurn(b, m_time_step);
+  if (!m_starts_apart) {
+    m_undisturbed = done > 1 && !isDisturbed();
+    if (!m_undisturbed) learn(a, b);
+  }
+  stopIfSlow(a);
+  stopIfSlow(b);
+}
+
+// A joint that nobody disturbs is solved by one pass, and Bullet is spared the others: a pass after which its impulses are
+// as they were has found nothing to do, and the next one would not, either, while its bodies stay as they are. What moves
+// one wakes the joint, which makes up for the pass that it was left out of: before the contacts, as if it had been in it.
+// (Two passes have to agree: btNNCGConstraintSolver moves bodies by what the last but one did.)
+inline void Joint::rest(btSolverBody& a, btSolverBody& b, int done) {
+  if (m_rests && hashOfVelocities(a, b) != m_velocities) {
+    m_undisturbed = m_rests = false;
+    setPasses(m_passes);
+    solveRows(a, b);
+  } else if (done > 1 && !m_rests) {
+    m_undisturbed = isSettled();
+    m_rests = m_undisturbed && done == passes_to_rest;
+    if (m_rests) {
+      // Another joint may have moved a body since this pass.
+      solveRows(a, b);
+      setPasses(0);
+    }
+    if (m_undisturbed) {
+      stopIfSlow(a);
+      stopIfSlow(b);
+    }
+  }
+  m_acts_in_each = done == 1 || m_undisturbed;
+  if (m_rests) m_velocities = hashOfVelocities(a, b);
+}
+
+inline void Joint::solveRows(btSolverBody& a, btSolverBody& b) {
+  for (int i = 0; i < m_solver_row_count; ++i) solveRow(m_solver_rows[i], a, b);
+}
+
+// Whether the impulses have not changed, but for rounding: those of equalities since the first pass, those of axes since
+// the last one.
+inline bool Joint::isSettled() const {
+  Scalar largest = 0, change = 0;
+  const auto see = [&](Scalar now, Scalar before) {
+    largest = btMax(largest, btFabs(now));
+    change = btMax(change, btFabs(now - before));
+  };
+  for (int i = 0; i < m_rows.equalities(); ++i)
+    see(m_solver_rows[i].m_appliedImpulse, m_rows.history(i).residual);
+  for (int i = m_rows.equalities(); i < m_rows.size(); ++i) {
+    const AxisState& axis = m_rows.axis(m_rows[i].axis);
+    for (const Axis::Part k : Axis::each_part)
+      if (axis.row[k] >= 0)
+        see(-axis.sign * m_solver_rows[axis.row[k]].m_appliedImpulse, axis.impulse[k]);
+  }
+  return change <= rounding_of_impulses * largest;
+}
+
+// Of Bullet's passes over all rows.
+inline void Joint::setPasses(int count) {
+  for (int i = 0; i < m_solver_row_count; ++i)
+    m_solver_rows[i].m_overrideNumSolverIterations = count;
+}
+
 // What the parts of an axis have come to, and what others do to a coordinate along which an impulse is given.
-void Joint::seeAxis(Row& row, const btSolverBody& a, const btSolverBody& b) {
+inline void Joint::seeAxis(const Row& row, const btSolverBody& a, const btSolverBody& b) {
   AxisState& axis = m_rows.axis(row.axis);
+  for (const Axis::Part k : Axis::each_part)
+    if (axis.row[k] >= 0)
+      axis.impulse[k] = -axis.sign * m_solver_rows[axis.row[k]].m_appliedImpulse;
+  axis.seen = axis.given;
+  if (axis.given) seeDisturbance(row, axis, a, b);
+}
+
+PINTLE_NOINLINE void Joint::seeDisturbance(const Row& row, AxisState& axis, const btSolverBody& a,
+                                           const btSolverBody& b) {
   Scalar taken = 0;  // by rows of the axis itself
   for (const Axis::Part k : Axis::each_part) {
-    axis.impulse[k] = 0;
     if (axis.row[k] < 0) continue;
     const btSolverConstraint& part = m_solver_rows[axis.row[k]];
-    axis.impulse[k] = -axis.sign * part.m_appliedImpulse;
     if (part.m_lowerLimit != part.m_upperLimit) taken += axis.impulse[k];
   }
-  axis.seen = axis.given;
-  if (!axis.given) return;
   const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
   axis.disturbance = axis.sign * now - axis.expected - axis.K * taken;
 }

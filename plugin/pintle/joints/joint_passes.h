@@ -14,13 +14,12 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// What is slower than this (m/s, rad/s) stands still. An error at rest would be taken away part by part
-/// for ever, and the rounding of a velocity that is 0 pass by pass: numbers near the least that there are,
-/// with which a processor is a hundred times as slow.
-constexpr Scalar least_speed = SIMD_EPSILON * SIMD_EPSILON;
+/// What is slower than this (m/s, rad/s) stands still. Of an error a step leaves a part, or its rounding: after a few
+/// steps a denormal, with which a processor is a hundred times as slow.
+constexpr Scalar min_speed = SIMD_EPSILON * SIMD_EPSILON;
 
 /// Whether a residual of now and one before say the same.
-inline bool agree(Scalar now, Scalar before) { return now * before > least_speed * least_speed; }
+inline bool agree(Scalar now, Scalar before) { return now * before > min_speed * min_speed; }
 
 /// What both say: the one nearer to 0, and 0 where they differ in sign.
 inline Scalar agreed(Scalar a, Scalar b) {
@@ -32,6 +31,20 @@ inline Scalar agreed(Scalar a, Scalar b) {
 inline Scalar velocity(const Row& row, const Vec3& v_ab, const Vec3& w_a, const Vec3& w_b) {
   return row.L.dot(v_ab) - row.A_a.dot(w_a) + row.A_b.dot(w_b);
 }
+
+/// The same of many rows: lane by lane, with one sum.
+class RelativeVelocity {
+ public:
+  RelativeVelocity(const Vec3& v_a, const Vec3& w_a, const Vec3& v_b, const Vec3& w_b)
+      : m_v(lanes(v_b - v_a)), m_w_a(lanes(w_a)), m_w_b(lanes(w_b)) {}
+  Scalar along(const Row& row) const {
+    return (row.lanesL() * m_v + row.lanesA_b() * m_w_b - row.lanesA_a() * m_w_a).sum();
+  }
+
+ private:
+  static Lanes lanes(const Vec3& v) { return {v[0], v[1], v[2], Scalar(0)}; }
+  Lanes m_v, m_w_a, m_w_b;
+};
 
 inline bool Joint::isLimit(const Row& row) const {
   const AxisState& state = m_rows.axis(row.axis);

@@ -197,17 +197,17 @@ void SliderJoint::tuningChanged() {
 
   const auto equality = [set](const BulletTuning& tuning, int erp_flag, int cfm_flag) {
     const Parameter erp = set(tuning.softness, erp_flag);
-    return Firmness{erp, set(tuning.cfm, cfm_flag), erp.isSet() ? Scalar(1) : tuning.softness};
+    return ErpCfm{erp, set(tuning.cfm, cfm_flag), erp.isSet() ? Scalar(1) : tuning.softness};
   };
-  m_firmnesses[across] =
+  m_erp_cfm[across] =
       equality(m_ortho_lin, BT_SLIDER_FLAGS_ERP_ORTLIN, BT_SLIDER_FLAGS_CFM_ORTLIN);
-  m_firmnesses[directions] =
+  m_erp_cfm[directions] =
       equality(m_ortho_ang, BT_SLIDER_FLAGS_ERP_ORTANG, BT_SLIDER_FLAGS_CFM_ORTANG);
   const bool same = m_ortho_lin.softness == 1 && m_ortho_ang.softness == 1 &&
                     m_lim_ang.softness == 1 &&
                     (m_flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) == 0;
-  m_firmness_differs = !same;
-  m_firmnesses[locked_angle] = {set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG),
+  m_erp_cfm_differs = !same;
+  m_erp_cfm[locked_angle] = {set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG),
                                 set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG), m_lim_ang.softness};
 }
 
@@ -363,7 +363,7 @@ inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
   const auto add = [&](const Vec3& u, int i) {
     const auto J = middle ? equations::slider_row_middle(u, at.a.a(), anchors).J
                           : equations::contact_row(u, anchors).J;
-    rows.addEquality(J.L, J.A_a, J.A_b, at.offset[i], middle ? Scalar(0) : bend[i]).firmness =
+    rows.addEquality(J.L, J.A_a, J.A_b, at.offset[i], middle ? Scalar(0) : bend[i]).group =
         group(across);
   };
   add(at.a.b(), 1);
@@ -386,10 +386,10 @@ inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twi
                        : turnedLockError(R(), twist, m_angular.low);
   const Scalar error = btSqrt(phi.dot(phi));
   const Scalar speed_per_error = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
-  const auto add = [&](const Vec3& u, Scalar C, int firmness) {
+  const auto add = [&](const Vec3& u, Scalar C, int kind) {
     Row& row = rows.addAngular(u, C);
     row.max_speed = speed_per_error * btFabs(C);
-    row.firmness = group(firmness);
+    row.group = group(kind);
   };
   add(at.a.b(), phi.y(), directions);
   add(at.a.c(), phi.z(), directions);
@@ -408,11 +408,11 @@ void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const
   // Along the error the row turns 2/|w| times as fast as it says.
   const Scalar speed_per_error =
       error > 0 ? getMaxCorrectionSpeed() * btFabs(p.w) / (2 * error) : Scalar(0);
-  const auto add = [&](int i, int firmness) {
+  const auto add = [&](int i, int kind) {
     const auto from = equations::quaternion_row<Scalar>(p, F, Vec3::Unit(i));
     Row& row = rows.addAngular(from.J_b, from.C);
     row.max_speed = speed_per_error * btFabs(from.C);
-    row.firmness = group(firmness);
+    row.group = group(kind);
   };
   add(1, directions);
   add(2, directions);

@@ -199,11 +199,11 @@ class SliderJoint : public PosedJoint {
   void updateState(const BodyPair& pair) override;
   void framesChanged() override;
   void prepare(const BodyPair& pair, Rows& rows) override;
-  const Firmness* firmness() const override { return m_firmnesses; }
+  const ErpCfm* groups() const override { return m_erp_cfm; }
 
  private:
   enum { angular, linear, axes };                         // the last one's impulse is known best
-  enum { across, directions, locked_angle, firmnesses };  // Row::firmness
+  enum { across, directions, locked_angle, group_count };  // Row::group
 
   /// What Bullet keeps for each of six cases.
   struct BulletTuning {
@@ -230,7 +230,7 @@ class SliderJoint : public PosedJoint {
                                  : Scalar(0);
   }
   unsigned char group(int i) const {
-    return m_firmness_differs ? static_cast<unsigned char>(i) : 0;
+    return m_erp_cfm_differs ? static_cast<unsigned char>(i) : 0;
   }
   void setAngularLimits(Scalar low, Scalar high);
   void setSoftness(BulletTuning& tuning, Scalar softness);
@@ -247,7 +247,7 @@ class SliderJoint : public PosedJoint {
   Scalar m_seen_position = 0;
   Scalar m_sign;  ///< position = sign * (way of b's anchor from a's)
   BulletTuning m_dir_lin, m_dir_ang, m_lim_lin, m_lim_ang, m_ortho_lin, m_ortho_ang;
-  Firmness m_firmnesses[firmnesses];
+  ErpCfm m_erp_cfm[group_count];
   int m_flags = 0;
   bool m_turn_given = false;
   static constexpr RowCount row_count{6, axes};

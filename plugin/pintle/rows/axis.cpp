@@ -49,17 +49,17 @@ double meet(const Slope* slope, const AxisPart* part, double u_free, double K) {
   };
   // Parts only pull from u_free towards their targets. (A part of a large bound ends far beyond, where
   // nothing is left of the digits near here.)
-  double least = u_free, most = u_free;
+  double lowest = u_free, highest = u_free;
   for (int i = 0; i < Axis::parts; ++i) {
     if (!part[i].on) continue;
-    least = std::min(least, slope[i].target);
-    most = std::max(most, slope[i].target);
+    lowest = std::min(lowest, slope[i].target);
+    highest = std::max(highest, slope[i].target);
   }
   // excess grows with u and is linear between the ends.
   int k = 0;
   while (k < n && excess(ends[k]) < 0) ++k;
-  const double left = k > 0 ? std::clamp(ends[k - 1], least, most) : least;
-  const double right = k < n ? std::clamp(ends[k], least, most) : most;
+  const double left = k > 0 ? std::clamp(ends[k - 1], lowest, highest) : lowest;
+  const double right = k < n ? std::clamp(ends[k], lowest, highest) : highest;
   const double f_left = excess(left), f_right = excess(right);
   return f_right > f_left ? left - f_left * (right - left) / (f_right - f_left) : left;
 }

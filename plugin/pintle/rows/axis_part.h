@@ -80,8 +80,8 @@ inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
     const Scalar target = axis.drive == Axis::Drive::pose   ? -m.fps * axis.motor_gain * m.position
                           : axis.drive == Axis::Drive::rate ? m.position
                                                             : m.motor_factor * axis.motor_velocity;
-    const Scalar most = m.motor_inertia * axis.max_motor_impulse + axis.max_motor_force / m.fps;
-    const Scalar bound = btMin(most, infinity);
+    const Scalar given = m.motor_inertia * axis.max_motor_impulse + axis.max_motor_force / m.fps;
+    const Scalar bound = btMin(given, infinity);
     return rigidPart(target, m.motor_cfm, -bound, bound);
   }
   const Scalar bound = axis.max_servo_force / m.fps;

@@ -25,7 +25,7 @@ struct AxisParameters {
 };
 
 /// ERP and CFM of a group of equalities: the part of C that a step takes away, and Bullet's softness.
-struct Firmness {
+struct ErpCfm {
   Parameter erp, cfm;
   Scalar factor = 1;  ///< of the ERP
 };

@@ -124,7 +124,7 @@ class Block {
 
   Lanes m_m;
   Lanes m_I_a[3], m_I_b[3];
-  BlockRow m_rows[most_joint_rows];
+  BlockRow m_rows[max_joint_rows];
   BlockRow* m_end = m_rows;
   BlockRow* m_angular_end = m_rows;  ///< of the angular rows that come first
   bool m_independent = true;

@@ -24,8 +24,8 @@ struct Row {
   Scalar max_speed;
   /// Which of the joint's axes it is; -1: an equality.
   signed char axis;
-  /// Which Firmness of the joint holds for an equality.
-  unsigned char firmness;
+  /// Which group of the joint's equalities it is of, with an ERP and a CFM of its own.
+  unsigned char group;
   /// L = 0 and A_a = A_b.
   bool angular;
   /// Whether the limit of the axis may act in this step.
@@ -65,7 +65,7 @@ inline bool isSameRow(const Row& a, const Row& b) {
 }
 
 /// No joint has more rows.
-constexpr int most_joint_rows = 8;
+constexpr int max_joint_rows = 8;
 
 /// Room for the rows of a joint, `Axes` of which may be free coordinates.
 template <int N, int Axes = 0>
@@ -132,7 +132,7 @@ class Rows : public RowList {
     row.position = position;
     row.max_speed = infinity;
     row.axis = -1;
-    row.firmness = 0;
+    row.group = 0;
     row.angular = row.limit = false;
     return row;
   }

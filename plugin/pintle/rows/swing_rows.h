@@ -12,14 +12,14 @@ inline namespace PINTLE_PRECISION {
 /// `swing`: from the axis of a to that of b. Returns the unit vectors that the rows are about.
 inline std::array<Vec3, 2> addSwingRows(const BodyPair& pair, const equations::Swing<Scalar>& swing,
                                         Scalar max_correction_speed, Rows& rows,
-                                        unsigned char firmness = 0) {
+                                        unsigned char group = 0) {
   const Vec3 p = any_tangent(swing.h), q = cross(swing.h, p), w_a = pair.w_a(), w_b = pair.w_b();
   const auto curvature = equations::swing_curvature(swing, p, q, w_a, w_b);
   const Scalar speed_per_error = swing.angle > 0 ? max_correction_speed / swing.angle : Scalar(0);
   const auto add = [&](const Vec3& u, Scalar second_derivative) {
     Row& row = rows.addAngular(u, u.dot(swing.sigma), second_derivative);
     row.max_speed = speed_per_error * std::abs(row.position);
-    row.firmness = firmness;
+    row.group = group;
   };
   add(p, curvature[0]);
   add(q, curvature[1]);

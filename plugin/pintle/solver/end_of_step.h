@@ -52,7 +52,7 @@ class EndOfStep {
   /// The mean velocity over the step that a rigid limit's row is short of, if the step ends with the rows `end`.
   Scalar missing(const Joint& joint, int row, const Rows& end) const;
 
-  RowMemory<most_joint_rows, most_joint_rows> m_memory;
+  RowMemory<max_joint_rows, max_joint_rows> m_memory;
   std::vector<btTransform> m_poses;
   std::vector<char> m_far;              ///< of each block
   std::vector<unsigned char> m_turned;  ///< of each block, a bit for each row
