@@ -1,6 +1,6 @@
-// Purpose: Bullet's two bodies of a joint in the document's symbols (1.2): x, R, v, w, m^-1, I^-1.
-// Everything is world space and SI. Nothing is copied: the accessors are Eigen views of Bullet's
-// own numbers, so that a joint pays for what it reads.
+// Purpose: Bullet's two bodies of a joint in the document's symbols (1.2): x and R, which are all that a joint's rows
+// depend on, and v, w, m^-1, I^-1. Everything is world space and SI. Nothing is copied: the accessors are Eigen views
+// of Bullet's own numbers, so that a joint pays for what it reads.
 #pragma once
 
 #include <pintle/vectors.h>
@@ -34,20 +34,37 @@ inline Vec3 freeAngular(const btRigidBody& body, Scalar dt) {
                   .cwiseProduct(view(body.getAngularFactor()));
 }
 
-class BodyPair {
+/// Where two bodies are. Keep the poses alive as long as the pair.
+class PosePair {
  public:
-  /// The bodies where they are.
-  BodyPair(const btRigidBody& a, const btRigidBody& b)
-      : BodyPair(a, a.getCenterOfMassTransform(), b, b.getCenterOfMassTransform()) {}
-  /// The bodies as they would be at other poses; keep the poses alive as long as the pair.
-  BodyPair(const btRigidBody& a, const btTransform& pose_a, const btRigidBody& b,
-           const btTransform& pose_b)
-      : m_a(a), m_b(b), m_pose_a(pose_a), m_pose_b(pose_b) {}
+  PosePair(const btTransform& pose_a, const btTransform& pose_b)
+      : m_pose_a(pose_a), m_pose_b(pose_b) {}
 
   VectorView x_a() const { return view(m_pose_a.getOrigin()); }
   VectorView x_b() const { return view(m_pose_b.getOrigin()); }
   MatrixView R_a() const { return view(m_pose_a.getBasis()); }
   MatrixView R_b() const { return view(m_pose_b.getBasis()); }
+  const btTransform& pose_a() const { return m_pose_a; }
+  const btTransform& pose_b() const { return m_pose_b; }
+
+  static bool is_finite(Scalar s) { return s - s == Scalar(0); }
+
+ private:
+  const btTransform& m_pose_a;
+  const btTransform& m_pose_b;
+};
+
+/// Two bodies, with what they move by.
+class BodyPair : public PosePair {
+ public:
+  /// The bodies where they are.
+  BodyPair(const btRigidBody& a, const btRigidBody& b)
+      : BodyPair(a, a.getCenterOfMassTransform(), b, b.getCenterOfMassTransform()) {}
+  /// The bodies as they would be at other poses.
+  BodyPair(const btRigidBody& a, const btTransform& pose_a, const btRigidBody& b,
+           const btTransform& pose_b)
+      : PosePair(pose_a, pose_b), m_a(a), m_b(b) {}
+
   VectorView v_a() const { return view(m_a.getLinearVelocity()); }
   VectorView v_b() const { return view(m_b.getLinearVelocity()); }
   VectorView w_a() const { return view(m_a.getAngularVelocity()); }
@@ -60,9 +77,7 @@ class BodyPair {
   const btRigidBody& a() const { return m_a; }
   const btRigidBody& b() const { return m_b; }
   /// Whether the poses are the bodies' own, to which their velocities belong.
-  bool inPlace() const { return &m_pose_a == &m_a.getCenterOfMassTransform(); }
-  const btTransform& pose_a() const { return m_pose_a; }
-  const btTransform& pose_b() const { return m_pose_b; }
+  bool inPlace() const { return &pose_a() == &m_a.getCenterOfMassTransform(); }
 
   /// False if a velocity, a force or a mass of either body holds NaN or infinity. (Poses need no check: NaN in one
   /// shows in every row.)
@@ -75,13 +90,9 @@ class BodyPair {
     return is_finite(sum[0] + sum[1] + sum[2] + m_a.getInvMass() + m_b.getInvMass());
   }
 
-  static bool is_finite(Scalar s) { return s - s == Scalar(0); }
-
  private:
   const btRigidBody& m_a;
   const btRigidBody& m_b;
-  const btTransform& m_pose_a;
-  const btTransform& m_pose_b;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -30,10 +30,13 @@
 #include <pintle/frame.h>
 #include <pintle/joints/frame_joint.h>
 #include <pintle/joints/joint.h>
+#include <pintle/joints/observed_joint_rows.h>
 #include <pintle/rows/far_limit.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
 #include <pintle/rows/row.h>
+#include <pintle/rows/row_shape.h>
+#include <pintle/rows/step_motion.h>
 #include <pintle/rows/swing_rows.h>
 #include <pintle/rows/turn_of_step.h>
 #include <pintle/rows/unwrapped_angle.h>

@@ -10,10 +10,10 @@ class Rod : public pintle::Joint {
       : Joint(a, b, pintle::RowCount{1}), m_length(positive("length", length)) {}
 
   const char* name() const override { return "Rod"; }
-  void addRows(const pintle::BodyPair& pair, pintle::Rows& rows) const override {
-    const pintle::Vec3 d = pair.x_b() - pair.x_a(), none = pintle::Vec3::Zero();
+  void addRows(const pintle::PosePair& poses, pintle::Rows& rows) const override {
+    const pintle::Vec3 d = poses.x_b() - poses.x_a(), none = pintle::Vec3::Zero();
     const btScalar length = d.norm();
-    if (pintle::BodyPair::is_finite(length) && length > 0)
+    if (pintle::PosePair::is_finite(length) && length > 0)
       rows.addEquality(d / length, none, none, length - m_length);
   }
   void drawJoint(btIDebugDraw&) const override {}

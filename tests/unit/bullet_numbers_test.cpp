@@ -24,7 +24,7 @@ class OneRow : public pintle::FrameJoint {
     setBlockRows(false);
   }
   const char* name() const override { return "OneRow"; }
-  void addRows(const pintle::BodyPair&, pintle::Rows& rows) const override {
+  void addRows(const pintle::PosePair&, pintle::Rows& rows) const override {
     rows.addEquality(m_J.L, m_J.A_a, m_J.A_b, m_C);
   }
   void soften(Scalar erp, Scalar cfm) {

@@ -1111,8 +1111,10 @@ TEST(ConeTwistImpulses, AddUpToTheJointsTorque) {
     limb.joint->setJointFeedback(&feedback);
     limb.joint->enableFeedback(true);
     pintle::RowMemory<8, 8> memory;
-    pintle::Rows rows(memory);
-    limb.joint->addRows(pintle::BodyPair(*limb.a, *limb.b), rows);
+    const pintle::BodyPair pair(*limb.a, *limb.b);
+    const pintle::StepMotion motion{pair, scalar(1. / 60), 0, 1, false};
+    pintle::Rows rows(memory, &motion);
+    limb.joint->addRows(pair, rows);
     ASSERT_EQ(rows.size(), 5);
     // In which a turns as the coordinate grows.
     const auto direction = [&](int i) {

@@ -3,7 +3,7 @@
 #include <pintle/body_pair.h>
 #include <pintle/equations/angular_limit.h>
 #include <pintle/joints/drawing.h>
-#include <pintle/rows/limit_reach.h>
+#include <pintle/joints/observed_joint_rows.h>
 #include <pintle/rows/row.h>
 
 namespace pintle {
@@ -17,20 +17,26 @@ constexpr Scalar min_length = Scalar(0.05);
 }  // namespace
 
 // World space.
-struct AngularLimit::Directions {
+struct AngularLimit::Observation {
   Vec3 a_a, c_a, a_b;
   equations::AngleAbout<Scalar> to;
+  UnwrappedAngle angle;
+  Scalar places;  ///< a body that is nowhere gets no row, even of its angle
+
+  // Near the axis the last angle stands.
+  bool hasAngle() const { return to.length > min_length; }
+  Scalar sum() const { return to.x + to.y + to.unit.sum() + places; }
 };
 
 AngularLimit::AngularLimit(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                            const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   m_axis.relaxation = 0;
 }
 
 AngularLimit::AngularLimit(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, row_count) {
+    : ObservedJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   m_axis.relaxation = 0;
 }
@@ -39,35 +45,33 @@ void AngularLimit::framesChanged() {
   // Another zero: the turns counted from the old one mean nothing.
   m_angle = {};
   m_turn_given = false;
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 // --- angle ---------------------------------------------------------------------------------------
 
-inline AngularLimit::Directions AngularLimit::directions(const BodyPair& pair) const {
+inline AngularLimit::Observation AngularLimit::observe(const PosePair& poses) const {
   const auto column = [](const MatrixView& R, const btMatrix3x3& frame, int i) {
     return Vec3(R * Vec3(view(frame).col(i)));
   };
-  Directions at;
-  at.a_a = column(pair.R_a(), m_frame_a.getBasis(), 0);
-  at.c_a = column(pair.R_a(), m_frame_a.getBasis(), 2);
-  at.a_b = column(pair.R_b(), m_frame_b.getBasis(), 0);
-  at.to = equations::angle_about(at.c_a, at.a_a, at.a_b);
-  return at;
+  Observation seen;
+  seen.a_a = column(poses.R_a(), m_frame_a.getBasis(), 0);
+  seen.c_a = column(poses.R_a(), m_frame_a.getBasis(), 2);
+  seen.a_b = column(poses.R_b(), m_frame_b.getBasis(), 0);
+  seen.to = equations::angle_about(seen.c_a, seen.a_a, seen.a_b);
+  seen.places = poses.x_a().sum() + poses.x_b().sum();
+  seen.angle = m_angle;
+  if (seen.hasAngle() && PosePair::is_finite(seen.to.x + seen.to.y))
+    seen.angle.update(seen.to.x, seen.to.y);
+  return seen;
 }
 
-inline void AngularLimit::look(const equations::AngleAbout<Scalar>& to,
-                               UnwrappedAngle& angle) const {
-  // Near the axis the last angle stands; so it does in a frame that its owner has spoiled.
-  if (to.length > min_length && BodyPair::is_finite(to.x + to.y)) angle.update(to.x, to.y);
-}
+inline void AngularLimit::remember(const Observation& seen, bool) { m_angle = seen.angle; }
 
-void AngularLimit::updateState(const BodyPair& pair) { look(directions(pair).to, m_angle); }
-
-btScalar AngularLimit::getAngle() const { return directions({m_rbA, m_rbB}).to.angle(); }
+btScalar AngularLimit::getAngle() const { return observe(BodyPair(m_rbA, m_rbB)).to.angle(); }
 
 btScalar AngularLimit::getAccumulatedAngle() {
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
   return m_angle.value();
 }
 
@@ -111,40 +115,25 @@ void AngularLimit::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-PINTLE_FLATTEN void AngularLimit::prepare(const BodyPair& pair, Rows& rows) {
-  const Directions at = directions(pair);
-  look(at.to, m_angle);
-  addRows(pair, at, m_angle, rows);
-}
-
-void AngularLimit::addRows(const BodyPair& pair, Rows& rows) const {
-  const Directions at = directions(pair);
-  UnwrappedAngle angle = m_angle;
-  look(at.to, angle);
-  addRows(pair, at, angle, rows);
-}
-
-inline void AngularLimit::addRows(const BodyPair& pair, const Directions& at,
-                                  const UnwrappedAngle& angle, Rows& rows) const {
-  if (!m_axis.driven() && !m_axis.limited()) return;
-  // Written so that NaN is not above. (A body that is nowhere gets no row, even of its angle.)
-  const Scalar sum = at.to.unit.sum() + pair.x_a().sum() + pair.x_b().sum();
-  if (!(at.to.length > min_length && BodyPair::is_finite(sum))) return;
-  Vec3 J_b = at.to.J_b();
+inline void AngularLimit::constrain(const Observation& seen, Rows& rows) const {
+  if (!seen.hasAngle() || (!m_axis.driven() && !m_axis.limited())) return;
+  Vec3 J_b = seen.to.J_b();
   if (getFormulation() == Formulation::document) {
-    const equations::Basis<Scalar> basis{at.a_a, cross(at.c_a, at.a_a), at.c_a};
-    J_b = equations::angular_limit_row(basis, at.a_b, Scalar(0)).J_b;
+    const equations::Basis<Scalar> basis{seen.a_a, cross(seen.c_a, seen.a_a), seen.c_a};
+    J_b = equations::angular_limit_row(basis, seen.a_b, Scalar(0)).J_b;
   }
   bool limit = false;
-  const Scalar coordinate = angle.value();
+  const Scalar coordinate = seen.angle.value();
   if (m_axis.limited()) {
     // The angle gains as much more by forces as its row is longer than a unit vector.
-    Reach reach = AngularReach(pair, timeStep()).about(J_b);
-    reach.gained /= at.to.length;
+    Reach reach = rows.turn().about(J_b);
+    reach.gained /= seen.to.length;
     limit = reach.of(m_axis).reaches(m_axis, coordinate);
   }
   if (limit || m_axis.driven()) rows.addAngularAxis(0, J_b, coordinate, m_axis, limit);
 }
+
+template class ObservedJoint<AngularLimit, FrameJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/joints/frame_joint.h>
+#include <pintle/joints/observed_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 namespace pintle {
@@ -20,7 +21,7 @@ inline namespace PINTLE_PRECISION {
 /// tilt, and within 3 degrees the joint lets go of it, and takes it up again where it was. Where
 /// the other angles pass 90 degrees use a WedgeJoint. Conditioned: the exact gradient of the angle.
 /// Document: z of a, exact only while x of b is at right angles to it.
-class AngularLimit : public FrameJoint {
+class AngularLimit : public ObservedJoint<AngularLimit, FrameJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -68,29 +69,28 @@ class AngularLimit : public FrameJoint {
   /// The frames, and the range of the angle about the axis of a.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "AngularLimit"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair& pair) override;
   void framesChanged() override;
-  void prepare(const BodyPair& pair, Rows& rows) override;
 
  private:
+  friend ObservedJoint;
   // It is nothing else.
   using FrameJoint::getAngularOnly;
   using FrameJoint::setAngularOnly;
 
-  struct Directions;
-  Directions directions(const BodyPair& pair) const;
-  void look(const equations::AngleAbout<Scalar>& to, UnwrappedAngle& angle) const;
-  void addRows(const BodyPair& pair, const Directions& at, const UnwrappedAngle& angle,
-               Rows& rows) const;
+  struct Observation;
+  Observation observe(const PosePair& poses) const;
+  void remember(const Observation& seen, bool);
+  void constrain(const Observation& seen, Rows& rows) const;
 
   Axis m_axis;
   UnwrappedAngle m_angle;
   bool m_turn_given = false;
   static constexpr RowCount row_count{1, 1};
 };
+
+extern template class ObservedJoint<AngularLimit, FrameJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -63,14 +63,15 @@ void BallJoint::drawJoint(btIDebugDraw& drawer) const {
   if (drawsFrames(drawer)) draw(m_rbB.getCenterOfMassTransform()(m_pivot_b));
 }
 
-PINTLE_FLATTEN void BallJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Vec3 r_a = pair.R_a() * view(m_pivot_a), r_b = pair.R_b() * view(m_pivot_b);
-  const Vec3 d = equations::position_error(pair.x_a(), r_a, pair.x_b(), r_b);
-  if (!BodyPair::is_finite(d.sum())) return;
+PINTLE_FLATTEN void BallJoint::addRows(const PosePair& poses, Rows& rows) const {
+  const Vec3 r_a = poses.R_a() * view(m_pivot_a), r_b = poses.R_b() * view(m_pivot_b);
+  const equations::Anchors<Scalar> at{
+      r_a, r_b, equations::position_error(poses.x_a(), r_a, poses.x_b(), r_b)};
+  if (!PosePair::is_finite(at.d.sum())) return;
   if (getFormulation() == Formulation::document)
-    addDocumentPositionRows(r_a, r_b, d, rows);
+    addDocumentPositionRows(at, rows);
   else
-    addConservingPositionRows(pair, r_a, r_b, d, gapInLever(r_a.dot(r_a), d.dot(d)), rows);
+    addConservingPositionRows(at, rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -57,7 +57,7 @@ class BallJoint : public Joint {
   /// The two pivots.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "BallJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  protected:
   // The setting is open: what is no number is no setting.

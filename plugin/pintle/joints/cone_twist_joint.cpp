@@ -7,7 +7,6 @@
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
-#include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
 #include <pintle/rows/swing_rows.h>
 
@@ -59,7 +58,6 @@ btQuaternion toBullet(const Quaternion<Scalar>& q) { return {q.v.x(), q.v.y(), q
 
 // Where the joint's frames are.
 struct ConeTwistJoint::At {
-  const BodyPair& pair;
   Frame a, b;
   Vec3 x_a = a.a(), x_b = b.a();
   Lanes dots = a.dots(b);
@@ -80,6 +78,10 @@ struct ConeTwistJoint::Turning {
   Scalar max = reach.max() + driven;
 
   Scalar gained() const { return reach.gained() + driven; }
+  /// Of an angle that moves with J . (w_b - w_a), |J| no longer than `length` in the step.
+  Reach along(const Vec3& J, Scalar length) const {
+    return {J.dot(reach.moved()), gained() * length};
+  }
 };
 
 // Unit vectors about which the bodies do not turn against each other.
@@ -421,24 +423,24 @@ btVector3 ConeTwistJoint::rotationImpulse(Axis::Part part) const {
 
 // --- readings ------------------------------------------------------------------------------------
 
-inline ConeTwistJoint::At ConeTwistJoint::at(const BodyPair& pair) const {
-  return {pair, {pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
+inline ConeTwistJoint::At ConeTwistJoint::at(const PosePair& poses) const {
+  return {{poses.pose_a(), m_frame_a}, {poses.pose_b(), m_frame_b}};
 }
 
 void ConeTwistJoint::calcAngleInfo2(const btTransform& transA, const btTransform& transB,
                                     const btMatrix3x3&, const btMatrix3x3&) {
-  const BodyPair pair(m_rbA, transA, m_rbB, transB);
+  const PosePair pair(transA, transB);
   m_seen_twist = twistAt(pair);
   m_seen_past_twist = isPastTwistLimit(m_seen_twist);
   m_seen_past_swing = isPastSwingLimit(pair);
   m_seen = true;
 }
 
-Scalar ConeTwistJoint::twistAt(const BodyPair& pair) const {
+Scalar ConeTwistJoint::twistAt(const PosePair& pair) const {
   return -equations::twist_angle(at(pair).twist());
 }
 
-btScalar ConeTwistJoint::getTwist() const { return twistAt({m_rbA, m_rbB}); }
+btScalar ConeTwistJoint::getTwist() const { return twistAt(BodyPair(m_rbA, m_rbB)); }
 
 btScalar ConeTwistJoint::getTwistAngle() const {
   return getTwistSpan() < 0 ? Scalar(0) : btFabs(m_seen ? m_seen_twist : getTwist());
@@ -461,10 +463,10 @@ bool ConeTwistJoint::isPastTwistLimit(Scalar twist) const {
 }
 
 bool ConeTwistJoint::isPastSwingLimit() {
-  return m_seen ? m_seen_past_swing : isPastSwingLimit({m_rbA, m_rbB});
+  return m_seen ? m_seen_past_swing : isPastSwingLimit(BodyPair(m_rbA, m_rbB));
 }
 
-bool ConeTwistJoint::isPastSwingLimit(const BodyPair& pair) const {
+bool ConeTwistJoint::isPastSwingLimit(const PosePair& pair) const {
   if (m_swings != Swings::cone) return true;
   if (!m_swing.limited()) return false;
   const At now = at(pair);
@@ -499,17 +501,17 @@ void ConeTwistJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-PINTLE_FLATTEN void ConeTwistJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const At here = at(pair);
-  const Vec3 d = equations::position_error(pair.x_a(), here.a.r(), pair.x_b(), here.b.r());
+PINTLE_FLATTEN void ConeTwistJoint::addRows(const PosePair& poses, Rows& rows) const {
+  const At here = at(poses);
+  const Vec3 d = equations::position_error(poses.x_a(), here.a.r(), poses.x_b(), here.b.r());
   // Also frames that their owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + here.dots[0] + here.dots[1] + here.dots[2])) return;
+  if (!PosePair::is_finite(d.sum() + here.dots[0] + here.dots[1] + here.dots[2])) return;
   const Locks locks = m_swings == Swings::cone ? Locks() : addLocks(here, rows);
-  addPivotRows(pair, {here.a.r(), here.b.r(), d}, rows);
+  addPivotRows({here.a.r(), here.b.r(), d}, rows);
   const Scalar driven =
       m_rotation && m_rotation->axis.driven() ? addRotation(here, locks, rows) : Scalar(0);
   if (!m_swing.limited() && !m_twist.limited()) return;
-  const Turning turning{AngularReach(pair, timeStep()), driven};
+  const Turning turning{rows.turn(), driven};
   if (m_swing.limited())
     isCone(m_swing) ? addConeLimit(here, turning, rows) : addOneSwingLimit(here, turning, rows);
   if (m_twist.limited()) addTwistLimit(here, turning, rows);
@@ -518,16 +520,17 @@ PINTLE_FLATTEN void ConeTwistJoint::addRows(const BodyPair& pair, Rows& rows) co
 ConeTwistJoint::Locks ConeTwistJoint::addLocks(const At& at, Rows& rows) const {
   Locks locks;
   if (m_swings != Swings::locked) {
-    const Vec3 w_a = at.pair.w_a(), w_b = at.pair.w_b();
     const Vec3 hinge = m_swings == Swings::only_1 ? at.a.c() : at.a.b();
     const auto row = equations::universal_row(hinge, at.x_b);
-    rows.addAngular(row.J_b, row.C, equations::universal_curvature(hinge, at.x_b, w_a, w_b))
-        .max_speed = getMaxCorrectionSpeed();
+    const Scalar curvature = rows.curvature([&](const BodyPair& v) {
+      return equations::universal_curvature<Scalar>(hinge, at.x_b, v.w_a(), v.w_b());
+    });
+    rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
     locks.about[locks.count++] = row.J_b;
     return locks;
   }
   const auto swing = equations::swing(at.x_a, at.x_b);
-  for (const Vec3& u : addSwingRows(at.pair, swing, getMaxCorrectionSpeed(), rows))
+  for (const Vec3& u : addSwingRows(swing, getMaxCorrectionSpeed(), rows))
     locks.about[locks.count++] = u;
   return locks;
 }
@@ -542,7 +545,7 @@ Scalar ConeTwistJoint::addRotation(const At& at, const Locks& locks, Rows& rows)
     if (m_rotation->axis.drive == Axis::Drive::rate) {
       error = at.b.axes() * -view(m_rotation->velocity);
       length = error.norm();
-      turn = timeStep() * length;
+      turn = rows.advance(length);
     } else {
       error = turnBetween(at.a, at.b.turned(btMatrix3x3(m_rotation->reachable_target)));
       length = error.norm();
@@ -589,31 +592,30 @@ inline equations::AngularRow<Scalar> ConeTwistJoint::coneRow(
 inline void ConeTwistJoint::addConeLimit(const At& at, const Turning& turning, Rows& rows) const {
   // The edge is no nearer than the smallest span is: no more is asked of a swing that is well inside.
   if (!m_cone_look.isFarInside(at.cosine, turning.max))
-    addNearConeLimit(at, turning.gained(), rows);
+    addNearConeLimit(at, turning, rows);
 }
 
-void ConeTwistJoint::addNearConeLimit(const At& at, Scalar gained, Rows& rows) const {
-  const Vec3 w = at.pair.w_a() - at.pair.w_b();
+void ConeTwistJoint::addNearConeLimit(const At& at, const Turning& turning, Rows& rows) const {
   const bool spring = m_swing.limit_spring.angular_frequency > 0;
   const auto s = at.swing();
   const Vec3 e_1 = at.b.c(), e_2 = at.b.b();
   const auto e = spans(m_softness);
   const bool document = m_circular && getFormulation() == Formulation::document;
   // Where the bodies will be they have another velocity. The edge is the nearest one there, but in a tip.
-  const bool inPlace = at.pair.inPlace();
+  const bool inPlace = rows.inPlace();
   const Scalar far = 1 + far_out / innerSpan();
   const bool ahead =
-      !spring && !document &&
+      rows.motion() != nullptr && !spring && !document &&
       equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < far * far;
   auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(
-                         s, at.x_b, e_1, e_2, e, w, inPlace ? timeStep() / 2 : Scalar(0), gained)
+                         s, at.x_b, e_1, e_2, e, Vec3(-turning.reach.moved()),
+                         inPlace ? Scalar(0.5) : Scalar(0), turning.gained())
                    : coneRow(at, s);
   if (ahead && !inPlace) {
     const auto nearest = coneRow(at, s);
     if (row.J_b.dot(nearest.J_b) > same_edge * nearest.J_b.norm() * row.J_b.norm()) row = nearest;
   }
-  const Reach reach{timeStep() * row.J_b.dot(w), gained * row.J_b.norm()};
-  if (reach.of(m_swing).reaches(m_swing, row.C))
+  if (turning.along(-row.J_b, row.J_b.norm()).of(m_swing).reaches(m_swing, row.C))
     rows.addAngularAxis(swing_axis, -row.J_b, row.C, m_swing, true);
 }
 
@@ -624,9 +626,7 @@ void ConeTwistJoint::addOneSwingLimit(const At& at, const Turning& turning, Rows
   if (!(to.length > near_target)) return;  // first the lock has to bring it back
   const Vec3 J_b = to.J_b();
   const Scalar angle = inTurnOf(m_swing, -to.angle());
-  const Reach reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()),
-                    turning.gained() * J_b.norm()};
-  if (reach.of(m_swing).reaches(m_swing, angle)) addRange(rows, swing_axis, J_b, angle, m_swing);
+  if (turning.along(-J_b, J_b.norm()).of(m_swing).reaches(m_swing, angle)) addRange(rows, swing_axis, J_b, angle, m_swing);
 }
 
 inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, Rows& rows) const {
@@ -635,15 +635,14 @@ inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, 
   const auto to = at.twist();
   // J_b is no longer than 2 / length.
   if (!m_twist_look.isFarInside(to.x, -to.y, length, 2 * turning.max))
-    addNearTwistLimit(at, turning.gained() * 2 / length, rows);
+    addNearTwistLimit(at, turning, rows);
 }
 
-void ConeTwistJoint::addNearTwistLimit(const At& at, Scalar gained, Rows& rows) const {
+void ConeTwistJoint::addNearTwistLimit(const At& at, const Turning& turning, Rows& rows) const {
   const auto to = at.twist();
   const Vec3 J_b = equations::twist_row(at.x_a, at.x_b);
-  const Reach reach =
-      Reach{timeStep() * J_b.dot(at.pair.w_a() - at.pair.w_b()), gained}.of(m_twist);
   const Scalar angle = inTurnOf(m_twist, -arctangent(to.y, to.x));
+  const Reach reach = turning.along(-J_b, 2 / (1 + at.cosine)).of(m_twist);
   if (reach.reaches(m_twist, angle)) addRange(rows, twist_axis, J_b, angle, m_twist);
 }
 

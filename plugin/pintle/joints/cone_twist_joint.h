@@ -156,10 +156,10 @@ class ConeTwistJoint : public FrameJoint {
   /// of a where b does not move.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "ConeTwistJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair&) override { m_seen = false; }
+  void updateState(const PosePair&) override { m_seen = false; }
   void framesChanged() override { m_seen = false; }
 
  private:
@@ -186,20 +186,20 @@ class ConeTwistJoint : public FrameJoint {
   Scalar innerSpan() const;
   Scalar swingRadius(Scalar about_1, Scalar about_2, Scalar softness) const;
   btQuaternion limited(const btQuaternion& q, Scalar softness) const;
-  At at(const BodyPair& pair) const;
+  At at(const PosePair& poses) const;
   bool isPastTwistLimit(Scalar twist) const;
-  bool isPastSwingLimit(const BodyPair& pair) const;
-  Scalar twistAt(const BodyPair& pair) const;
+  bool isPastSwingLimit(const PosePair& poses) const;
+  Scalar twistAt(const PosePair& poses) const;
   btVector3 rotationImpulse(Axis::Part part) const;
 
   Locks addLocks(const At& at, Rows& rows) const;
   Scalar addRotation(const At& at, const Locks& locks, Rows& rows) const;
   equations::AngularRow<Scalar> coneRow(const At& at, const equations::Swing<Scalar>& swing) const;
   void addConeLimit(const At& at, const Turning& turning, Rows& rows) const;
-  void addNearConeLimit(const At& at, Scalar gained, Rows& rows) const;
+  void addNearConeLimit(const At& at, const Turning& turning, Rows& rows) const;
   void addOneSwingLimit(const At& at, const Turning& turning, Rows& rows) const;
   void addTwistLimit(const At& at, const Turning& turning, Rows& rows) const;
-  void addNearTwistLimit(const At& at, Scalar gained, Rows& rows) const;
+  void addNearTwistLimit(const At& at, const Turning& turning, Rows& rows) const;
 
   Swings m_swings = Swings::cone;
   bool m_circular = true;

@@ -6,7 +6,7 @@
 #include <pintle/equations/position.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
-#include <pintle/rows/limit_reach.h>
+#include <pintle/joints/observed_joint_rows.h>
 #include <pintle/rows/row.h>
 #include <pintle/rows/turn_of_step.h>
 
@@ -21,25 +21,24 @@ btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
-// The joint frames in the world.
-struct ConstantVelocityJoint::Frames {
+// The joint frames in the world, and the shaft angle as it has become at them.
+struct ConstantVelocityJoint::Observation {
   Frame a, b;
+  Vec3 d;  ///< from the pivot of a to that of b
   Vec3 x_a = a.a(), x_b = b.a();
+  UnwrappedAngle shaft = {};
 
   // Of b against a, F the axes of a.
   Quaternion<Scalar> turn(const Mat3& F) const {
     return equations::quaternion(Mat3(F.transpose() * b.axes()));
   }
+  Scalar sum() const { return d.sum() + a.trace(b) + x_b.sum(); }
 };
-
-inline ConstantVelocityJoint::Frames ConstantVelocityJoint::frames(const BodyPair& pair) const {
-  return {{pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
-}
 
 ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
                                              const btVector3& pivotInA, const btVector3& pivotInB,
                                              const btVector3& shaftInA, const btVector3& shaftInB)
-    : FrameJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   const btVector3 x_in_a = direction("shaftInA", shaftInA),
                   x_in_b = direction("shaftInB", shaftInB);
   point("pivotInA", pivotInA);
@@ -59,12 +58,12 @@ ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
 ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, btRigidBody& rbB,
                                              const btTransform& frameInA,
                                              const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
 }
 
 ConstantVelocityJoint::ConstantVelocityJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, row_count) {
+    : ObservedJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
 }
 
@@ -80,38 +79,43 @@ Axis ConstantVelocityJoint::freeBend() {
 
 // --- angles --------------------------------------------------------------------------------------
 
-inline void ConstantVelocityJoint::look(const Frames& at, UnwrappedAngle& shaft) const {
-  const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);
-  if (!(to.x * to.x + to.y * to.y > Scalar(1e-6))) return;
+inline ConstantVelocityJoint::Observation ConstantVelocityJoint::observe(
+    const PosePair& poses) const {
+  const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
+  Observation seen{a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
+  seen.shaft = m_shaft_angle;
+  const auto to = equations::shaft_angle(seen.x_a, a.b(), seen.x_b);
+  if (!(to.x * to.x + to.y * to.y > Scalar(1e-6))) return seen;
   const Scalar dt = timeStep();
   if (turnIsNearest(m_rbA, m_rbB, dt, angularSpeed()))
-    shaft.update(to.x, to.y);
+    seen.shaft.update(to.x, to.y);
   else
-    shaft.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
+    seen.shaft.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
+  return seen;
 }
 
-void ConstantVelocityJoint::updateState(const BodyPair& pair) { look(frames(pair), m_shaft_angle); }
+inline void ConstantVelocityJoint::remember(const Observation& seen, bool) {
+  m_shaft_angle = seen.shaft;
+}
 
 void ConstantVelocityJoint::framesChanged() {
   m_shaft_angle = {};
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 btScalar ConstantVelocityJoint::getBend() const {
-  const Frames at = frames({m_rbA, m_rbB});
+  const Observation at = observe(BodyPair(m_rbA, m_rbB));
   return equations::swing(at.x_a, at.x_b).angle;
 }
 
 btScalar ConstantVelocityJoint::getTwist() const {
-  const Frames at = frames({m_rbA, m_rbB});
+  const Observation at = observe(BodyPair(m_rbA, m_rbB));
   const Mat3 F = at.a.axes();
   return equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX()).C;
 }
 
 btScalar ConstantVelocityJoint::getShaftAngle() const {
-  UnwrappedAngle now = m_shaft_angle;
-  look(frames({m_rbA, m_rbB}), now);
-  return now.value();
+  return observe(BodyPair(m_rbA, m_rbB)).shaft.value();
 }
 
 // --- settings ------------------------------------------------------------------------------------
@@ -177,57 +181,43 @@ void ConstantVelocityJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-PINTLE_FLATTEN void ConstantVelocityJoint::prepare(const BodyPair& pair, Rows& rows) {
-  const Frames at = frames(pair);
-  look(at, m_shaft_angle);
-  addRows(pair, at, m_shaft_angle, rows);
-}
-
-void ConstantVelocityJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frames at = frames(pair);
-  UnwrappedAngle shaft = m_shaft_angle;
-  look(at, shaft);
-  addRows(pair, at, shaft, rows);
-}
-
 // By the chord between the shafts' ends, 2 sin(bend/2), which moves no faster than the bend.
-PINTLE_NOINLINE bool ConstantVelocityJoint::bendMayReachLimit(const BodyPair& pair,
-                                                              const Frames& at,
-                                                              Scalar cosine) const {
-  const AngularReach reach(pair, timeStep());
+PINTLE_NOINLINE bool ConstantVelocityJoint::bendMayReachLimit(const Observation& seen,
+                                                              Scalar cosine,
+                                                              const Rows& rows) const {
+  const AngularReach reach = rows.turn();
   if (m_bend_look.isFarInside(cosine, reach.max())) return false;
-  const Vec3 now = at.x_b - at.x_a;
-  const Vec3 moved = timeStep() * (cross(pair.w_b(), at.x_b) - cross(pair.w_a(), at.x_a));
+  const Vec3 now = seen.x_b - seen.x_a;
+  const Vec3 moved = rows.moved([&](const BodyPair& v) {
+    return Vec3(cross(v.w_b(), seen.x_b) - cross(v.w_a(), seen.x_a));
+  });
   // At twice the speed of now, as the step may be longer than the last.
   const Vec3 next = now + 2 * moved;
   const Scalar chord = btSqrt(btMax(now.dot(now), next.dot(next)));
   return chord + reach.gained() >= 2 * btSin(m_bend.high / 2);
 }
 
-inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& at,
-                                           const UnwrappedAngle& shaft, Rows& rows) const {
-  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
+inline void ConstantVelocityJoint::constrain(const Observation& seen, Rows& rows) const {
   const bool document = getFormulation() == Formulation::document;
-  const Mat3 F = at.a.axes();
-  const auto row =
-      document
-          ? equations::constant_velocity_dot_row<Scalar>({at.a.b(), at.a.c()}, {at.b.b(), at.b.c()})
-          : equations::constant_velocity_row<Scalar>(at.turn(F), F, Vec3::UnitX());
+  const Mat3 F = seen.a.axes();
+  const auto row = document ? equations::constant_velocity_dot_row<Scalar>(
+                                  {seen.a.b(), seen.a.c()}, {seen.b.b(), seen.b.c()})
+                            : equations::constant_velocity_row<Scalar>(seen.turn(F), F, Vec3::UnitX());
   const Scalar length2 = row.J_b.dot(row.J_b);
-  const Scalar cosine = at.x_a.dot(at.x_b);
-  if (!BodyPair::is_finite(d.sum() + row.C + length2 + cosine)) return;
   if (document) {
     rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
+    rows.shape(RowShape::other, row.J_b, row.J_b);
   } else {
-    const Scalar curvature =
-        equations::constant_velocity_curvature<Scalar>(row.J_b, pair.w_a(), pair.w_b());
+    const Scalar curvature = rows.curvature([&](const BodyPair& v) {
+      return equations::constant_velocity_curvature<Scalar>(row.J_b, v.w_a(), v.w_b());
+    });
     rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
   }
-  addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
+  addPivotRows({seen.a.r(), seen.b.r(), seen.d}, rows);
 
-  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(pair, at, cosine);
+  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(seen, seen.x_a.dot(seen.x_b), rows);
   if (near_limit || m_bend.driven()) {
-    const auto bend = equations::cone_row(equations::swing(at.x_a, at.x_b), at.x_a, Scalar(0));
+    const auto bend = equations::cone_row(equations::swing(seen.x_a, seen.x_b), seen.x_a, Scalar(0));
     // A spring acts from beyond its limit only.
     const bool limit =
         near_limit && (bend.C > m_bend.high || !(m_bend.limit_spring.angular_frequency > 0));
@@ -239,10 +229,12 @@ inline void ConstantVelocityJoint::addRows(const BodyPair& pair, const Frames& a
           getMaxCorrectionSpeed() * apart / length2;
   }
   if (m_shaft.driven()) {
-    const auto to = equations::shaft_angle(at.x_a, at.a.b(), at.x_b);
-    if (to.length > minMotorSine()) rows.addAngularAxis(1, to.J_b(), shaft.value(), m_shaft, false);
+    const auto to = equations::shaft_angle(seen.x_a, seen.a.b(), seen.x_b);
+    if (to.length > minMotorSine()) rows.addAngularAxis(1, to.J_b(), seen.shaft.value(), m_shaft, false);
   }
 }
+
+template class ObservedJoint<ConstantVelocityJoint, FrameJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/joints/frame_joint.h>
+#include <pintle/joints/observed_joint.h>
 #include <pintle/rows/far_limit.h>
 #include <pintle/rows/unwrapped_angle.h>
 
@@ -11,7 +12,7 @@ inline namespace PINTLE_PRECISION {
 /// Two shafts that meet in a point, at any bend below 180 degrees in any direction, and turn each
 /// at the speed of the other: no twist between them. Each shaft is x of the joint frame in its
 /// body. It has no counterpart in Bullet.
-class ConstantVelocityJoint : public FrameJoint {
+class ConstantVelocityJoint : public ObservedJoint<ConstantVelocityJoint, FrameJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -89,20 +90,17 @@ class ConstantVelocityJoint : public FrameJoint {
   /// The frames, and the cone of the bend.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "ConstantVelocityJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair& pair) override;
   void framesChanged() override;
-  void prepare(const BodyPair& pair, Rows& rows) override;
 
  private:
-  struct Frames;
-  Frames frames(const BodyPair& pair) const;
-  void look(const Frames& at, UnwrappedAngle& shaft) const;
-  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& shaft,
-               Rows& rows) const;
-  bool bendMayReachLimit(const BodyPair& pair, const Frames& at, Scalar cosine) const;
+  friend ObservedJoint;
+  struct Observation;
+  Observation observe(const PosePair& poses) const;
+  void remember(const Observation& seen, bool);
+  void constrain(const Observation& seen, Rows& rows) const;
+  bool bendMayReachLimit(const Observation& seen, Scalar cosine, const Rows& rows) const;
 
   static Axis freeBend();
 
@@ -112,6 +110,8 @@ class ConstantVelocityJoint : public FrameJoint {
   UnwrappedAngle m_shaft_angle;
   static constexpr RowCount row_count{6, 2};
 };
+
+extern template class ObservedJoint<ConstantVelocityJoint, FrameJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -65,7 +65,7 @@ void ContactJoint::framesChanged() {
   m_world_normal = m_rbA.getCenterOfMassTransform().getBasis() * m_frame_a.getBasis().getColumn(2);
 }
 
-inline ContactJoint::At ContactJoint::at(const BodyPair& pair) const {
+inline ContactJoint::At ContactJoint::at(const PosePair& pair) const {
   At at;
   if (getFormulation() == Formulation::document)
     at.n = view(m_world_normal);
@@ -78,7 +78,7 @@ inline ContactJoint::At ContactJoint::at(const BodyPair& pair) const {
 }
 
 btScalar ContactJoint::getDistance() const {
-  const At now = at({m_rbA, m_rbB});
+  const At now = at(BodyPair(m_rbA, m_rbB));
   return now.n.dot(now.d);
 }
 
@@ -94,26 +94,24 @@ void ContactJoint::drawJoint(btIDebugDraw& drawer) const {
             m_dbgDrawSize, 1, -1);
 }
 
-PINTLE_FLATTEN void ContactJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const At here = at(pair);
+PINTLE_FLATTEN void ContactJoint::addRows(const PosePair& poses, Rows& rows) const {
+  const At here = at(poses);
   const equations::Anchors<Scalar>& anchors = here;
-  const Vec3& n = here.n;
   const bool document = getFormulation() == Formulation::document;
-  const auto row =
-      document ? equations::contact_row_world(n, anchors) : equations::contact_row(n, anchors);
+  const auto row = document ? equations::contact_row_world(here.n, anchors)
+                            : equations::contact_row(here.n, anchors);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(row.C + here.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
-  const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
+  if (!PosePair::is_finite(row.C + here.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
   const Scalar curvature =
-      document ? 0 : n.dot(equations::position_curvature_conserving(anchors, v));
+      document ? Scalar(0) : rows.curvature([&](const BodyPair& v) {
+        return Scalar(here.n.dot(equations::position_curvature_conserving<Scalar>(
+            anchors, {v.v_a(), v.w_a(), v.v_b(), v.w_b()})));
+      });
   if (isEquality()) {
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
     return;
   }
-  const Scalar speed = equations::row_velocity(row.J, v);
-  const Reach reach =
-      linearReach(pair, row.J.A_a, row.J.A_b, speed, curvature, timeStep()).of(m_axis);
-  if (!reach.reaches(m_axis, row.C)) return;
+  if (!rows.slide(row.J, curvature).of(m_axis).reaches(m_axis, row.C)) return;
   Row& axis = rows.addAxis(0, row.J.L, row.J.A_a, row.J.A_b, row.C, m_axis, true);
   axis.curvature = curvature;
   axis.max_speed = getMaxCorrectionSpeed();

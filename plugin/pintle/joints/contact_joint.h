@@ -48,7 +48,7 @@ class ContactJoint : public FrameJoint {
   /// The frames, and a disc of the plane.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "ContactJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  protected:
   void framesChanged() override;
@@ -62,7 +62,7 @@ class ContactJoint : public FrameJoint {
   bool isEquality() const { return getTwoSided() && !(m_axis.limit_spring.angular_frequency > 0); }
 
   struct At;
-  At at(const BodyPair& pair) const;
+  At at(const PosePair& pair) const;
 
   Axis m_axis;               ///< along the normal
   btVector3 m_world_normal;  ///< the document's

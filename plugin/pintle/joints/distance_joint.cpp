@@ -4,20 +4,22 @@
 #include <pintle/equations/distance.h>
 #include <pintle/equations/impulse_reaction.h>
 #include <pintle/joints/drawing.h>
-#include <pintle/rows/limit_reach.h>
+#include <pintle/joints/observed_joint_rows.h>
 #include <pintle/rows/row.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-struct DistanceJoint::Points {
+struct DistanceJoint::Observation {
   Vec3 r_a, r_b;
   equations::Distance<Scalar> d;
+
+  Scalar sum() const { return d.length + d.n.sum() + r_a.sum() + r_b.sum(); }
 };
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                              const btVector3& pivotInB, btScalar length)
-    : FrameJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   const btMatrix3x3& upright = btMatrix3x3::getIdentity();
   setFrames(btTransform(upright, point("pivotInA", pivotInA)),
             btTransform(upright, point("pivotInB", pivotInB)));
@@ -27,14 +29,14 @@ DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                              const btTransform& frameInB)
-    : FrameJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
   setDefaults();
   m_axis.low = m_axis.high = getDistance();
 }
 
 DistanceJoint::DistanceJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : FrameJoint(rbA, row_count) {
+    : ObservedJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frame("frameInA", frameInA)));
   setDefaults();
   m_axis.low = m_axis.high = 0;
@@ -75,27 +77,25 @@ void DistanceJoint::setFriction(btScalar max_force) {
 
 // --- readings ------------------------------------------------------------------------------------
 
-inline DistanceJoint::Points DistanceJoint::points(const BodyPair& pair) const {
-  Points at;
-  at.r_a = pair.R_a() * view(m_frame_a.getOrigin());
-  at.r_b = pair.R_b() * view(m_frame_b.getOrigin());
-  const Vec3 d = equations::position_error(pair.x_a(), at.r_a, pair.x_b(), at.r_b);
-  at.d = equations::distance(d, Vec3(view(m_direction)));
-  return at;
+inline DistanceJoint::Observation DistanceJoint::observe(const PosePair& poses) const {
+  Observation seen;
+  seen.r_a = poses.R_a() * view(m_frame_a.getOrigin());
+  seen.r_b = poses.R_b() * view(m_frame_b.getOrigin());
+  const Vec3 d = equations::position_error(poses.x_a(), seen.r_a, poses.x_b(), seen.r_b);
+  seen.d = equations::distance(d, Vec3(view(m_direction)));
+  return seen;
 }
 
-btScalar DistanceJoint::getDistance() const { return points({m_rbA, m_rbB}).d.length; }
+btScalar DistanceJoint::getDistance() const { return observe(BodyPair(m_rbA, m_rbB)).d.length; }
 
 btScalar DistanceJoint::getLimitImpulse() const {
   return rigidRod() ? -m_appliedImpulse : axisImpulse(0, Axis::limit);
 }
 
-inline void DistanceJoint::look(const Points& at) {
-  const Vec3& n = at.d.n;
-  if (at.d.length > 0 && BodyPair::is_finite(n.sum())) m_direction = {n.x(), n.y(), n.z()};
+inline void DistanceJoint::remember(const Observation& seen, bool) {
+  const Vec3& n = seen.d.n;
+  if (seen.d.length > 0 && PosePair::is_finite(n.sum())) m_direction = {n.x(), n.y(), n.z()};
 }
-
-void DistanceJoint::updateState(const BodyPair& pair) { look(points(pair)); }
 
 void DistanceJoint::drawJoint(btIDebugDraw& drawer) const {
   FrameJoint::drawJoint(drawer);
@@ -106,48 +106,38 @@ void DistanceJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-PINTLE_FLATTEN void DistanceJoint::prepare(const BodyPair& pair, Rows& rows) {
-  const Points at = points(pair);
-  look(at);
-  addRows(pair, at, rows);
-}
-
-void DistanceJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  addRows(pair, points(pair), rows);
-}
-
-inline Scalar DistanceJoint::curvature(const BodyPair& pair, const Points& at) const {
+inline Scalar DistanceJoint::curvature(const Observation& seen, const Rows& rows) const {
   if (getFormulation() == Formulation::document) return 0;
-  const Scalar dt = timeStep();
-  const equations::Velocity<Scalar> v{freeLinear(pair.a(), dt), freeAngular(pair.a(), dt),
-                                      freeLinear(pair.b(), dt), freeAngular(pair.b(), dt)};
-  const Scalar passing =
-      equations::passing_curvature(at.d, equations::relative_velocity(v, at.r_a, at.r_b));
-  const Scalar centripetal =
-      at.d.n.dot(equations::position_curvature(v.w_a, at.r_a, v.w_b, at.r_b));
-  // Points that pass by more than |d| in the step are beyond what a curvature says.
-  return btMin(passing, at.d.length / (dt * dt)) + curvedPart() * centripetal;
+  return rows.endCurvature([&](const equations::Velocity<Scalar>& v, Scalar dt, Scalar part) {
+    const Scalar passing = equations::passing_curvature(
+        seen.d, equations::relative_velocity(v, seen.r_a, seen.r_b));
+    const Scalar centripetal =
+        seen.d.n.dot(equations::position_curvature(v.w_a, seen.r_a, v.w_b, seen.r_b));
+    // Points that pass by more than |d| in the step are beyond what a curvature says.
+    return btMin(passing, seen.d.length / (dt * dt)) + part * centripetal;
+  });
 }
 
-inline void DistanceJoint::addRows(const BodyPair& pair, const Points& at, Rows& rows) const {
-  if (!BodyPair::is_finite(at.d.length + at.d.n.sum() + at.r_a.sum() + at.r_b.sum())) return;
+inline void DistanceJoint::constrain(const Observation& seen, Rows& rows) const {
   if (rigidRod()) {
-    const auto row = equations::distance_row(at.d, m_axis.low, at.r_a, at.r_b);
-    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature(pair, at));
+    const auto row = equations::distance_row(seen.d, m_axis.low, seen.r_a, seen.r_b);
+    rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature(seen, rows));
+    rows.shape(RowShape::distance, seen.r_a, seen.r_b, seen.d.length);
     return;
   }
   if (!m_axis.driven() && !m_axis.limited()) return;
-  const auto J = equations::position_row(at.d.n, at.r_a, at.r_b);
-  const Scalar bend = curvature(pair, at);
-  const Scalar speed =
-      equations::row_velocity<Scalar>(J, {pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()});
-  const Reach reach = linearReach(pair, J.A_a, J.A_b, speed, bend, timeStep()).of(m_axis);
-  const bool limit = m_axis.limited() && reach.reaches(m_axis, at.d.length);
+  const auto J = equations::position_row(seen.d.n, seen.r_a, seen.r_b);
+  const Scalar bend = curvature(seen, rows);
+  const bool limit =
+      m_axis.limited() && rows.slide(J, bend).of(m_axis).reaches(m_axis, seen.d.length);
   if (!limit && !m_axis.driven()) return;
-  Row& row = rows.addAxis(0, J.L, J.A_a, J.A_b, at.d.length, m_axis, limit);
+  Row& row = rows.addAxis(0, J.L, J.A_a, J.A_b, seen.d.length, m_axis, limit);
+  rows.shape(RowShape::distance, seen.r_a, seen.r_b, seen.d.length);
   row.curvature = bend;
   row.max_speed = getMaxCorrectionSpeed();
 }
+
+template class ObservedJoint<DistanceJoint, FrameJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/joints/frame_joint.h>
+#include <pintle/joints/observed_joint.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -13,7 +14,7 @@ inline namespace PINTLE_PRECISION {
 /// along the world's x if they never had one. Both formulations have the same row; the conditioned
 /// one foresees how points gain distance as they pass each other, so that what swings on a rod
 /// neither stretches it nor loses its swing.
-class DistanceJoint : public FrameJoint {
+class DistanceJoint : public ObservedJoint<DistanceJoint, FrameJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -60,29 +61,27 @@ class DistanceJoint : public FrameJoint {
   /// The frames, and a line between the points.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "DistanceJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
-
- protected:
-  void updateState(const BodyPair& pair) override;
-  void prepare(const BodyPair& pair, Rows& rows) override;
 
  private:
+  friend ObservedJoint;
   // A distance has no part without its position.
   using FrameJoint::getAngularOnly;
   using FrameJoint::setAngularOnly;
 
   void setDefaults();
-  struct Points;
-  Points points(const BodyPair& pair) const;
-  void look(const Points& at);
-  void addRows(const BodyPair& pair, const Points& at, Rows& rows) const;
-  Scalar curvature(const BodyPair& pair, const Points& at) const;
+  struct Observation;
+  Observation observe(const PosePair& poses) const;
+  void remember(const Observation& seen, bool);
+  void constrain(const Observation& seen, Rows& rows) const;
+  Scalar curvature(const Observation& seen, const Rows& rows) const;
   bool rigidRod() const { return m_axis.locked() && !(m_axis.limit_spring.angular_frequency > 0); }
 
   Axis m_axis;                        ///< along the distance
   btVector3 m_direction = {1, 0, 0};  ///< the last one from a to b, world
   static constexpr RowCount row_count{1, 1};
 };
+
+extern template class ObservedJoint<DistanceJoint, FrameJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

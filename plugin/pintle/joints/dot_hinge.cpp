@@ -8,64 +8,29 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-DotHinge::DotHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
-                   const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
-                   bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
-  begin(pivotInA, pivotInB, axisInA, axisInB);
-}
-
-DotHinge::DotHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
-                   bool useReferenceFrameA)
-    : HingeBase(rbA, row_count, useReferenceFrameA) {
-  begin(pivotInA, axisInA);
-}
-
-DotHinge::DotHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
-                   const btTransform& rbBFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
-  begin(rbAFrame, rbBFrame);
-}
-
-DotHinge::DotHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, row_count, useReferenceFrameA) {
-  begin(rbAFrame);
-}
-
-PINTLE_FLATTEN void DotHinge::prepare(const BodyPair& pair, Rows& rows) {
-  const Frames at = look(pair, m_twist);
-  m_tested = m_twist;
-  addRows(pair, at, m_twist, rows);
-}
-
-void DotHinge::addRows(const BodyPair& pair, Rows& rows) const {
-  UnwrappedAngle twist = m_twist;
-  const Frames at = lookIfActing(pair, twist);
-  addRows(pair, at, twist, rows);
-}
-
-inline void DotHinge::addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
-                              Rows& rows) const {
-  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
-  const Vec3 &c_a = at.c_a, &c_b = at.c_b, x = cross(c_a, c_b);
-  // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + at.b.a().sum() + at.b.b().sum() + x.sum())) return;
-
+inline void DotHinge::constrain(const Observation& seen, Rows& rows) const {
+  const Vec3 &c_a = seen.c_a, &c_b = seen.c_b, x = cross(c_a, c_b);
   // Along the error the rows turn 1/cos(swing) times as fast as they say.
   const Scalar sine = std::sqrt(x.dot(x));
   const Scalar speed_per_error =
       sine > 0 ? getMaxCorrectionSpeed() * std::abs(c_a.dot(c_b)) / sine : Scalar(0);
-  const Vec3 acceleration = equations::dot_acceleration<Scalar>(c_a, pair.w_a(), pair.w_b());
-  for (const Vec3& tangent : {at.b.a(), at.b.b()}) {
+  const Vec3 acceleration = rows.curvature([&](const BodyPair& v) {
+    return Vec3(equations::dot_acceleration<Scalar>(c_a, v.w_a(), v.w_b()));
+  });
+  for (const Vec3& tangent : {seen.b.a(), seen.b.b()}) {
     const auto row = equations::dot_hinge_row(c_a, tangent);
     rows.addAngular(row.J_b, row.C, tangent.dot(acceleration)).max_speed =
         speed_per_error * std::abs(row.C);
+    rows.shape(RowShape::dot, c_a, tangent);
   }
-  addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
+  addPivotRows(seen.anchors(), rows);
   if (!m_axis.driven() && !m_axis.limited()) return;
   const auto swing = equations::swing(c_a, c_b);
-  addAxisRow(acting(pair, twist, swing), swing, rows);
+  addAxisRow(acting(seen.twist, swing, rows), swing, rows);
 }
+
+template class ObservedJoint<DotHinge, HingeBase>;
+template class HingeOf<DotHinge>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,7 +1,7 @@
 // Purpose: the hinge by dot products (document, 3.1.3 + 3.2.1).
 #pragma once
 
-#include <pintle/joints/hinge_base.h>
+#include <pintle/joints/hinge_of.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -12,31 +12,22 @@ inline namespace PINTLE_PRECISION {
 /// rows of the pivot only.
 ///
 /// The angle, its limit, motor, servo and friction: HingeBase.
-class DotHinge : public HingeBase {
+class DotHinge : public HingeOf<DotHinge> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
-
-  /// As those of QuaternionHinge.
-  DotHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA, const btVector3& pivotInB,
-           const btVector3& axisInA, const btVector3& axisInB, bool useReferenceFrameA = false);
-  DotHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
-           bool useReferenceFrameA = false);
-  DotHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
-           const btTransform& rbBFrame, bool useReferenceFrameA = false);
-  DotHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
-
-  const char* name() const override { return "DotHinge"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
-
- protected:
-  void prepare(const BodyPair& pair, Rows& rows) override;
+  using HingeOf::HingeOf;
 
  private:
-  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
-               Rows& rows) const;
-
+  friend HingeOf;
+  friend ObservedJoint;
+  static constexpr const char* joint_name = "DotHinge";
   static constexpr RowCount row_count{6, 1};
+
+  void constrain(const Observation& seen, Rows& rows) const;
 };
+
+extern template class ObservedJoint<DotHinge, HingeBase>;
+extern template class HingeOf<DotHinge>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

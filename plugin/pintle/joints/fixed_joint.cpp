@@ -103,22 +103,23 @@ void FixedJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-PINTLE_FLATTEN void FixedJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
-  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
+PINTLE_FLATTEN void FixedJoint::addRows(const PosePair& poses, Rows& rows) const {
+  const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
+  const Vec3 d = equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r());
   // Also a frame that its owner has spoiled: the trace is made of all axes.
-  if (!BodyPair::is_finite(d.sum() + a.trace(b))) return;
+  if (!PosePair::is_finite(d.sum() + a.trace(b))) return;
   if (getFormulation() == Formulation::document)
     addDocumentRows(a, b, rows);
   else
-    addConditionedRows(pair, a, b, rows);
-  addPivotRows(pair, {a.r(), b.r(), d}, rows);
+    addConditionedRows(a, b, rows);
+  addPivotRows({a.r(), b.r(), d}, rows);
 }
 
-inline void FixedJoint::addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b,
-                                           Rows& rows) const {
+inline void FixedJoint::addConditionedRows(const Frame& a, const Frame& b, Rows& rows) const {
   const Vec3 phi = turnBetween(a, b);
-  const Vec3 curvature = equations::orientation_curvature<Scalar>(pair.w_a(), pair.w_b());
+  const Vec3 curvature = rows.curvature([](const BodyPair& v) {
+    return Vec3(equations::orientation_curvature<Scalar>(v.w_a(), v.w_b()));
+  });
   const Scalar angle = std::sqrt(phi.dot(phi));
   const Scalar speed_per_error = angle > 0 ? getMaxCorrectionSpeed() / angle : Scalar(0);
   for (int i = 0; i < 3; ++i)

@@ -58,14 +58,14 @@ class FixedJoint : public PosedJoint {
   /// The frames, and what Bullet draws of limits that are 0.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "FixedJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair&) override { forgetPoses(); }
+  void updateState(const PosePair&) override { forgetPoses(); }
   void framesChanged() override { forgetPoses(); }
 
  private:
-  void addConditionedRows(const BodyPair& pair, const Frame& a, const Frame& b, Rows& rows) const;
+  void addConditionedRows(const Frame& a, const Frame& b, Rows& rows) const;
   void addDocumentRows(const Frame& a, const Frame& b, Rows& rows) const;
 
   struct MotorParameters {

@@ -45,14 +45,12 @@ btScalar FrameJoint::getParam(int num, int axis) const {
   }
 }
 
-void FrameJoint::addPivotRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
-                              Rows& rows) const {
+void FrameJoint::addPivotRows(const equations::Anchors<Scalar>& at, Rows& rows) const {
   if (m_angular_only) return;
   if (getFormulation() == Formulation::document)
-    addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
+    addDocumentPositionRows(at, rows);
   else
-    addConservingPositionRows(pair, at.r_a, at.r_b, at.d,
-                              gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)), rows);
+    addConservingPositionRows(at, rows);
 }
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {

@@ -68,7 +68,7 @@ class FrameJoint : public Joint {
   virtual void framesChanged() {}
 
   /// The three rows of the pivot, in the joint's formulation; none if the joint is angular only.
-  void addPivotRows(const BodyPair& pair, const equations::Anchors<Scalar>& at, Rows& rows) const;
+  void addPivotRows(const equations::Anchors<Scalar>& at, Rows& rows) const;
 
   btTransform m_frame_a = btTransform::getIdentity(), m_frame_b = btTransform::getIdentity();
   bool m_angular_only = false;

@@ -51,7 +51,7 @@ void HingeBase::begin(const btVector3& pivotInA, const btVector3& pivotInB,
   const btVector3 x = zeroDirection(m_rbA, axis_a).normalized();
   m_frame_a = btTransform(columns(x, axis_a.cross(x), axis_a), point("pivotInA", pivotInA));
   m_frame_b = btTransform(follow(axis_a, axis_b, x), point("pivotInB", pivotInB));
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 void HingeBase::begin(const btVector3& pivotInA, const btVector3& axisInA) {
@@ -60,27 +60,27 @@ void HingeBase::begin(const btVector3& pivotInA, const btVector3& axisInA) {
   const btVector3 x = tangent(axis_a);
   m_frame_a = btTransform(columns(x, axis_a.cross(x), axis_a), point("pivotInA", pivotInA));
   m_frame_b = btTransform(follow(axis_a, axis_b, x), m_rbA.getCenterOfMassTransform()(pivotInA));
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 void HingeBase::begin(const btTransform& rbAFrame, const btTransform& rbBFrame) {
   m_frame_a = frame("rbAFrame", rbAFrame);
   m_frame_b = frame("rbBFrame", rbBFrame);
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 void HingeBase::begin(const btTransform& rbAFrame) {
   m_frame_a = frame("rbAFrame", rbAFrame);
   m_frame_b =
       btTransform(rbAFrame.getBasis(), m_rbA.getCenterOfMassTransform()(rbAFrame.getOrigin()));
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 void HingeBase::framesChanged() {
   // Another zero: the turns counted from the old one mean nothing.
   m_twist = {};
   m_turn_given = false;
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
 }
 
 void HingeBase::setAxis(const btVector3& axisInA) {
@@ -94,11 +94,8 @@ void HingeBase::setAxis(const btVector3& axisInA) {
 
 // --- angle ---------------------------------------------------------------------------------------
 
-void HingeBase::updateState(const BodyPair& pair) { look(pair, m_twist); }
-
 void HingeBase::testLimit(const btTransform& transA, const btTransform& transB) {
-  m_tested = m_twist;
-  look({m_rbA, transA, m_rbB, transB}, m_tested);
+  m_tested = observe({transA, transB}).twist;
 }
 
 btScalar HingeBase::getLimitSign() {
@@ -119,7 +116,7 @@ btScalar HingeBase::getHingeAngle(const btTransform& transA, const btTransform& 
 }
 
 btScalar HingeBase::getAccumulatedHingeAngle() {
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
   const btScalar within = getHingeAngle();
   return within + SIMD_2_PI * std::round((angle() - within) / SIMD_2_PI);
 }

@@ -141,18 +141,16 @@ class HingeBase : public FrameJoint {
   void begin(const btTransform& rbAFrame, const btTransform& rbBFrame);
   void begin(const btTransform& rbAFrame);
 
-  void updateState(const BodyPair& pair) override;
   void framesChanged() override;
   /// The limit or its spring was set.
   virtual void limitChanged() {}
 
-  // For addRows of the hinges: hinge_rows.h, inline.
-  struct Frames;
-  Frames frames(const BodyPair& pair) const;
-  Frames look(const BodyPair& pair, UnwrappedAngle& twist) const;
-  Frames lookIfActing(const BodyPair& pair, UnwrappedAngle& twist) const;
-  Acting acting(const BodyPair& pair, const UnwrappedAngle& twist,
-                const equations::Swing<Scalar>& swing) const;
+  // For the rows of the hinges: hinge_rows.h, inline.
+  struct Observation;
+  Observation observe(const PosePair& poses) const;
+  void remember(const Observation& seen, bool in_step);
+  Acting acting(const UnwrappedAngle& twist, const equations::Swing<Scalar>& swing,
+                const Rows& rows) const;
   void addAxisRow(const Acting& acting, const equations::Swing<Scalar>& swing, Rows& rows) const;
 
   Axis m_axis;              ///< along the hinge angle
@@ -161,7 +159,6 @@ class HingeBase : public FrameJoint {
   Scalar m_sign;            ///< hinge angle = sign * twist
 
  private:
-  void see(const Frames& at, UnwrappedAngle& twist) const;
   Scalar angle() const { return m_sign * m_twist.value(); }
 
   Scalar m_limit_softness = Scalar(0.9);

@@ -72,12 +72,6 @@ bool isNeedle(const btRigidBody& body) {
   return rounding_of_K * btMax(btMax(I[0], I[1]), I[2]) > btMin(btMin(I[0], I[1]), I[2]);
 }
 
-// Whether it moves along every axis.
-bool isFree(const btRigidBody& body) {
-  const btVector3& f = body.getLinearFactor();
-  return body.getInvMass() > 0 && f.x() == 1 && f.y() == 1 && f.z() == 1;
-}
-
 // Whether J M^-1 J^T of a row is nothing but the rounding of I^-1 in the world, R I^-1 R^T. An impulse
 // along it would turn the bodies anywhere, and further in each pass.
 bool isRounding(const Row& row, const BodyPair& pair) {
@@ -224,7 +218,8 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   const int before = m_rows.equalities();
   m_rows.clear();
   const BodyPair pair(m_rbA, m_rbB);
-  Rows rows(m_rows);
+  const StepMotion now = motion(pair);
+  Rows rows(m_rows, now);
   if (pair.finite()) prepare(pair, rows);
   m_rows = rows;
   // Other rows: what is remembered is not theirs.
@@ -234,19 +229,8 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   info->nub = 0;
 }
 
-Scalar Joint::gapInLever(Scalar lever2, Scalar gap2) const {
-  if (!isFree(m_rbA)) return 0;
-  constexpr Scalar from = Scalar(0.1), to = SIMD_PI / 4;
-  const Scalar turn = angularSpeed() * m_time_step, part = (to - turn) / (to - from);
-  if (!(part > 0)) return 0;
-  Scalar share = 1;
-  if (!isFree(m_rbB) && !m_solved_at_once) {
-    if (m_rbB.getInvMass() > 0) return 0;
-    // What a turn of the lever is off the straight way.
-    const Scalar off2 = turn * turn * turn * turn / 4 * lever2;
-    if (!(gap2 < off2)) share = off2 > 0 ? off2 / gap2 : Scalar(0);
-  }
-  return btMin(part, Scalar(1)) * share;
+StepMotion Joint::motion(const BodyPair& pair) const {
+  return {pair, m_time_step, angularSpeed() * m_time_step, curvedPart(), m_solved_at_once};
 }
 
 // A joint that starts apart closes at less than its gap asks for, and at no more than the largest speed. (An error of

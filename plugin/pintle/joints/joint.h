@@ -15,15 +15,17 @@ struct btSolverConstraint;
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-class BodyPair;
 class Block;
+class BodyPair;
 class EndOfStep;
 class ExactJointSolver;
 class JointSystem;
+class PosePair;
 class Rows;
 struct AxisMotion;
 struct AxisRow;
 struct BlockRow;
+struct StepMotion;
 
 /// Which form of its equations a joint solves.
 enum class Formulation : unsigned char {
@@ -50,9 +52,9 @@ class Joint : public btTypedConstraint {
   /// The type's name, as errors say it.
   virtual const char* name() const = 0;
 
-  /// Appends the rows of the joint at the pair's poses and velocities. Does not change the joint:
-  /// call it at any pose.
-  virtual void addRows(const BodyPair& pair, Rows& rows) const = 0;
+  /// Appends the rows of the joint at these poses. Does not change the joint, and depends on nothing but the poses, the
+  /// joint's settings and its count of turns: call it at any pose.
+  virtual void addRows(const PosePair& poses, Rows& rows) const = 0;
 
   /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of
   /// Bullet's solver solves the joint by itself, and with the residual of the last step in view.
@@ -100,43 +102,15 @@ class Joint : public btTypedConstraint {
   const RowList& rows() const { return m_rows; }
 
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
-  virtual void updateState(const BodyPair&) {}
-  /// Both together; a joint that can share work between the two does so here.
-  virtual void prepare(const BodyPair& pair, Rows& rows) {
-    updateState(pair);
-    addRows(pair, rows);
+  virtual void updateState(const PosePair&) {}
+  /// Both together, at the start of a step (observed_joint.h).
+  virtual void prepare(const PosePair& poses, Rows& rows) {
+    updateState(poses);
+    addRows(poses, rows);
   }
   virtual ImpulseSetting impulseSetting() const { return {}; }
   /// Three, by Row::group, if m_erp_cfm_differs.
   virtual const ErpCfm* groups() const { return nullptr; }
-  /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
-  /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
-  /// had: the curvature is left out from there on, and by degrees before, on the side of losing energy.
-  /// Shafts keep theirs: up to a radian.
-  Scalar curvedPart() const {
-    const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
-    return btMax(Scalar(0), 1 - part * part);
-  }
-  /// The part of a gap that is in the lever of body a (3.1.3, conditioned); these are the squares of their lengths. With
-  /// all of it two bodies that move freely are held at one point, and angular momentum is conserved at any gap. But Bullet
-  /// turns no body by more than pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing
-  /// about each other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian. Against a
-  /// body that cannot move nothing is to be conserved: there the lever takes what its own turn puts the pivot off
-  /// by, as a pendulum's does, but not the gap of a pull, which would turn the body.
-  Scalar gapInLever(Scalar lever2, Scalar gap2) const;
-  /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step: half the step.
-  Scalar curvedTime() const {
-    return Scalar(0.5) * m_time_step * (m_foresees_curvature ? Scalar(1) : curvedPart());
-  }
-  /// The same of a motion that goes on as it is. The curvature goes with the square of the angular velocity at the end
-  /// of the step, which is about as much more than that at its start as the last step added. Without this a pendulum
-  /// gains energy.
-  Scalar lastingTime() const {
-    const Scalar w = m_angular_speed;
-    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return curvedTime();
-    const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
-    return curvedTime() * (next * next);
-  }
   /// getInfo2 of the joint itself, of its rows at other poses of the bodies, as Bullet's
   /// getInfo2NonVirtual has it. As many rows as getInfo1 announced at the most: a limit that acts at
   /// these poses only has none. Velocities and inertias are the bodies' own.
@@ -193,6 +167,29 @@ class Joint : public btTypedConstraint {
   friend class ExactJointSolver;
   friend class JointSystem;
   struct Step;
+
+  /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
+  /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
+  /// had: the curvature is left out from there on, and by degrees before, on the side of losing energy.
+  /// Shafts keep theirs: up to a radian.
+  Scalar curvedPart() const {
+    const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
+    return btMax(Scalar(0), 1 - part * part);
+  }
+  /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step: half the step.
+  Scalar curvedTime() const {
+    return Scalar(0.5) * m_time_step * (m_foresees_curvature ? Scalar(1) : curvedPart());
+  }
+  /// The same of a motion that goes on as it is. The curvature goes with the square of the angular velocity at the end
+  /// of the step, which is about as much more than that at its start as the last step added. Without this a pendulum
+  /// gains energy.
+  Scalar lastingTime() const {
+    const Scalar w = m_angular_speed;
+    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return curvedTime();
+    const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
+    return curvedTime() * (next * next);
+  }
+  StepMotion motion(const BodyPair& pair) const;
 
   bool m_block_rows : 1;
   bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated

@@ -13,7 +13,8 @@ void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
     return Joint::getInfo2(info);
   m_rows.clear();
   const BodyPair pair(m_rbA, pose_a, m_rbB, pose_b);
-  Rows rows(m_rows);
+  const StepMotion now = motion(pair);
+  Rows rows(m_rows, now);
   if (pair.finite()) addRows(pair, rows);
   m_rows = rows;
   // Bullet has no room for more.

@@ -325,8 +325,10 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   endOfStep(m_rbA.getCenterOfMassTransform(), a, m_time_step, end_a);
   endOfStep(m_rbB.getCenterOfMassTransform(), b, m_time_step, end_b);
   RowMemory<max_joint_rows, max_joint_rows> memory;
-  Rows end(memory);
-  addRows(BodyPair(m_rbA, end_a, m_rbB, end_b), end);
+  const BodyPair at_end(m_rbA, end_a, m_rbB, end_b);
+  const StepMotion ending = motion(at_end);
+  Rows end(memory, &ending);
+  addRows(at_end, end);
   const int n = m_rows.equalities();
   if (end.equalities() != n) return;
   const Scalar curved_time = m_curved_time;

@@ -2,7 +2,7 @@
 // btHingeAccumulatedAngleConstraint.
 #pragma once
 
-#include <pintle/joints/hinge_base.h>
+#include <pintle/joints/hinge_of.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -12,42 +12,28 @@ inline namespace PINTLE_PRECISION {
 /// quaternion rows, and its limit in half-sine space.
 ///
 /// Everything that btHingeConstraint has, under the same name, with the same signs and defaults.
-class QuaternionHinge : public HingeBase {
+class QuaternionHinge : public HingeOf<QuaternionHinge> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
-
-  /// Pivots (m) and axes in the bodies' frames. Axes are made unit.
-  QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
-                  const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
-                  bool useReferenceFrameA = false);
-  /// To the world, where the body is now.
-  QuaternionHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
-                  bool useReferenceFrameA = false);
-  /// Joint frames in the bodies' frames, z the hinge axis.
-  QuaternionHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
-                  const btTransform& rbBFrame, bool useReferenceFrameA = false);
-  /// To the world, as Bullet has it: the pivot where it is now, but the frame's axes as they
-  /// stand in `rbAFrame`, not turned with the body.
-  QuaternionHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
-
-  const char* name() const override { return "QuaternionHinge"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  using HingeOf::HingeOf;
 
  protected:
-  void prepare(const BodyPair& pair, Rows& rows) override;
   void limitChanged() override;
 
  private:
-  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
-               Rows& rows) const;
-  void addConditionedRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
-                          const equations::Swing<Scalar>& swing, Rows& rows) const;
-  void addDocumentRows(const BodyPair& pair, const equations::Anchors<Scalar>& at,
-                       const UnwrappedAngle* limit, Rows& rows) const;
+  friend HingeOf;
+  friend ObservedJoint;
+  static constexpr const char* joint_name = "QuaternionHinge";
+  static constexpr RowCount row_count{6, 1};
+
+  void constrain(const Observation& seen, Rows& rows) const;
+  void addDocumentRows(const Observation& seen, bool limit, Rows& rows) const;
 
   Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
-  static constexpr RowCount row_count{6, 1};
 };
+
+extern template class ObservedJoint<QuaternionHinge, HingeBase>;
+extern template class HingeOf<QuaternionHinge>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

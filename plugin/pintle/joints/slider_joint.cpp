@@ -7,7 +7,7 @@
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
-#include <pintle/rows/limit_reach.h>
+#include <pintle/joints/observed_joint_rows.h>
 #include <pintle/rows/swing_rows.h>
 
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
@@ -37,18 +37,21 @@ PINTLE_NOINLINE Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist,
 
 }  // namespace
 
-struct SliderJoint::Frames {
-  Frames(const BodyPair& pair, const btTransform& frame_a, const btTransform& frame_b)
-      : a(pair.pose_a(), frame_a),
-        b(pair.pose_b(), frame_b),
-        d(equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r())) {
+// The joint frames in the world, and the twist as it has become at them.
+struct SliderJoint::Observation {
+  Observation(const PosePair& poses, const btTransform& frame_a, const btTransform& frame_b)
+      : a(poses.pose_a(), frame_a),
+        b(poses.pose_b(), frame_b),
+        d(equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())) {
     offset = a.components(d);
     const Lanes dots = a.dots(b), sums = a.components(a.crossed(b));
     crossed = {sums[0], sums[1], sums[2]};
     trace = dots[0] + dots[1] + dots[2];
     // a.(b x b') = c.b' and a.(c x c') = -b.c'
-    twist = equations::twist<Scalar>(dots[1], dots[2], sums[0], 0);
+    to = equations::twist<Scalar>(dots[1], dots[2], sums[0], 0);
   }
+  // The trace is made of all axes.
+  Scalar sum() const { return d.sum() + trace; }
 
   Frame a, b;
   Vec3 d;
@@ -56,16 +59,29 @@ struct SliderJoint::Frames {
   Lanes offset;  ///< d
   Vec3 crossed;
   Scalar trace;
-  equations::Twist<Scalar> twist;  ///< of b against a
+  equations::Twist<Scalar> to;  ///< of b against a
+  UnwrappedAngle twist;
 };
 
-inline SliderJoint::Frames SliderJoint::frames(const BodyPair& pair) const {
-  return {pair, m_frame_a, m_frame_b};
+inline SliderJoint::Observation SliderJoint::observe(const PosePair& poses) const {
+  Observation seen(poses, m_frame_a, m_frame_b);
+  seen.twist = m_twist;
+  followTwist(seen.twist, seen.to, seen.a.a() + seen.b.a(), m_rbA, m_rbB, timeStep(),
+              angularSpeed());
+  return seen;
+}
+
+inline void SliderJoint::remember(const Observation& seen, bool in_step) {
+  m_twist = seen.twist;
+  if (!in_step) return;
+  forgetPoses();
+  m_seen = m_twist;
+  m_seen_position = m_sign * seen.offset[0];
 }
 
 SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                          const btTransform& frameInB, bool useLinearReferenceFrameA)
-    : PosedJoint(rbA, rbB, row_count), m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
+    : ObservedJoint(rbA, rbB, row_count), m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_linear.own = &m_linear_parameters;
   m_angular.own = &m_angular_parameters;
   m_angular.low = m_angular.high = 0;
@@ -93,18 +109,11 @@ void SliderJoint::framesChanged() {
 
 // --- position and angle --------------------------------------------------------------------------
 
-inline void SliderJoint::look(const Frames& at, UnwrappedAngle& angle) const {
-  followTwist(angle, at.twist, at.a.a() + at.b.a(), m_rbA, m_rbB, timeStep(), angularSpeed());
-}
-
-void SliderJoint::updateState(const BodyPair& pair) { look(frames(pair), m_twist); }
-
 void SliderJoint::testLinLimits() { m_seen_position = getLinearPos(); }
 
 void SliderJoint::testAngLimits() {
-  if (!readsPoses()) updateState({m_rbA, m_rbB});
-  m_seen = m_twist;
-  if (readsPoses()) look(frames(seenPair()), m_seen);
+  if (!readsPoses()) updateState(BodyPair(m_rbA, m_rbB));
+  m_seen = readsPoses() ? observe(seenPair()).twist : m_twist;
 }
 
 btVector3 SliderJoint::getAncorInA() const {
@@ -114,16 +123,12 @@ btVector3 SliderJoint::getAncorInA() const {
 }
 
 btScalar SliderJoint::getLinearPos() const {
-  const Frames at = frames(seenPair());
-  return m_sign * at.offset[0];
+  return m_sign * observe(seenPair()).offset[0];
 }
 
 btScalar SliderJoint::getAngularPos() const {
-  if (m_angular.limited() && (m_angular.low < -SIMD_PI || m_angular.high > SIMD_PI)) {
-    UnwrappedAngle now = m_twist;
-    look(frames(seenPair()), now);
-    return now.value();
-  }
+  if (m_angular.limited() && (m_angular.low < -SIMD_PI || m_angular.high > SIMD_PI))
+    return observe(seenPair()).twist.value();
   // By the y axis of b, as Bullet measures it also while the axes are apart.
   const btMatrix3x3 F_a = getCalculatedTransformA().getBasis();
   const btVector3 y_b = getCalculatedTransformB().getBasis().getColumn(1);
@@ -132,7 +137,7 @@ btScalar SliderJoint::getAngularPos() const {
 }
 
 btScalar SliderJoint::getAccumulatedAngularPos() {
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
   return m_twist.value();
 }
 
@@ -311,75 +316,55 @@ void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-PINTLE_FLATTEN void SliderJoint::prepare(const BodyPair& pair, Rows& rows) {
-  forgetPoses();
-  const Frames at = frames(pair);
-  look(at, m_twist);
-  m_seen = m_twist;
-  m_seen_position = m_sign * at.offset[0];
-  addRows(pair, at, m_twist, rows);
-}
-
-void SliderJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frames at = frames(pair);
-  UnwrappedAngle twist = m_twist;
-  look(at, twist);
-  addRows(pair, at, twist, rows);
-}
-
-inline void SliderJoint::addRows(const BodyPair& pair, const Frames& at,
-                                 const UnwrappedAngle& twist, Rows& rows) const {
-  // Also a frame that its owner has spoiled: the trace is made of all its axes.
-  if (!BodyPair::is_finite(at.d.sum() + at.trace)) return;
-
+inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
   const bool document = getFormulation() == Formulation::document, locked = angleIsLocked();
-  if (document) addDocumentAngularRows(pair, rows);
+  if (document) addDocumentAngularRows(seen, rows);
   Acting turn;
   Vec3 turn_row;
   if (!locked) {
-    const auto swing = equations::swing(at.a.a(), at.b.a());
-    if (!document) addSwingRows(pair, swing, getMaxCorrectionSpeed(), rows, group(directions));
+    const auto swing = equations::swing(seen.a.a(), seen.b.a());
+    if (!document) addSwingRows(swing, getMaxCorrectionSpeed(), rows, group(directions));
     // With the axes all but opposite there is no angle between them.
     if ((m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
-      turn =
-          actingAngle(m_angular, twist, swing.h, 1, [&] { return AngularReach(pair, timeStep()); });
+      turn = actingAngle(m_angular, seen.twist, swing.h, 1, [&] { return rows.turn(); });
     if (turn.row) turn_row = equations::twist_row(swing);
   } else if (!document) {
-    addLockRows(at, twist, rows);
+    addLockRows(seen, rows);
   }
   const auto add_turn = [&] {
     if (turn.row) rows.addAngularAxis(angular, turn_row, turn.position, m_angular, turn.limit);
   };
   if (m_angular_only) return add_turn();
 
-  const equations::Anchors<Scalar> anchors{at.a.r(), at.b.r(), at.d};
-  const equations::Velocity<Scalar> v{pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b()};
-  const Vec3 curvature = equations::position_curvature_conserving(anchors, v);
-  const Lanes bend = at.a.components(curvature);
-  const bool driven = m_linear.driven();
-  const bool limit = m_linear.limited() && slideLimitActs(pair, at, anchors, v, bend[0], driven);
+  const equations::Anchors<Scalar> anchors{seen.a.r(), seen.b.r(), seen.d};
+  const Lanes bend = seen.a.components(rows.curvature([&](const BodyPair& v) {
+    return Vec3(equations::position_curvature_conserving<Scalar>(
+        anchors, {v.v_a(), v.w_a(), v.v_b(), v.w_b()}));
+  }));
   // The document's rows take for granted that both bodies turn alike.
   const bool middle = document && locked;
   const auto add = [&](const Vec3& u, int i) {
-    const auto J = middle ? equations::slider_row_middle(u, at.a.a(), anchors).J
+    const auto J = middle ? equations::slider_row_middle(u, seen.a.a(), anchors).J
                           : equations::contact_row(u, anchors).J;
-    rows.addEquality(J.L, J.A_a, J.A_b, at.offset[i], middle ? Scalar(0) : bend[i]).group =
+    rows.addEquality(J.L, J.A_a, J.A_b, seen.offset[i], middle ? Scalar(0) : bend[i]).group =
         group(across);
   };
-  add(at.a.b(), 1);
-  add(at.a.c(), 2);
-  if (limit || driven) {
-    const auto J = equations::contact_row(at.a.a(), anchors).J;
-    rows.addAxis(linear, J.L, J.A_a, J.A_b, m_sign * at.offset[0], m_linear, limit,
-                 m_sign > 0 ? 1 : -1)
-        .curvature = m_sign * bend[0];
+  add(seen.a.b(), 1);
+  add(seen.a.c(), 2);
+  if (m_linear.limited() || m_linear.driven()) {
+    const auto J = equations::contact_row(seen.a.a(), anchors).J;
+    const Scalar position = m_sign * seen.offset[0];
+    const bool limit = m_linear.limited() && slideLimitActs(position, rows.slide(J, bend[0]));
+    if (limit || m_linear.driven())
+      rows.addAxis(linear, J.L, J.A_a, J.A_b, position, m_linear, limit, m_sign > 0 ? 1 : -1)
+          .curvature = m_sign * bend[0];
   }
   add_turn();  // the last one, which getAppliedImpulse tells of, as in Bullet
 }
 
 // About the axes of a, so that the angle has a row of its own.
-inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twist,
-                                     Rows& rows) const {
+inline void SliderJoint::addLockRows(const Observation& at, Rows& rows) const {
+  const UnwrappedAngle& twist = at.twist;
   const auto R = [&] { return Mat3(at.a.axes().transpose() * at.b.axes()); };
   const Vec3 phi = m_angular.low == 0 && twist.turns() == 0
                        ? equations::orientation_error(at.crossed, at.trace, R)
@@ -397,13 +382,12 @@ inline void SliderJoint::addLockRows(const Frames& at, const UnwrappedAngle& twi
 }
 
 // The lock's rows, of which a free angle leaves those about the frame's other two axes.
-void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const {
+void SliderJoint::addDocumentAngularRows(const Observation& seen, Rows& rows) const {
   const bool locked = angleIsLocked();
-  Mat3 F = pair.R_a() * view(m_frame_a.getBasis());
+  Mat3 F = seen.a.axes();
   if (locked && m_angular.low != 0) F = turned(F, m_angular.low);
-  const Mat3 F_b = pair.R_b() * view(m_frame_b.getBasis());
-  const auto p = equations::relative(equations::quaternion(F), equations::quaternion(F_b));
-  if (!BodyPair::is_finite(p.w + p.v.sum())) return;
+  const auto p = equations::relative(equations::quaternion(F), equations::quaternion(seen.b.axes()));
+  if (!PosePair::is_finite(p.w + p.v.sum())) return;
   const Scalar error = locked ? p.v.norm() : std::hypot(p.v.y(), p.v.z());
   // Along the error the row turns 2/|w| times as fast as it says.
   const Scalar speed_per_error =
@@ -419,20 +403,13 @@ void SliderJoint::addDocumentAngularRows(const BodyPair& pair, Rows& rows) const
   if (locked) add(0, locked_angle);
 }
 
-inline bool SliderJoint::slideLimitActs(const BodyPair& pair, const Frames& at,
-                                        const equations::Anchors<Scalar>& anchors,
-                                        const equations::Velocity<Scalar>& v, Scalar curvature,
-                                        bool driven) const {
-  const Scalar position = m_sign * at.offset[0];
-  const Scalar distance = m_linear.distance(position);
-  if (distance <= 0) return true;
-  const Vec3 lever_a = anchors.r_a + anchors.d;
-  const Scalar speed = at.a.a().dot(equations::relative_velocity(v, lever_a, anchors.r_b));
-  const Reach reach =
-      linearReach(pair, lever_a, anchors.r_b, m_sign * speed, curvature, timeStep());
-  if (!driven && distance > reach.max()) return false;
-  return reach.of(m_linear).reaches(m_linear, position);
+// `reach`: along J, which the position moves with or against.
+inline bool SliderJoint::slideLimitActs(Scalar position, const Reach& reach) const {
+  if (m_linear.distance(position) <= 0) return true;
+  return Reach{m_sign * reach.moved, reach.gained}.of(m_linear).reaches(m_linear, position);
 }
+
+template class ObservedJoint<SliderJoint, PosedJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,16 +1,14 @@
 // Purpose: the slider (document, 3.1.4 + 3.2.3, 3.2.4), in the place of btSliderConstraint.
 #pragma once
 
+#include <pintle/joints/observed_joint.h>
 #include <pintle/joints/posed_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 namespace pintle {
-namespace equations {
-template <class T>
-struct Velocity;
-}
-
 inline namespace PINTLE_PRECISION {
+
+struct Reach;
 
 /// Body b slides along an axis of body a, and turns about it as far as its angular limits allow: by
 /// default not at all. The axis is x of a joint frame in each body.
@@ -24,7 +22,7 @@ inline namespace PINTLE_PRECISION {
 /// which it takes for granted, and the conditioned one if not.
 ///
 /// Everything that btSliderConstraint has, under the same name, with the same signs and defaults.
-class SliderJoint : public PosedJoint {
+class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -192,16 +190,13 @@ class SliderJoint : public PosedJoint {
   /// The frames, the stretch between the linear limits, and the range of the angle.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "SliderJoint"; }
-  /// Angular only: the angle's rows alone, nothing across or along the axis.
-  void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair& pair) override;
   void framesChanged() override;
-  void prepare(const BodyPair& pair, Rows& rows) override;
   const ErpCfm* groups() const override { return m_erp_cfm; }
 
  private:
+  friend ObservedJoint;
   enum { angular, linear, axes };                         // the last one's impulse is known best
   enum { across, directions, locked_angle, group_count };  // Row::group
 
@@ -210,16 +205,14 @@ class SliderJoint : public PosedJoint {
     Scalar softness = 1, restitution = Scalar(0.7), damping = 1, cfm = 0;
   };
 
-  struct Frames;
-  Frames frames(const BodyPair& pair) const;
-  void look(const Frames& at, UnwrappedAngle& twist) const;
-  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
-               Rows& rows) const;
-  void addLockRows(const Frames& at, const UnwrappedAngle& twist, Rows& rows) const;
-  void addDocumentAngularRows(const BodyPair& pair, Rows& rows) const;
-  bool slideLimitActs(const BodyPair& pair, const Frames& at,
-                      const equations::Anchors<Scalar>& anchors,
-                      const equations::Velocity<Scalar>& v, Scalar curvature, bool driven) const;
+  struct Observation;
+  Observation observe(const PosePair& poses) const;
+  void remember(const Observation& seen, bool in_step);
+  /// Angular only: the angle's rows alone, nothing across or along the axis.
+  void constrain(const Observation& seen, Rows& rows) const;
+  void addLockRows(const Observation& seen, Rows& rows) const;
+  void addDocumentAngularRows(const Observation& seen, Rows& rows) const;
+  bool slideLimitActs(Scalar position, const Reach& reach) const;
 
   /// No axis of its own: it is one of the equalities.
   bool angleIsLocked() const { return m_angular.locked() && !(m_angular.hasLimitSpring()); }
@@ -252,6 +245,8 @@ class SliderJoint : public PosedJoint {
   bool m_turn_given = false;
   static constexpr RowCount row_count{6, axes};
 };
+
+extern template class ObservedJoint<SliderJoint, PosedJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -14,30 +14,6 @@ struct TwoPointHinge::Lines {
   Vec3 c_a, c_b, h;
 };
 
-TwoPointHinge::TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
-                             const btVector3& pivotInB, const btVector3& axisInA,
-                             const btVector3& axisInB, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
-  begin(pivotInA, pivotInB, axisInA, axisInB);
-}
-
-TwoPointHinge::TwoPointHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
-                             bool useReferenceFrameA)
-    : HingeBase(rbA, row_count, useReferenceFrameA) {
-  begin(pivotInA, axisInA);
-}
-
-TwoPointHinge::TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
-                             const btTransform& rbBFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, rbB, row_count, useReferenceFrameA) {
-  begin(rbAFrame, rbBFrame);
-}
-
-TwoPointHinge::TwoPointHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA)
-    : HingeBase(rbA, row_count, useReferenceFrameA) {
-  begin(rbAFrame);
-}
-
 void TwoPointHinge::setPlacement(Placement placement, btScalar separation) {
   m_separation = positive("separation", separation);
   m_placement = placement;
@@ -73,44 +49,27 @@ void TwoPointHinge::drawJoint(btIDebugDraw& drawer) const {
   }
 }
 
-PINTLE_FLATTEN void TwoPointHinge::prepare(const BodyPair& pair, Rows& rows) {
-  const Frames at = look(pair, m_twist);
-  m_tested = m_twist;
-  addRows(pair, at, m_twist, rows);
-}
-
-void TwoPointHinge::addRows(const BodyPair& pair, Rows& rows) const {
-  UnwrappedAngle twist = m_twist;
-  const Frames at = lookIfActing(pair, twist);
-  addRows(pair, at, twist, rows);
-}
-
-inline void TwoPointHinge::addRows(const BodyPair& pair, const Frames& at,
-                                   const UnwrappedAngle& twist, Rows& rows) const {
-  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
-  const auto swing = equations::swing(at.c_a, at.c_b);
-  // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + swing.sigma.sum())) return;
-  const Lines lines{{at.a.r(), at.b.r(), d}, at.c_a, at.c_b, swing.h};
+inline void TwoPointHinge::constrain(const Observation& seen, Rows& rows) const {
+  const auto swing = equations::swing(seen.c_a, seen.c_b);
+  const Lines lines{seen.anchors(), seen.c_a, seen.c_b, swing.h};
 
   const int before = rows.size();
   if (m_angular_only)
-    addDirectionRows(pair, lines, rows);
+    addDirectionRows(lines, rows);
   else
-    addPointRows(pair, lines, rows);
+    addPointRows(lines, rows);
   // c_b - c_a is 2 sin(swing/2) long: taken away at the rate k, the axes turn by 2 k tan(swing/2).
-  const Vec3 apart = at.c_b - at.c_a;
+  const Vec3 apart = seen.c_b - seen.c_a;
   const Scalar tangent2 = apart.dot(apart) * swing.h_scale;
   if (tangent2 > 0) {
     const Scalar speed_per_error = getMaxCorrectionSpeed() / std::sqrt(tangent2);
     for (int i = before; i < rows.size(); ++i)
       rows[i].max_speed = speed_per_error * std::abs(rows[i].position);
   }
-  addAxisRow(acting(pair, twist, swing), swing, rows);
+  addAxisRow(acting(seen.twist, swing, rows), swing, rows);
 }
 
-inline void TwoPointHinge::addPointRows(const BodyPair& pair, const Lines& lines,
-                                        Rows& rows) const {
+inline void TwoPointHinge::addPointRows(const Lines& lines, Rows& rows) const {
   const auto to = points(lines);
   const equations::Anchors<Scalar>& anchor = lines.anchor;
   const auto point_1 = equations::point_on_axis(anchor, lines.c_a, lines.c_b, to.s_1);
@@ -119,16 +78,17 @@ inline void TwoPointHinge::addPointRows(const BodyPair& pair, const Lines& lines
   if (m_six_rows) {
     for (const equations::Anchors<Scalar>& at : {point_1, point_2}) {
       if (document)
-        addDocumentPositionRows(at.r_a, at.r_b, at.d, rows);
+        addDocumentPositionRows(at, rows);
       else  // all of the gap: what the points say twice is not to contradict itself
-        addConservingPositionRows(pair, at.r_a, at.r_b, at.d, 1, rows);
+        addConservingPositionRows(at, 1, rows);
     }
     return;
   }
   const auto add = [&](const equations::Anchors<Scalar>& at, std::initializer_list<Vec3> along) {
-    const Vec3 curvature = document ? Vec3(Vec3::Zero())
-                                    : equations::position_curvature<Scalar>(
-                                          pair.w_a(), at.r_a + at.d, pair.w_b(), at.r_b);
+    const Vec3 curvature =
+        document ? Vec3(Vec3::Zero()) : rows.curvature([&](const BodyPair& v) {
+          return equations::position_curvature<Scalar>(v.w_a(), at.r_a + at.d, v.w_b(), at.r_b);
+        });
     for (const Vec3& u : along) {
       const auto row =
           document ? equations::contact_row_world(u, at) : equations::contact_row(u, at);
@@ -142,16 +102,20 @@ inline void TwoPointHinge::addPointRows(const BodyPair& pair, const Lines& lines
 }
 
 // Of two points only their difference, which has no linear part: that of the points' levers alone.
-inline void TwoPointHinge::addDirectionRows(const BodyPair& pair, const Lines& lines,
-                                            Rows& rows) const {
+inline void TwoPointHinge::addDirectionRows(const Lines& lines, Rows& rows) const {
   const Vec3 &c_a = lines.c_a, &c_b = lines.c_b, &h = lines.h;
-  const Vec3 curvature = equations::position_curvature<Scalar>(pair.w_a(), c_b, pair.w_b(), c_b);
+  const Vec3 curvature = rows.curvature([&](const BodyPair& v) {
+    return equations::position_curvature<Scalar>(v.w_a(), c_b, v.w_b(), c_b);
+  });
   const Vec3 p = any_tangent(h);
   for (const Vec3& u : {p, cross(h, p)}) {
     const auto row = equations::contact_row<Scalar>(u, {c_a, c_b, c_b - c_a});
     rows.addAngular(row.J.A_b, row.C, u.dot(curvature));
   }
 }
+
+template class ObservedJoint<TwoPointHinge, HingeBase>;
+template class HingeOf<TwoPointHinge>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,7 +1,7 @@
 // Purpose: the hinge of two points (document, 3.2.2).
 #pragma once
 
-#include <pintle/joints/hinge_base.h>
+#include <pintle/joints/hinge_of.h>
 
 namespace pintle {
 namespace equations {
@@ -21,19 +21,11 @@ inline namespace PINTLE_PRECISION {
 /// at its own points (document), or both at the same, and with the curvature of the motion.
 ///
 /// The angle, its limit, motor, servo and friction: HingeBase.
-class TwoPointHinge : public HingeBase {
+class TwoPointHinge : public HingeOf<TwoPointHinge> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// As those of QuaternionHinge.
-  TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
-                const btVector3& pivotInB, const btVector3& axisInA, const btVector3& axisInB,
-                bool useReferenceFrameA = false);
-  TwoPointHinge(btRigidBody& rbA, const btVector3& pivotInA, const btVector3& axisInA,
-                bool useReferenceFrameA = false);
-  TwoPointHinge(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
-                const btTransform& rbBFrame, bool useReferenceFrameA = false);
-  TwoPointHinge(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
+  using HingeOf::HingeOf;
 
   /// Where the points are on the axis. The last one is held best.
   enum class Placement : unsigned char {
@@ -58,25 +50,26 @@ class TwoPointHinge : public HingeBase {
 
   /// The frames, the range of the angle, and the two points.
   void drawJoint(btIDebugDraw& drawer) const override;
-  const char* name() const override { return "TwoPointHinge"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
-
- protected:
-  void prepare(const BodyPair& pair, Rows& rows) override;
 
  private:
-  void addRows(const BodyPair& pair, const Frames& at, const UnwrappedAngle& twist,
-               Rows& rows) const;
+  friend HingeOf;
+  friend ObservedJoint;
+  static constexpr const char* joint_name = "TwoPointHinge";
+  static constexpr RowCount row_count{7, 1};
+
   struct Lines;
-  void addPointRows(const BodyPair& pair, const Lines& lines, Rows& rows) const;
-  void addDirectionRows(const BodyPair& pair, const Lines& lines, Rows& rows) const;
+  void constrain(const Observation& seen, Rows& rows) const;
+  void addPointRows(const Lines& lines, Rows& rows) const;
+  void addDirectionRows(const Lines& lines, Rows& rows) const;
   equations::TwoPoints<Scalar> points(const Lines& at) const;
 
   Scalar m_separation = 1;
   Placement m_placement = Placement::from_nearest_a;
   bool m_six_rows = false;
-  static constexpr RowCount row_count{7, 1};
 };
+
+extern template class ObservedJoint<TwoPointHinge, HingeBase>;
+extern template class HingeOf<TwoPointHinge>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

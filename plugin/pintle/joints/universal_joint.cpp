@@ -5,7 +5,7 @@
 #include <pintle/equations/universal.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
-#include <pintle/rows/limit_reach.h>
+#include <pintle/joints/observed_joint_rows.h>
 #include <pintle/rows/row.h>
 #include <pintle/rows/turn_of_step.h>
 
@@ -30,19 +30,20 @@ constexpr Scalar default_motor_torque = 6;  // N m
 
 }  // namespace
 
-// The joint frames in the world.
-struct UniversalJoint::Frames {
+// The joint frames in the world, and the angles as they have become at them.
+struct UniversalJoint::Observation {
   Frame a, b;
+  Vec3 d;  ///< from the pivot of a to that of b
   Vec3 z = a.c(), y = b.b();
-};
+  Lanes dots = a.dots(b);
+  Angles angles = {};
 
-inline UniversalJoint::Frames UniversalJoint::frames(const BodyPair& pair) const {
-  return {{pair.pose_a(), m_frame_a}, {pair.pose_b(), m_frame_b}};
-}
+  Scalar sum() const { return d.sum() + dots.head<3>().sum() + z.dot(y); }
+};
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& anchor,
                                const btVector3& axis1, const btVector3& axis2)
-    : PosedJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   setDefaults();
   const btTransform world = frameOf(point("anchor", anchor), axis1, axis2);
   m_anchor = anchor;
@@ -54,7 +55,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btVecto
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                                const btTransform& frameInB)
-    : PosedJoint(rbA, rbB, row_count) {
+    : ObservedJoint(rbA, rbB, row_count) {
   setDefaults();
   setFrames(frameInA, frameInB);
   m_anchor = getAnchor();
@@ -63,7 +64,7 @@ UniversalJoint::UniversalJoint(btRigidBody& rbA, btRigidBody& rbB, const btTrans
 }
 
 UniversalJoint::UniversalJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : PosedJoint(rbA, row_count) {
+    : ObservedJoint(rbA, row_count) {
   setDefaults();
   setFrames(frameInA, coincident(frameInA));
   m_anchor = getAnchor();
@@ -90,11 +91,17 @@ void UniversalJoint::setAxis(const btVector3& axis1, const btVector3& axis2) {
 
 // --- angles --------------------------------------------------------------------------------------
 
-inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
-  const Lanes dots = at.a.dots(at.b);
-  const Vec3 x_b = at.b.a();
-  const auto to =
-      equations::spider_angles<Scalar>(at.a.a().dot(at.y), dots[1], at.z.dot(x_b), dots[2]);
+inline UniversalJoint::Observation UniversalJoint::observe(const PosePair& poses) const {
+  const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
+  Observation seen{a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
+  seen.angles = m_angles;
+  follow(seen, seen.angles);
+  return seen;
+}
+
+inline void UniversalJoint::follow(const Observation& at, Angles& angles) const {
+  const auto to = equations::spider_angles<Scalar>(at.a.a().dot(at.y), at.dots[1],
+                                                   at.z.dot(at.b.a()), at.dots[2]);
   // Not in a frame that its owner has spoiled, either.
   if (!(to.alpha_x * to.alpha_x + to.alpha_y * to.alpha_y > min_across2)) return;
   if (!(to.beta_x * to.beta_x + to.beta_y * to.beta_y > min_across2)) return;
@@ -114,15 +121,22 @@ inline void UniversalJoint::look(const Frames& at, Angles& angles) const {
   }
 }
 
-void UniversalJoint::updateState(const BodyPair& pair) { look(frames(pair), m_angles); }
+inline void UniversalJoint::remember(const Observation& seen, bool in_step) {
+  m_angles = seen.angles;
+  if (!in_step) return;
+  forgetPoses();
+  takeLimitMotors();
+  if (m_limit_motors)
+    for (int i = 0; i < 3; ++i) testAngularLimitMotor(i);
+}
 
 void UniversalJoint::framesChanged() {
   forgetPoses();
   m_angles = {};
   for (Hinge& hinge : m_hinges) hinge.turn_given = false;
-  const Frames at = frames({m_rbA, m_rbB});
-  look(at, m_angles);
-  m_angles.turned_over = at.a.dots(at.b)[2] < 0;
+  const Observation seen = observe(BodyPair(m_rbA, m_rbB));
+  m_angles = seen.angles;
+  m_angles.turned_over = seen.dots[2] < 0;
 }
 
 int UniversalJoint::indexOf(int axis) const {
@@ -132,24 +146,21 @@ int UniversalJoint::indexOf(int axis) const {
 
 btScalar UniversalJoint::getAngle(int axis_index) const {
   if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
-  const Frames at = frames(seenPair());
-  if (axis_index == 0) return sign * equations::universal_row(at.z, at.y).C;
-  Angles now = m_angles;
-  look(at, now);
-  return sign * (axis_index == 2 ? now.alpha : now.beta).remainder();
+  const Observation seen = observe(seenPair());
+  if (axis_index == 0) return sign * equations::universal_row(seen.z, seen.y).C;
+  return sign * (axis_index == 2 ? seen.angles.alpha : seen.angles.beta).remainder();
 }
 
 btScalar UniversalJoint::getAccumulatedAngle(int axis) const {
   const int index = indexOf(axis);
-  Angles now = m_angles;
-  look(frames(seenPair()), now);
+  const Angles now = observe(seenPair()).angles;
   return sign * (index == 1 ? now.alpha : now.beta).value();
 }
 
 void UniversalJoint::setAccumulatedAngle(int axis, btScalar angle_) {
   const int index = indexOf(axis);
   finite("accumulated angle", angle_);
-  updateState({m_rbA, m_rbB});
+  updateState(BodyPair(m_rbA, m_rbB));
   angle(index).turnTowards(sign * angle_);
   m_hinges[index].turn_given = true;
 }
@@ -158,8 +169,8 @@ btVector3 UniversalJoint::getAxis(int axis_index) const {
   if (axis_index < 0 || axis_index > 2) reject("axis index", axis_index, "must be 0 to 2");
   const btMatrix3x3 b = getCalculatedTransformB().getBasis();
   if (axis_index != 0) return b.getColumn(axis_index);
-  const Frames at = frames(seenPair());
-  const Vec3 normal = equations::universal_row(at.z, at.y).J_b;
+  const Observation seen = observe(seenPair());
+  const Vec3 normal = equations::universal_row(seen.z, seen.y).J_b;
   return {normal.x(), normal.y(), normal.z()};
 }
 
@@ -437,64 +448,47 @@ inline bool UniversalJoint::rightWayUp() const {
   return axis.limited() && axis.low >= -SIMD_HALF_PI && axis.high <= SIMD_HALF_PI;
 }
 
-PINTLE_FLATTEN void UniversalJoint::prepare(const BodyPair& pair, Rows& rows) {
-  forgetPoses();
-  takeLimitMotors();
-  const Frames at = frames(pair);
-  look(at, m_angles);
-  if (m_limit_motors)
-    for (int i = 0; i < 3; ++i) testAngularLimitMotor(i);
-  addRows(pair, at, m_angles, rows);
-}
-
-void UniversalJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frames at = frames(pair);
-  Angles angles = m_angles;
-  look(at, angles);
-  addRows(pair, at, angles, rows);
-}
-
-inline void UniversalJoint::addRows(const BodyPair& pair, const Frames& at, const Angles& angles,
-                                    Rows& rows) const {
-  const Vec3 d = equations::position_error(pair.x_a(), at.a.r(), pair.x_b(), at.b.r());
+inline void UniversalJoint::constrain(const Observation& seen, Rows& rows) const {
   const bool document = getFormulation() == Formulation::document;
   // The document's row rests there: only the limits bring it back.
-  const bool turned_over = !document && angles.turned_over && rightWayUp();
-  const auto row = document      ? equations::universal_dot_row(at.z, at.y)
-                   : turned_over ? equations::universal_gamma_row(at.z, at.b.a(), at.b.c())
-                                 : equations::universal_row(at.z, at.y);
-  const Scalar cosine = at.z.dot(at.y), length2 = row.J_b.dot(row.J_b);
-  // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + cosine + row.C + length2)) return;
+  const bool turned_over = !document && seen.angles.turned_over && rightWayUp();
+  const auto row = document      ? equations::universal_dot_row(seen.z, seen.y)
+                   : turned_over ? equations::universal_gamma_row(seen.z, seen.b.a(), seen.b.c())
+                                 : equations::universal_row(seen.z, seen.y);
+  const Scalar cosine = seen.z.dot(seen.y);
   if (document) {
-    rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
+    rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * row.J_b.norm();
+    rows.shape(RowShape::dot, seen.z, seen.y);
   } else {
-    const Scalar curvature =
-        equations::universal_curvature<Scalar>(at.z, at.y, pair.w_a(), pair.w_b());
+    const Scalar curvature = rows.curvature([&](const BodyPair& v) {
+      return equations::universal_curvature<Scalar>(seen.z, seen.y, v.w_a(), v.w_b());
+    });
     rows.addAngular(row.J_b, row.C, curvature).max_speed = getMaxCorrectionSpeed();
   }
-  addPivotRows(pair, {at.a.r(), at.b.r(), d}, rows);
+  addPivotRows({seen.a.r(), seen.b.r(), seen.d}, rows);
 
   if (cosine * cosine > max_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
-  const AngularReach reach(pair, timeStep());
-  addHingeRow(0, at, angles, reach, !turned_over, rows);
-  addHingeRow(1, at, angles, reach, !turned_over, rows);
+  const AngularReach reach = rows.turn();
+  addHingeRow(0, seen, reach, !turned_over, rows);
+  addHingeRow(1, seen, reach, !turned_over, rows);
 }
 
 // J_b is the gradient of the angle where the joint holds, and a unit row anywhere.
-inline void UniversalJoint::addHingeRow(int index, const Frames& at, const Angles& angles,
+inline void UniversalJoint::addHingeRow(int index, const Observation& seen,
                                         const AngularReach& reach, bool look_at_limit,
                                         Rows& rows) const {
   const Axis& axis = m_hinges[index].axis;
-  const UnwrappedAngle& angle = index == 1 ? angles.alpha : angles.beta;
-  const Vec3& J_b = index == 1 ? at.z : at.y;
+  const UnwrappedAngle& angle = index == 1 ? seen.angles.alpha : seen.angles.beta;
+  const Vec3& J_b = index == 1 ? seen.z : seen.y;
   Acting now = actingAngle(axis, angle, J_b, sign, [&]() -> const AngularReach& { return reach; });
   if (!look_at_limit) now.limit = false;
   if (now.limit || axis.driven())
     rows.addAngularAxis(index, J_b, now.position, axis, now.limit, sign);
 }
+
+template class ObservedJoint<UniversalJoint, PosedJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

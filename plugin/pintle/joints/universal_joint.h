@@ -1,6 +1,7 @@
 // Purpose: the universal joint (document, 3.1.3 + 3.2.9), in the place of btUniversalConstraint.
 #pragma once
 
+#include <pintle/joints/observed_joint.h>
 #include <pintle/joints/posed_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
@@ -26,7 +27,7 @@ class AngularReach;
 ///
 /// Everything that btUniversalConstraint has, under the same name, with the same signs and
 /// defaults, but what would free the position or drive it (getTranslationalLimitMotor).
-class UniversalJoint : public PosedJoint {
+class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -164,21 +165,19 @@ class UniversalJoint : public PosedJoint {
   /// turn or more, and angle 2 within a quarter of a turn.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "UniversalJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
 
  protected:
-  void updateState(const BodyPair& pair) override;
   void framesChanged() override;
-  void prepare(const BodyPair& pair, Rows& rows) override;
 
  private:
+  friend ObservedJoint;
   // One of the two hinges: what acts along its angle, and what is remembered of it.
   struct Hinge {
     Axis axis;
     AxisParameters parameters;
     bool turn_given = false;
   };
-  struct Frames;
+  struct Observation;
   // alpha and beta of the equations: minus Bullet's angles.
   struct Angles {
     UnwrappedAngle alpha, beta;
@@ -187,10 +186,11 @@ class UniversalJoint : public PosedJoint {
     bool turned_over = false;
   };
 
-  Frames frames(const BodyPair& pair) const;
-  void look(const Frames& at, Angles& angles) const;
-  void addRows(const BodyPair& pair, const Frames& at, const Angles& angles, Rows& rows) const;
-  void addHingeRow(int index, const Frames& at, const Angles& angles, const AngularReach& reach,
+  Observation observe(const PosePair& poses) const;
+  void remember(const Observation& seen, bool in_step);
+  void constrain(const Observation& seen, Rows& rows) const;
+  void follow(const Observation& seen, Angles& angles) const;
+  void addHingeRow(int index, const Observation& seen, const AngularReach& reach,
                    bool look_at_limit, Rows& rows) const;
   /// Whether beta stays within a quarter of a turn: only then is turned_over an error.
   bool rightWayUp() const;
@@ -227,6 +227,8 @@ class UniversalJoint : public PosedJoint {
   std::unique_ptr<LimitMotors> m_limit_motors;  ///< made when they are first asked for
   static constexpr RowCount row_count{6, 2};
 };
+
+extern template class ObservedJoint<UniversalJoint, PosedJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

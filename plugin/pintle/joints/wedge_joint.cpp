@@ -4,7 +4,6 @@
 #include <pintle/equations/wedge.h>
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
-#include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>
 
 namespace pintle {
@@ -31,12 +30,12 @@ struct WedgeJoint::Reference {
   Vec3 c_b;
 };
 
-// World space: the joint frame of a, c_b, how fast it turns in it, and what the forces may add to
-// that in a step, rad.
+// World space: the joint frame of a, c_b, the rotation vector by which it turns in it in a step, and what the forces may
+// add to that, rad.
 struct WedgeJoint::Directions {
   const Frame& frame;
   Vec3 c_b;
-  Vec3 spin;
+  Vec3 turn;
   Scalar gained;
 };
 
@@ -47,10 +46,10 @@ struct WedgeJoint::Plane {
   equations::AngularRow<Scalar> row;
   Scalar nearest;
 
-  Plane(Index which, const btVector3& n, const Directions& at, Scalar dt) : index(which) {
+  Plane(Index which, const btVector3& n, const Directions& at) : index(which) {
     const Vec3 world = n[0] * at.frame.a() + n[1] * at.frame.b();
     row = equations::wedge_row(world, at.c_b);
-    const Scalar moved = dt * row.J_b.dot(at.spin);
+    const Scalar moved = row.J_b.dot(at.turn);
     nearest = row.C + btMin(2 * moved, moved) - at.gained;
   }
   bool reached() const { return nearest <= 0; }
@@ -149,8 +148,8 @@ bool WedgeJoint::isInside() const {
   const Frame a(m_rbA.getCenterOfMassTransform(), m_frame_a),
       b(m_rbB.getCenterOfMassTransform(), m_frame_b);
   const Directions at{a, b.a(), Vec3::Zero(), 0};
-  const bool above_low = Plane(low_side, m_n_min, at, 0).row.C >= 0;
-  const bool below_high = Plane(high_side, m_n_max, at, 0).row.C >= 0;
+  const bool above_low = Plane(low_side, m_n_min, at).row.C >= 0;
+  const bool below_high = Plane(high_side, m_n_max, at).row.C >= 0;
   return m_convex ? above_low && below_high : above_low || below_high;
 }
 
@@ -164,41 +163,37 @@ void WedgeJoint::drawJoint(btIDebugDraw& drawer) const {
 
 // --- rows ----------------------------------------------------------------------------------------
 
-// Of two limbs that turn together one stops at its own wedge: the other's is reached in the same step, which then
-// is to hold it. Rows of the next would find it behind its edge, and turned anyhow.
-inline AngularReach WedgeJoint::reach(const BodyPair& pair) const {
-  return {pair, timeStep(), true};
-}
-
-PINTLE_FLATTEN void WedgeJoint::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frame a(pair.pose_a(), m_frame_a);
-  const Vec3 r_b = pair.R_b() * view(m_frame_b.getOrigin());
-  const Vec3 c_b = pair.R_b() * Vec3(view(m_frame_b.getBasis()).col(0));
-  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), r_b);
+PINTLE_FLATTEN void WedgeJoint::addRows(const PosePair& poses, Rows& rows) const {
+  const Frame a(poses.pose_a(), m_frame_a);
+  const Vec3 r_b = poses.R_b() * view(m_frame_b.getOrigin());
+  const Vec3 c_b = poses.R_b() * Vec3(view(m_frame_b.getBasis()).col(0));
+  const Vec3 d = equations::position_error(poses.x_a(), a.r(), poses.x_b(), r_b);
   const Lanes components = a.components(c_b);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + components[0] + components[1] + components[2])) return;
-  const bool acts =
-      m_side.driven() ||
-      (limited() && !m_look.isFarInside(components[0], components[1], 1, reach(pair).max()));
-  addPivotRows(pair, {a.r(), r_b, d}, rows);
-  if (acts) addWedgeRows(pair, {a, c_b}, rows);
+  if (!PosePair::is_finite(d.sum() + components[0] + components[1] + components[2])) return;
+  addPivotRows({a.r(), r_b, d}, rows);
+  if (!limited() && !m_side.driven()) return;
+  // Of two limbs that turn together one stops at its own wedge: the other's is reached in the same step, which then
+  // is to hold it. Rows of the next would find it behind its edge, and turned anyhow.
+  const AngularReach reach = rows.turn(true);
+  if (m_side.driven() || !m_look.isFarInside(components[0], components[1], 1, reach.max()))
+    addWedgeRows({a, c_b}, reach, rows);
 }
 
-PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const BodyPair& pair, const Reference& reference,
-                                              Rows& rows) const {
-  const Scalar gained = Reach{0, reach(pair).gained()}.of(m_other_side).gained;
-  const Directions at{reference.frame, reference.c_b, pair.w_b() - pair.w_a(), gained};
-  const Scalar dt = m_side.limit_spring.angular_frequency > 0 ? Scalar(0) : timeStep();
+PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const Reference& reference,
+                                              const AngularReach& reach, Rows& rows) const {
+  const bool spring = m_side.limit_spring.angular_frequency > 0;
+  const Directions at{reference.frame, reference.c_b, spring ? Vec3(Vec3::Zero()) : reach.moved(),
+                      Reach{0, reach.gained()}.of(m_other_side).gained};
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
   Index side = low_side;
   if (isFarBehindEdge(at)) {
     const auto row = equations::edge_distance<Scalar>(at.frame.c(), at.c_b);
     rows.addAngularAxis(corner, row.J_b, row.C, m_corner, true);
   } else if (limited()) {
-    const Plane low(low_side, m_n_min, at, dt), high(high_side, m_n_max, at, dt);
+    const Plane low(low_side, m_n_min, at), high(high_side, m_n_max, at);
     if (m_acute) {
-      const Plane extra(corner, m_middle, at, dt);
+      const Plane extra(corner, m_middle, at);
       const bool acts = getFormulation() == Formulation::document ? low.row.C < 0 && high.row.C < 0
                                                                   : extra.reached();
       if (acts) addPlaneRow(extra, at, m_corner, rows);

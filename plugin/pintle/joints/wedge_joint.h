@@ -78,7 +78,7 @@ class WedgeJoint : public FrameJoint {
   /// The frames, and the wedge as a sector of the plane normal to w.
   void drawJoint(btIDebugDraw& drawer) const override;
   const char* name() const override { return "WedgeJoint"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  private:
   enum Index { low_side, high_side, corner, axes };
@@ -92,9 +92,8 @@ class WedgeJoint : public FrameJoint {
   }
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
-  AngularReach reach(const BodyPair& pair) const;
   equations::Wedge<Scalar> wedge() const;
-  void addWedgeRows(const BodyPair& pair, const Reference& at, Rows& rows) const;
+  void addWedgeRows(const Reference& at, const AngularReach& reach, Rows& rows) const;
   bool isFarBehindEdge(const Directions& at) const;
   bool isInLowHalf(const Directions& at) const;
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;

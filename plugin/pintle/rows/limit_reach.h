@@ -2,7 +2,9 @@
 #pragma once
 
 #include <pintle/body_pair.h>
+#include <pintle/equations/effective_mass.h>
 #include <pintle/rows/axis.h>
+#include <pintle/rows/step_motion.h>
 #include <pintle/rows/unwrapped_angle.h>
 
 namespace pintle {
@@ -57,60 +59,71 @@ struct Reach {
   }
 };
 
-/// How an angle (rad) may move in a step as two bodies turn against each other (b against a).
+/// How an angle (rad) may move in a step as two bodies turn against each other (b against a). Without a motion it may
+/// go anywhere.
 class AngularReach {
  public:
   /// `a_may_stop`: another joint, or a contact, may stop a, and b goes on as fast as it turns now.
-  AngularReach(const BodyPair& pair, Scalar dt, bool a_may_stop = false)
-      : m_pair(pair), m_dt(dt), m_a_may_stop(a_may_stop), m_max(maxTurn()) {}
+  explicit AngularReach(const StepMotion* motion, bool a_may_stop = false)
+      : m_motion(motion),
+        m_a_may_stop(a_may_stop),
+        m_max(motion != nullptr ? maxTurn(*motion) : infinity) {}
 
+  /// The turn of now's velocities, a rotation vector.
+  Vec3 moved() const {
+    if (m_motion == nullptr) return Vec3::Zero();
+    return m_motion->dt * (m_motion->pair.w_b() - m_motion->pair.w_a());
+  }
   /// By how much forces, and what stops a, add to the turn, at most.
   Scalar gained() const {
-    const Scalar forces =
-        m_dt * m_dt * (accelerationBound(m_pair.a()) + accelerationBound(m_pair.b()));
-    return m_a_may_stop ? forces + m_dt * m_pair.w_a().norm() : forces;
+    if (m_motion == nullptr) return infinity;
+    const BodyPair& pair = m_motion->pair;
+    const Scalar dt = m_motion->dt;
+    const Scalar forces = dt * dt * (accelerationBound(pair.a()) + accelerationBound(pair.b()));
+    return m_a_may_stop ? forces + dt * pair.w_a().norm() : forces;
   }
   /// About the unit vector h, or the other way (sign -1).
-  Reach about(const Vec3& h, Scalar sign = 1) const {
-    return {sign * m_dt * h.dot(m_pair.w_b() - m_pair.w_a()), gained()};
-  }
+  Reach about(const Vec3& h, Scalar sign = 1) const { return {sign * h.dot(moved()), gained()}; }
   /// No less than the turn about any axis, either way, at twice the speed of now (Reach::reaches).
   Scalar max() const { return m_max; }
 
  private:
   // 2 dt |w| + gained(), by (x + y)^2 <= 2 (x^2 + y^2) for both bodies and
   // (2 x + sqrt(2.5) y)^2 <= 6.5 (x^2 + y^2), and with z for what stops a 7.5 (x^2 + y^2 + z^2).
-  Scalar maxTurn() const {
-    const LanesView w_a = lanes(m_pair.a().getAngularVelocity());
-    const Lanes w = lanes(m_pair.b().getAngularVelocity()) - w_a;
-    const Lanes gain2 = accelerationBound2(m_pair.a()) + accelerationBound2(m_pair.b());
-    Lanes sum = w * w + m_dt * m_dt * gain2;
+  Scalar maxTurn(const StepMotion& motion) const {
+    const btRigidBody &a = motion.pair.a(), &b = motion.pair.b();
+    const LanesView w_a = lanes(a.getAngularVelocity());
+    const Lanes w = lanes(b.getAngularVelocity()) - w_a;
+    const Lanes gain2 = accelerationBound2(a) + accelerationBound2(b);
+    Lanes sum = w * w + motion.dt * motion.dt * gain2;
     if (m_a_may_stop) sum += w_a * w_a;
     const Scalar factor = m_a_may_stop ? Scalar(7.5) : Scalar(6.5);
-    return m_dt * btSqrt(factor * (sum[2] + sum[0] + sum[1]));
+    return motion.dt * btSqrt(factor * (sum[2] + sum[0] + sum[1]));
   }
 
-  const BodyPair& m_pair;
-  Scalar m_dt;
+  const StepMotion* m_motion;
   bool m_a_may_stop;
   Scalar m_max;
 };
 
-/// Of a distance (m) along a unit vector, between points at these levers of the bodies: `speed` is J v of
-/// its row, `curvature` what the motion adds (m/s^2). Whatever joints hold the bodies, the part along
-/// J of an acceleration a by forces is at most sqrt(J M^-1 J^T a^T M a).
-inline Reach linearReach(const BodyPair& pair, const Vec3& lever_a, const Vec3& lever_b,
-                         Scalar speed, Scalar curvature, Scalar dt) {
+/// Of a coordinate (m) that moves along J, and by the curvature (m/s^2) beside. Whatever joints hold the bodies, the part
+/// along J of an acceleration a by forces is at most sqrt(J M^-1 J^T a^T M a).
+inline Reach linearReach(const StepMotion* motion, const equations::Jacobian<Scalar>& J,
+                         Scalar curvature) {
+  if (motion == nullptr) return {0, infinity};
+  const BodyPair& pair = motion->pair;
   const btRigidBody &a = pair.a(), &b = pair.b();
   const Scalar I_a = inverseInertiaTrace(a), I_b = inverseInertiaTrace(b);
   const LanesView F_a = lanes(a.getTotalForce()), F_b = lanes(b.getTotalForce());
   const LanesView T_a = lanes(a.getTotalTorque()), T_b = lanes(b.getTotalTorque());
   const Lanes aMa = F_a * F_a * pair.inv_mass_a() + F_b * F_b * pair.inv_mass_b() +
                     T_a * T_a * I_a + T_b * T_b * I_b;
-  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * lever_a.dot(lever_a) +
-                   I_b * lever_b.dot(lever_b);
+  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * J.A_a.dot(J.A_a) +
+                   I_b * J.A_b.dot(J.A_b);
+  const Scalar speed = J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) +
+                       J.A_b.dot(pair.w_b());
   const Scalar max_acceleration = btSqrt(K * (aMa[0] + aMa[1] + aMa[2])) + btFabs(curvature);
-  return {dt * speed, dt * dt * max_acceleration};
+  return {motion->dt * speed, motion->dt * motion->dt * max_acceleration};
 }
 
 /// Whether anything acts along a coordinate in this step.

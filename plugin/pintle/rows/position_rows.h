@@ -9,38 +9,41 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Along one axis of the world, with the levers of the two bodies.
+/// Along one axis of the world.
 template <int i>
-void addPositionRow(const Vec3& lever_a, const Vec3& lever_b, const Vec3& d, const Vec3& curvature,
-                    Rows& rows) {
-  const auto J = equations::position_row_world<i>(lever_a, lever_b);
-  rows.addEquality(J.L, J.A_a, J.A_b, d[i], curvature[i]);
+void addPositionRow(const Vec3& lever_a, const equations::Anchors<Scalar>& at,
+                    const Vec3& curvature, Rows& rows) {
+  const auto J = equations::position_row_world<i>(lever_a, at.r_b);
+  rows.addEquality(J.L, J.A_a, J.A_b, at.d[i], curvature[i]);
+  rows.shape(RowShape::point, at.r_a, at.r_b);
 }
 
-inline void addPositionRows(const Vec3& lever_a, const Vec3& lever_b, const Vec3& d,
+inline void addPositionRows(const equations::Anchors<Scalar>& at, const Vec3& lever_a,
                             const Vec3& curvature, Rows& rows) {
-  addPositionRow<0>(lever_a, lever_b, d, curvature, rows);
-  addPositionRow<1>(lever_a, lever_b, d, curvature, rows);
-  addPositionRow<2>(lever_a, lever_b, d, curvature, rows);
+  addPositionRow<0>(lever_a, at, curvature, rows);
+  addPositionRow<1>(lever_a, at, curvature, rows);
+  addPositionRow<2>(lever_a, at, curvature, rows);
 }
 
-/// The document's: each body held at its own anchor. d = p_b - p_a.
-inline void addDocumentPositionRows(const Vec3& r_a, const Vec3& r_b, const Vec3& d, Rows& rows) {
-  addPositionRows(r_a, r_b, d, Vec3::Zero(), rows);
+/// The document's: each body held at its own anchor.
+inline void addDocumentPositionRows(const equations::Anchors<Scalar>& at, Rows& rows) {
+  addPositionRows(at, at.r_a, Vec3::Zero(), rows);
 }
 
-/// With the curvature of the motion.
-inline void addPositionRows(const BodyPair& pair, const Vec3& lever_a, const Vec3& lever_b,
-                            const Vec3& d, Rows& rows) {
-  addPositionRows(lever_a, lever_b, d,
-                  equations::position_curvature<Scalar>(pair.w_a(), lever_a, pair.w_b(), lever_b),
+/// Conditioned: both held at the anchor of b, with this part of the gap in the lever of a (StepMotion::gapInLever).
+inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Scalar gap_in_lever,
+                                      Rows& rows) {
+  const Vec3 lever_a = at.r_a + gap_in_lever * at.d;
+  addPositionRows(at, lever_a, rows.curvature([&](const BodyPair& v) {
+    return equations::position_curvature<Scalar>(v.w_a(), lever_a, v.w_b(), at.r_b);
+  }),
                   rows);
 }
-
-/// Conditioned: both held at the anchor of b, with all of the gap in the lever of a (Joint::gapInLever).
-inline void addConservingPositionRows(const BodyPair& pair, const Vec3& r_a, const Vec3& r_b,
-                                      const Vec3& d, Scalar gap_in_lever, Rows& rows) {
-  addPositionRows(pair, r_a + gap_in_lever * d, r_b, d, rows);
+inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Rows& rows) {
+  const StepMotion* const motion = rows.motion();
+  addConservingPositionRows(
+      at, motion != nullptr ? motion->gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)) : Scalar(0),
+      rows);
 }
 
 }  // namespace PINTLE_PRECISION

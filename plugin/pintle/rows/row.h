@@ -1,10 +1,16 @@
-// Purpose: what a joint says of itself at a pose: a short list of rows, without a time step.
+// Purpose: what a joint says of itself at a pose: a short list of rows. It sees neither velocities nor a time step.
 //   J = [-L, -A_a, L, A_b] (document, 2.2), world space; C its position error; J v = d/dt C.
 #pragma once
 
+#include <pintle/equations/velocity.h>
 #include <pintle/rows/axis.h>
+#include <pintle/rows/limit_reach.h>
 #include <pintle/rows/row_list.h>
+#include <pintle/rows/row_shape.h>
+#include <pintle/rows/step_motion.h>
 #include <pintle/vectors.h>
+
+#include <type_traits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -81,12 +87,64 @@ inline const AxisState& RowList::axis(int i) const { return m_axes[i]; }
 inline RowHistory& RowList::history(int i) { return m_history[i]; }
 inline const RowHistory& RowList::history(int i) const { return m_history[i]; }
 
-/// What a joint adds its rows to.
+/// What a joint adds its rows to, for a step or for a pose alone. In a step it asks for the curvature of the motion, and for
+/// the limits that the step may reach; without one for all limits, and curvatures are 0.
 class Rows : public RowList {
  public:
   template <int N, int Axes>
-  Rows(RowMemory<N, Axes>& memory) : RowList(memory.rows, memory.axes.data(), nullptr, {N, Axes}) {}
-  explicit Rows(const RowList& empty) : RowList(empty) {}
+  explicit Rows(RowMemory<N, Axes>& memory, const StepMotion* motion = nullptr,
+                RowShape* shapes = nullptr)
+      : RowList(memory.rows, memory.axes.data(), nullptr, {N, Axes}),
+        m_motion(motion),
+        m_shapes(shapes) {}
+  Rows(const RowList& empty, const StepMotion& motion) : RowList(empty), m_motion(&motion) {}
+
+  /// d^2 C / dt^2 at constant velocities, from what it is of them: function(v) with v.v_a(), v.w_a(), v.v_b(), v.w_b(), a
+  /// Scalar or a Vec3.
+  template <class Function>
+  auto curvature(const Function& function) const {
+    using Result = std::decay_t<decltype(function(m_motion->pair))>;
+    if (m_motion != nullptr) return function(m_motion->pair);
+    if constexpr (std::is_same_v<Result, Scalar>)
+      return Scalar(0);
+    else
+      return Result(Result::Zero());
+  }
+  /// The same at the velocities to which the step's forces lead: function(v, dt, part), v an equations::Velocity, and `part`
+  /// how much bodies that turn have of it (StepMotion::curved_part).
+  template <class Function>
+  Scalar endCurvature(const Function& function) const {
+    if (m_motion == nullptr) return 0;
+    const btRigidBody &a = m_motion->pair.a(), &b = m_motion->pair.b();
+    const Scalar dt = m_motion->dt;
+    const equations::Velocity<Scalar> v{freeLinear(a, dt), freeAngular(a, dt), freeLinear(b, dt),
+                                        freeAngular(b, dt)};
+    return function(v, dt, m_motion->curved_part);
+  }
+  /// How far the bodies may turn against each other, and how far a coordinate along J may move: farther limits need no row.
+  AngularReach turn(bool a_may_stop = false) const { return AngularReach(m_motion, a_may_stop); }
+  Reach slide(const equations::Jacobian<Scalar>& J, Scalar of_curvature) const {
+    return linearReach(m_motion, J, of_curvature);
+  }
+  /// How far something comes at the velocities of now, function(v) as of curvature.
+  template <class Function>
+  Vec3 moved(const Function& function) const {
+    if (m_motion == nullptr) return Vec3::Zero();
+    return m_motion->dt * function(m_motion->pair);
+  }
+  /// The same at this speed.
+  Scalar advance(Scalar speed) const {
+    return m_motion != nullptr ? m_motion->dt * speed : infinity;
+  }
+  /// Whether the velocities of the step are those of the pose.
+  bool inPlace() const { return m_motion != nullptr && m_motion->pair.inPlace(); }
+  /// The step, for what is common to joints (rows/).
+  const StepMotion* motion() const { return m_motion; }
+
+  /// Says what C of the last row is made of. What is not said is RowShape::other, or of an angular equality an angle.
+  void shape(RowShape::Kind kind, const Vec3& a, const Vec3& b, Scalar length = 0) {
+    if (m_shapes != nullptr) m_shapes[m_size - 1] = {kind, a, b, length};
+  }
 
   Row& addEquality(const Vec3& L, const Vec3& A_a, const Vec3& A_b, Scalar C,
                    Scalar curvature = 0) {
@@ -101,6 +159,7 @@ class Rows : public RowList {
   Row& addAngular(const Vec3& J_b, Scalar C, Scalar curvature = 0) {
     Row& row = addEquality(Vec3::Zero(), J_b, J_b, C, curvature);
     row.angular = true;
+    shape(RowShape::angle, J_b, J_b);
     return row;
   }
 
@@ -134,8 +193,12 @@ class Rows : public RowList {
     row.axis = -1;
     row.group = 0;
     row.angular = row.limit = false;
+    if (m_shapes != nullptr) m_shapes[m_size - 1] = {};
     return row;
   }
+
+  const StepMotion* m_motion;
+  RowShape* m_shapes = nullptr;  ///< null: nobody asks for them
 };
 
 }  // namespace PINTLE_PRECISION

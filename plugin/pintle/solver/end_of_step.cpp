@@ -170,8 +170,10 @@ void EndOfStep::speeds(const JointBlock& block, const btConstraintArray& rows,
   if (block.ours != nullptr) {
     // A damped row leaves a velocity on purpose.
     if (block.ours->impulseSetting().damping != 1) return;
-    Rows now(m_memory);
-    block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
+    const BodyPair pair(a, pose_a, b, pose_b);
+    const StepMotion motion = block.ours->motion(pair);
+    Rows now(m_memory, &motion);
+    block.ours->addRows(pair, now);
     const int first_axis = equalities(block);
     for (int r = 0; r < block.rows; ++r) {
       const int i = block.index[r];
@@ -233,8 +235,10 @@ void EndOfStep::endRows(const JointBlock& block, const btConstraintArray& rows, 
   const btTransform &pose_a = pose(a, block.body[0]), &pose_b = pose(b, block.body[1]);
   if (block.ours != nullptr) {
     if (block.ours->impulseSetting().damping != 1) return;
-    Rows now(m_memory);
-    block.ours->addRows(BodyPair(a, pose_a, b, pose_b), now);
+    const BodyPair pair(a, pose_a, b, pose_b);
+    const StepMotion motion = block.ours->motion(pair);
+    Rows now(m_memory, &motion);
+    block.ours->addRows(pair, now);
     for (int r = 0; r < block.rows; ++r) {
       const int i = block.index[r];
       if (block.holds[r] && match(*block.ours, now, i) != Match::none)

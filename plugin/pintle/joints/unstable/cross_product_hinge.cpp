@@ -19,14 +19,14 @@ CrossProductHinge::CrossProductHinge(btRigidBody& rbA, const btTransform& frameI
   setFrames(frameInA, coincident(frameInA));
 }
 
-void CrossProductHinge::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
-  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
+void CrossProductHinge::addRows(const PosePair& poses, Rows& rows) const {
+  const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
+  const Vec3 d = equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r());
   const auto row = equations::cross_product_row(a.c(), b.c());
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + row.J_b.sum())) return;
+  if (!PosePair::is_finite(d.sum() + row.J_b.sum())) return;
   addSingleRow(row, getMaxCorrectionSpeed(), rows);
-  addPivotRows(pair, {a.r(), b.r(), d}, rows);
+  addPivotRows({a.r(), b.r(), d}, rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -21,7 +21,7 @@ class CrossProductHinge : public FrameJoint {
   CrossProductHinge(btRigidBody& rbA, const btTransform& frameInA);
 
   const char* name() const override { return "CrossProductHinge"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  private:
   static constexpr RowCount row_count{4};

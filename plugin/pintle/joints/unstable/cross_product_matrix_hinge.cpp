@@ -22,12 +22,12 @@ CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, const btTrans
   m_starts_warm = false;
 }
 
-void CrossProductMatrixHinge::addRows(const BodyPair& pair, Rows& rows) const {
-  const Frame a(pair.pose_a(), m_frame_a), b(pair.pose_b(), m_frame_b);
-  const Vec3 d = equations::position_error(pair.x_a(), a.r(), pair.x_b(), b.r());
+void CrossProductMatrixHinge::addRows(const PosePair& poses, Rows& rows) const {
+  const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
+  const Vec3 d = equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r());
   const Vec3 c_a = a.c(), c_b = b.c(), x = cross(c_a, c_b);
   // Also a frame that its owner has spoiled.
-  if (!BodyPair::is_finite(d.sum() + x.sum())) return;
+  if (!PosePair::is_finite(d.sum() + x.sum())) return;
   // Along the error the rows turn 1/cos(swing) times as fast as they say.
   const Scalar sine = std::sqrt(x.dot(x));
   const Scalar speed_per_error =
@@ -37,7 +37,7 @@ void CrossProductMatrixHinge::addRows(const BodyPair& pair, Rows& rows) const {
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C).max_speed =
         speed_per_error * std::abs(row.C);
   }
-  addPivotRows(pair, {a.r(), b.r(), d}, rows);
+  addPivotRows({a.r(), b.r(), d}, rows);
 }
 
 }  // namespace PINTLE_PRECISION

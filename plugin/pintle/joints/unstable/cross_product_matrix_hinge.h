@@ -21,7 +21,7 @@ class CrossProductMatrixHinge : public FrameJoint {
   CrossProductMatrixHinge(btRigidBody& rbA, const btTransform& frameInA);
 
   const char* name() const override { return "CrossProductMatrixHinge"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  private:
   static constexpr RowCount row_count{6};

@@ -20,7 +20,7 @@ class SingleRowLock : public FrameJoint {
   SingleRowLock(btRigidBody& rbA, const btTransform& frameInA);
 
   const char* name() const override { return "SingleRowLock"; }
-  void addRows(const BodyPair& pair, Rows& rows) const override;
+  void addRows(const PosePair& poses, Rows& rows) const override;
 
  private:
   static constexpr RowCount row_count{4};

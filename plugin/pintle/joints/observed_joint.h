@@ -1,0 +1,32 @@
+// Purpose: from what a joint observes at a pose to its rows, once for all joints. A joint `Self` has
+//   struct Observation             where its frames are, and its angles as they have become there; `sum()` is no number
+//                                  if one of its numbers is none, as in a frame that its owner has spoiled
+//   Observation observe(const PosePair&) const
+//   void remember(const Observation&, bool in_step)    takes its angles over: in each step, and when somebody asks
+//   void constrain(const Observation&, Rows&) const    adds the rows
+// which this class is a friend of, and its .cpp file instantiates this class (joints/observed_joint_rows.h).
+#pragma once
+
+#include <pintle/joints/joint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+template <class Self, class Base>
+class ObservedJoint : public Base {
+ public:
+  void addRows(const PosePair& poses, Rows& rows) const override;
+
+ protected:
+  using Base::Base;
+
+  void updateState(const PosePair& poses) override;
+  void prepare(const PosePair& poses, Rows& rows) override;
+
+ private:
+  Self& self() { return static_cast<Self&>(*this); }
+  const Self& self() const { return static_cast<const Self&>(*this); }
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
