@@ -51,7 +51,7 @@ void HingeBase::begin(const btVector3& pivotInA, const btVector3& pivotInB,
   const btVector3 x = zeroDirection(m_rbA, axis_a).normalized();
   m_frame_a = btTransform(columns(x, axis_a.cross(x), axis_a), point("pivotInA", pivotInA));
   m_frame_b = btTransform(follow(axis_a, axis_b, x), point("pivotInB", pivotInB));
-  updateState(BodyPair(m_rbA, m_rbB));
+  remember(observe(BodyPair(m_rbA, m_rbB)), false);
 }
 
 void HingeBase::begin(const btVector3& pivotInA, const btVector3& axisInA) {
@@ -60,20 +60,20 @@ void HingeBase::begin(const btVector3& pivotInA, const btVector3& axisInA) {
   const btVector3 x = tangent(axis_a);
   m_frame_a = btTransform(columns(x, axis_a.cross(x), axis_a), point("pivotInA", pivotInA));
   m_frame_b = btTransform(follow(axis_a, axis_b, x), m_rbA.getCenterOfMassTransform()(pivotInA));
-  updateState(BodyPair(m_rbA, m_rbB));
+  remember(observe(BodyPair(m_rbA, m_rbB)), false);
 }
 
 void HingeBase::begin(const btTransform& rbAFrame, const btTransform& rbBFrame) {
   m_frame_a = frame("rbAFrame", rbAFrame);
   m_frame_b = frame("rbBFrame", rbBFrame);
-  updateState(BodyPair(m_rbA, m_rbB));
+  remember(observe(BodyPair(m_rbA, m_rbB)), false);
 }
 
 void HingeBase::begin(const btTransform& rbAFrame) {
   m_frame_a = frame("rbAFrame", rbAFrame);
   m_frame_b =
       btTransform(rbAFrame.getBasis(), m_rbA.getCenterOfMassTransform()(rbAFrame.getOrigin()));
-  updateState(BodyPair(m_rbA, m_rbB));
+  remember(observe(BodyPair(m_rbA, m_rbB)), false);
 }
 
 void HingeBase::framesChanged() {

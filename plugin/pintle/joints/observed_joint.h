@@ -15,13 +15,13 @@ inline namespace PINTLE_PRECISION {
 template <class Self, class Base>
 class ObservedJoint : public Base {
  public:
-  void addRows(const PosePair& poses, Rows& rows) const override;
+  PINTLE_FLATTEN void addRows(const PosePair& poses, Rows& rows) const override;
 
  protected:
   using Base::Base;
 
   void updateState(const PosePair& poses) override;
-  void prepare(const PosePair& poses, Rows& rows) override;
+  PINTLE_FLATTEN void prepare(const PosePair& poses, Rows& rows) override;
 
  private:
   Self& self() { return static_cast<Self&>(*this); }

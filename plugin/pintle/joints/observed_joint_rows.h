@@ -9,7 +9,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 template <class Self, class Base>
-PINTLE_FLATTEN void ObservedJoint<Self, Base>::addRows(const PosePair& poses, Rows& rows) const {
+void ObservedJoint<Self, Base>::addRows(const PosePair& poses, Rows& rows) const {
   const typename Self::Observation seen = self().observe(poses);
   if (PosePair::is_finite(seen.sum())) self().constrain(seen, rows);
 }
@@ -20,7 +20,7 @@ void ObservedJoint<Self, Base>::updateState(const PosePair& poses) {
 }
 
 template <class Self, class Base>
-PINTLE_FLATTEN void ObservedJoint<Self, Base>::prepare(const PosePair& poses, Rows& rows) {
+void ObservedJoint<Self, Base>::prepare(const PosePair& poses, Rows& rows) {
   const typename Self::Observation seen = self().observe(poses);
   self().remember(seen, true);
   if (PosePair::is_finite(seen.sum())) self().constrain(seen, rows);
