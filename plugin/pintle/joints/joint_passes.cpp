@@ -325,10 +325,8 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   endOfStep(m_rbA.getCenterOfMassTransform(), a, m_time_step, end_a);
   endOfStep(m_rbB.getCenterOfMassTransform(), b, m_time_step, end_b);
   RowMemory<max_joint_rows, max_joint_rows> memory;
-  const BodyPair at_end(m_rbA, end_a, m_rbB, end_b);
-  const StepMotion ending = motion(at_end);
-  Rows end(memory, &ending);
-  addRows(at_end, end);
+  Rows end(memory);
+  addRows(PosePair(end_a, end_b), end);
   const int n = m_rows.equalities();
   if (end.equalities() != n) return;
   const Scalar curved_time = m_curved_time;
@@ -338,16 +336,17 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
     const bool is_equality = i < n;
     change[i] = 0;
     if (is_equality && btFabs(row.position) > open_speed * m_time_step) return;
-    // A limit that the step leaves has no row at its end.
-    if (!is_equality && !(rigidLimit(row) != nullptr && i < end.size() && end[i].axis == row.axis))
-      continue;
-    if (!isSameRow(row, end[i])) {
+    if (!is_equality && rigidLimit(row) == nullptr) continue;
+    // At the end more limits may have a row.
+    int at_end = i;
+    while (at_end < end.size() && end[at_end].axis != row.axis) ++at_end;
+    if (at_end == end.size() || !isSameRow(row, end[at_end])) {
       if (is_equality) return;
       continue;
     }
     const Scalar sign = is_equality ? Scalar(1) : Scalar(m_rows.axis(row.axis).sign);
     const Scalar now = velocity(row, v_ab, w_a, w_b);
-    const Scalar gain = (end[i].position - row.position) / m_time_step - sign * now;
+    const Scalar gain = (end[at_end].position - row.position) / m_time_step - sign * now;
     change[i] = sign * (curved_time * row.curvature - gain);
     if (!is_equality) continue;
     sum += btFabs(change[i]);
