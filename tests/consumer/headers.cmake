@@ -3,6 +3,8 @@
 get_target_property(include_dir pintle::${PRECISION} INTERFACE_INCLUDE_DIRECTORIES)
 file(GLOB headers RELATIVE "${include_dir}" "${include_dir}/pintle/joints/*.h" "${include_dir}/pintle/joints/unstable/*.h"
   "${include_dir}/pintle/solver/*.h" "${include_dir}/pintle/pintle.h" "${include_dir}/pintle/fwd.h")
+# With Eigen: it is for pintle/extend.h.
+list(FILTER headers EXCLUDE REGEX "/observed_joint_rows.h$")
 list(LENGTH headers count)
 if(count LESS 20)
   message(FATAL_ERROR "found ${count} headers in ${include_dir}: this test sees nothing")
@@ -30,8 +32,11 @@ foreach(header IN LISTS headers)
   if(NOT header MATCHES "pintle/(fwd|pintle).h")
     string(APPEND includes "#include <${header}>\n")
   endif()
-  if(header MATCHES "^pintle/joints/[a-z_]+.h" AND NOT header MATCHES "(/joint|_base|/frame_joint|/posed_joint).h" AND NOT all MATCHES "#include <${header}>")
+  if(header MATCHES "^pintle/joints/[a-z_]+.h" AND NOT header MATCHES "(/joint|_base|/frame_joint|/posed_joint|/observed_joint|/hinge_of).h" AND NOT all MATCHES "#include <${header}>")
     message(FATAL_ERROR "pintle/pintle.h does not include ${header}")
+  endif()
+  if(header MATCHES "(/observed_joint|/hinge_of).h")  # templates
+    continue()
   endif()
   file(STRINGS "${include_dir}/${header}" classes REGEX "^class [A-Za-z0-9]+ (final )?: public ")
   foreach(class IN LISTS classes)
