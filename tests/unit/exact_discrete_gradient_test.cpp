@@ -83,8 +83,8 @@ TEST_P(EveryRow, TellsHowFarTheStepMovesIt) {
     RowsAtPose start, end;
     joint->addRows(pintle::BodyPair(*a, *b), start.rows);
     joint->addRows(pintle::PosePair(step_a.end, step_b.end), end.rows);
+    ASSERT_EQ(end.rows.equalities(), start.rows.equalities());
     for (int i = 0; i < start.rows.equalities(); ++i) {
-      if (i >= end.rows.equalities()) break;
       const double change =
           double(end.rows[i].position) - double(start.rows[i].position);
       const RowShape::Kind kind = start.shapes[size_t(i)].kind;

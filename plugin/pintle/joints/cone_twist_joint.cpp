@@ -605,7 +605,7 @@ void ConeTwistJoint::addNearConeLimit(const At& at, const Turning& turning, Rows
   const bool inPlace = rows.inPlace();
   const Scalar far = 1 + far_out / innerSpan();
   const bool ahead =
-      rows.motion() != nullptr && !spring && !document &&
+      rows.inStep() && !spring && !document &&
       equations::cone_ratio2<Scalar>(s.sigma.dot(e_1), s.sigma.dot(e_2), e) < far * far;
   auto row = ahead ? equations::elliptic_cone_row_ahead<Scalar>(
                          s, at.x_b, e_1, e_2, e, Vec3(-turning.reach.moved()),

@@ -206,7 +206,6 @@ inline void ConstantVelocityJoint::constrain(const Observation& seen, Rows& rows
   const Scalar length2 = row.J_b.dot(row.J_b);
   if (document) {
     rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
-    rows.shape(RowShape::other, row.J_b, row.J_b);
   } else {
     const Scalar curvature = rows.curvature([&](const BodyPair& v) {
       return equations::constant_velocity_curvature<Scalar>(row.J_b, v.w_a(), v.w_b());

@@ -405,7 +405,9 @@ void SliderJoint::addDocumentAngularRows(const Observation& seen, Rows& rows) co
 
 // `reach`: along J, which the position moves with or against.
 inline bool SliderJoint::slideLimitActs(Scalar position, const Reach& reach) const {
-  if (m_linear.distance(position) <= 0) return true;
+  const Scalar distance = m_linear.distance(position);
+  if (distance <= 0) return true;
+  if (!m_linear.driven() && distance > reach.max()) return false;
   return Reach{m_sign * reach.moved, reach.gained}.of(m_linear).reaches(m_linear, position);
 }
 

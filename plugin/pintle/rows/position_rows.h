@@ -40,10 +40,7 @@ inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Scal
                   rows);
 }
 inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Rows& rows) {
-  const StepMotion* const motion = rows.motion();
-  addConservingPositionRows(
-      at, motion != nullptr ? motion->gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)) : Scalar(0),
-      rows);
+  addConservingPositionRows(at, rows.gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)), rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -136,12 +136,15 @@ class Rows : public RowList {
   Scalar advance(Scalar speed) const {
     return m_motion != nullptr ? m_motion->dt * speed : infinity;
   }
-  /// Whether the velocities of the step are those of the pose.
+  /// Whether there is a step, and whether its velocities are those of the pose.
+  bool inStep() const { return m_motion != nullptr; }
   bool inPlace() const { return m_motion != nullptr && m_motion->pair.inPlace(); }
-  /// The step, for what is common to joints (rows/).
-  const StepMotion* motion() const { return m_motion; }
+  /// The part of a gap that is in the lever of body a; these are the squares of their lengths (StepMotion::gapInLever).
+  Scalar gapInLever(Scalar lever2, Scalar gap2) const {
+    return m_motion != nullptr ? m_motion->gapInLever(lever2, gap2) : Scalar(0);
+  }
 
-  /// Says what C of the last row is made of. What is not said is RowShape::other, or of an angular equality an angle.
+  /// Says what C of the last row is made of. What is not said is RowShape::other, or RowShape::angle of an angular row.
   void shape(RowShape::Kind kind, const Vec3& a, const Vec3& b, Scalar length = 0) {
     if (m_shapes != nullptr) m_shapes[m_size - 1] = {kind, a, b, length};
   }

@@ -12,7 +12,7 @@ struct RowShape {
     point,     ///< C is along one direction of the world between points of the bodies: a and b are their levers
     distance,  ///< C + a constant is the distance of two points, `length`: a and b are their levers
     dot,       ///< C is a.b, a an axis of body a, b one of body b
-    angle,     ///< C is an angle about the row's own axis, which turns with the bodies
+    angle,     ///< C is an angle about the row's own axis, or another measure of how b is turned against a
     other      ///< anything else
   };
   Kind kind = other;
