@@ -53,7 +53,8 @@ function(pintle_add_library precision wanted)
     "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-vectorize>"
     "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<STREQUAL:${precision},single>>:-fno-tree-slp-vectorize>")
   # The exact solver is in double: a tenth of its step. A precompiled header would bring its own options.
-  file(GLOB solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp")
+  file(GLOB solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp"
+    "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/linear/*.cpp")
   set_source_files_properties(${solver} PROPERTIES SKIP_PRECOMPILE_HEADERS ON
     COMPILE_OPTIONS "$<$<CXX_COMPILER_ID:GNU>:-ftree-slp-vectorize>")
   pintle_set_warnings(${target} -Wconversion)

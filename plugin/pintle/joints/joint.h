@@ -20,6 +20,7 @@ class BodyPair;
 class EndOfStep;
 class ExactJointSolver;
 class JointSystem;
+struct JointAccess;
 class PosePair;
 class Rows;
 struct AxisMotion;
@@ -166,6 +167,7 @@ class Joint : public btTypedConstraint {
   friend class EndOfStep;
   friend class ExactJointSolver;
   friend class JointSystem;
+  friend struct JointAccess;
   struct Step;
 
   /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a

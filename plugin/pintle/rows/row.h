@@ -98,6 +98,8 @@ class Rows : public RowList {
         m_motion(motion),
         m_shapes(shapes) {}
   Rows(const RowList& empty, const StepMotion& motion) : RowList(empty), m_motion(&motion) {}
+  /// For a pose alone, in the memory of `empty`.
+  Rows(const RowList& empty, RowShape* shapes) : RowList(empty), m_motion(nullptr), m_shapes(shapes) {}
 
   /// d^2 C / dt^2 at constant velocities, from what it is of them: function(v) with v.v_a(), v.w_a(), v.v_b(), v.w_b(), a
   /// Scalar or a Vec3.

@@ -1,0 +1,83 @@
+#include <pintle/solver/axis_law.h>
+
+#include <algorithm>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+// Lambda falls with u. So u - free - K Lambda(u) rises, and has one zero: on a slope, on a level, or on the vertical piece of a
+// rigid part. Its corners are the ends of all parts.
+LawPiece AxisLaw::meet(double free, double K) const {
+  if (isEquality()) return {true, m_part[0].target, m_part[0].softness, 0};
+  double corner[2 * max_parts];
+  int corners = 0;
+  for (int i = 0; i < m_parts; ++i) {
+    const LawPart& part = m_part[i];
+    if (part.softness > 0) {
+      if (part.upper < unbounded) corner[corners++] = part.target - part.softness * part.upper;
+      if (part.lower > -unbounded) corner[corners++] = part.target - part.softness * part.lower;
+    } else {
+      corner[corners++] = part.target;
+    }
+  }
+  std::sort(corner, corner + corners);
+  // The impulse just before or after u.
+  const auto sum = [&](double u, bool after) {
+    double all = 0;
+    for (int i = 0; i < m_parts; ++i) {
+      const LawPart& part = m_part[i];
+      if (part.softness > 0)
+        all += part.at(u);
+      else
+        all += u < part.target || (u == part.target && !after) ? part.upper : part.lower;
+    }
+    return all;
+  };
+  int k = 0;
+  for (; k < corners; ++k) {
+    const double u = corner[k];
+    if (u - free - K * sum(u, true) < 0) continue;
+    if (u - free - K * sum(u, false) <= 0) {  // on the vertical piece at u
+      bool rigid = false;
+      for (int i = 0; i < m_parts; ++i)
+        rigid = rigid || (!(m_part[i].softness > 0) && m_part[i].target == u);
+      if (rigid) return {true, u, 0, 0};
+    }
+    break;
+  }
+  // Between the corners: the impulse is level + slope * u.
+  double slope = 0, level = 0;
+  const double left = k > 0 ? corner[k - 1] : -infinity, right = k < corners ? corner[k] : infinity;
+  const double inside = k == 0 ? right - 1 : k == corners ? left + 1 : (left + right) / 2;
+  for (int i = 0; i < m_parts; ++i) {
+    const LawPart& part = m_part[i];
+    const double at = part.at(inside);
+    if (part.softness > 0 && at > part.lower && at < part.upper) {
+      slope += 1 / part.softness;
+      level += part.target / part.softness;
+    } else {
+      level += at;
+    }
+  }
+  if (slope > 0) return {true, level / slope, 1 / slope, 0};
+  return {false, 0, 0, level};
+}
+
+void AxisLaw::split(double u, double impulse, double (&of)[max_parts]) const {
+  double rest = impulse;
+  for (int i = 0; i < m_parts; ++i) {
+    const LawPart& part = m_part[i];
+    const bool open = !(part.softness > 0) && std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u));
+    of[i] = open ? std::clamp(0., part.lower, part.upper) : part.at(u);
+    rest -= of[i];
+  }
+  for (int i = 0; i < m_parts && rest != 0; ++i) {
+    const LawPart& part = m_part[i];
+    const double before = of[i];
+    of[i] = std::clamp(before + rest, part.lower, part.upper);
+    rest -= of[i] - before;
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,60 @@
+// Purpose: what an impulse along a row may be at the velocity u that the row ends with: a sum of parts, each
+//   Lambda(u) = clamp((target - u) / softness, lower, upper),
+// vertical if rigid. An equality is one part without bounds, a limit one with one bound, a motor and friction have two.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <cmath>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct LawPart {
+  double target, softness, lower, upper;
+  bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
+
+  double at(double u) const {
+    if (softness > 0) return std::fmin(std::fmax((target - u) / softness, lower), upper);
+    return u < target ? upper : lower;
+  }
+};
+
+/// On which of its pieces a law is: there the velocity is `target` - softness * impulse, or the impulse is given.
+struct LawPiece {
+  bool acts;                ///< the row is an equation of u
+  double target, softness;  ///< if it acts: u + softness Lambda = target
+  double impulse;           ///< if it does not
+};
+
+class AxisLaw {
+ public:
+  static constexpr int max_parts = 4;
+
+  void clear() { m_parts = 0; }
+  void add(const LawPart& part) { m_part[m_parts++] = part; }
+  int parts() const { return m_parts; }
+  const LawPart& part(int i) const { return m_part[i]; }
+  bool isEquality() const {
+    return m_parts == 1 && m_part[0].lower == -unbounded && m_part[0].upper == unbounded;
+  }
+  bool hasDrives() const {
+    for (int i = 0; i < m_parts; ++i)
+      if (m_part[i].drives) return true;
+    return false;
+  }
+
+  /// The piece on which u = free + K Lambda and Lambda(u) meet.
+  LawPiece meet(double free, double K) const;
+  /// How the impulse of the whole is made of its parts' at that velocity.
+  void split(double u, double impulse, double (&of)[max_parts]) const;
+
+  static constexpr double unbounded = 1e30;
+
+ private:
+  LawPart m_part[max_parts];
+  int m_parts = 0;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,90 @@
+// Purpose: bodies and joints of one island as plain numbers, for one step.
+#pragma once
+
+#include <pintle/rows/row.h>
+#include <pintle/rows/row_shape.h>
+#include <pintle/solver/axis_law.h>
+#include <pintle/vectors.h>
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <array>
+#include <vector>
+
+class btTypedConstraint;
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class Joint;
+using Vector3d = Eigen::Matrix<double, 3, 1>;
+using Matrix3d = Eigen::Matrix<double, 3, 3>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+inline Vector3d inDouble(const btVector3& v) {
+  return {double(v.x()), double(v.y()), double(v.z())};
+}
+inline Vector3d inDouble(const Vec3& v) { return v.cast<double>(); }
+
+/// A rigid body that joints hold. World space; of vectors of six the first three are linear.
+struct IslandBody {
+  const btRigidBody* body;
+  int solver_body;             ///< its number among Bullet's
+  btTransform start;           ///< pose
+  double mass;                 ///< kg
+  Matrix3d inertia;            ///< kg m^2
+  double scale[2];             ///< square roots of the mass, and of a mean of the inertia
+  std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
+  Vector6d v0;                 ///< at the start of the step
+  Vector6d v_free;             ///< v*: with the step's forces, without its impulses
+};
+
+/// d u / d(velocities): of body a and of body b, each linear and angular.
+struct RowJacobian {
+  Vector3d L_a, A_a, L_b, A_b;
+
+  double along(const Vector6d& a, const Vector6d& b) const {
+    return L_a.dot(a.head<3>()) + A_a.dot(a.tail<3>()) + L_b.dot(b.head<3>()) +
+           A_b.dot(b.tail<3>());
+  }
+};
+
+/// A row at the start of the step. Its velocity u is the mean over the step of what it measures: (C(end) - C(start)) / dt, or,
+/// of a row that is known at the start alone, J v.
+struct IslandRow {
+  RowJacobian J;
+  Row start;
+  RowShape shape;
+  /// Whether C can be asked for at other poses.
+  bool has_position;
+  int index;        ///< among the rows of the joint
+  double sign = 1;  ///< of J against start: coordinates of an axis may fall along its row
+  /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
+  bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
+  double K;  ///< J M^-1 J^T
+  AxisLaw law;
+  double open;  ///< C of an equality, m or rad: what is to be closed by moving poses
+};
+
+struct IslandJoint {
+  btTypedConstraint* constraint;
+  const Joint* ours;        ///< null: a joint of Bullet's
+  std::array<int, 2> body;  ///< -1: one that does not move
+  int first_row, rows;
+  int equalities;  ///< of its own rows
+};
+
+struct Island {
+  double dt;
+  std::vector<IslandBody> bodies;
+  std::vector<IslandJoint> joints;
+  std::vector<IslandRow> rows;
+};
+
+/// Joints and bodies that hang together: ranges of an island's.
+struct Component {
+  int first_body, bodies, first_joint, joints;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,333 @@
+#include <pintle/solver/island_builder.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/joint_rows.h>
+#include <pintle/solver/joint_access.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <numeric>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+constexpr int max_stock_rows = 16;
+
+Matrix3d inDouble(const btMatrix3x3& m) {
+  Matrix3d to;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) to(i, j) = double(m[i][j]);
+  return to;
+}
+
+// J of ours: [-L, -A_a, L, A_b], times the sign with which a coordinate moves along it.
+RowJacobian jacobian(const Row& row, double sign) {
+  const Vector3d L = sign * row.L.cast<double>();
+  return {-L, -sign * row.A_a.cast<double>(), L, sign * row.A_b.cast<double>()};
+}
+
+// Bounds of Bullet's, and of ours, that mean none.
+double bounded(Scalar impulse) {
+  if (!(impulse < infinity)) return AxisLaw::unbounded;
+  if (!(impulse > -infinity)) return -AxisLaw::unbounded;
+  return double(impulse);
+}
+
+}  // namespace
+
+void IslandBuilder::begin(const btContactSolverInfo& info, const SolverOptions& options) {
+  m_info = info;
+  m_options = options;
+  m_island.dt = double(info.m_timeStep);
+  m_island.bodies.clear();
+  m_island.joints.clear();
+  m_island.rows.clear();
+  m_body_of.clear();
+}
+
+int IslandBuilder::body(const SolverBodies& bodies, int number) {
+  const btSolverBody& from = bodies[number];
+  if (from.m_originalBody == nullptr || !(from.m_originalBody->getInvMass() > 0)) return -1;
+  if (m_body_of.size() <= size_t(number)) m_body_of.resize(size_t(bodies.size()), -1);
+  int& known = m_body_of[size_t(number)];
+  if (known >= 0) return known;
+  known = int(m_island.bodies.size());
+  const btRigidBody& rigid = *from.m_originalBody;
+  IslandBody to;
+  to.body = &rigid;
+  to.solver_body = number;
+  to.start = from.m_worldTransform;
+  // A factor between 0 and 1 makes a body as much heavier along its axis.
+  const btVector3 &linear = rigid.getLinearFactor(), &angular = rigid.getAngularFactor();
+  to.mass = 1 / double(rigid.getInvMass());
+  const Matrix3d R = inDouble(to.start.getBasis());
+  const Vector3d inverse = pintle::inDouble(rigid.getInvInertiaDiagLocal());
+  const double largest = inverse.maxCoeff();
+  bool turns = largest > 0;
+  // An axis about which the body does not turn at all, while it does about others.
+  const Vector3d principal =
+      inverse.unaryExpr([&](double i) { return i > 0 ? 1 / i : 1e12 / largest; });
+  to.inertia = turns ? Matrix3d(R * principal.asDiagonal() * R.transpose()) : Matrix3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    to.locked[size_t(i)] = !(linear[i] > 0);
+    to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
+  }
+  to.scale[0] = std::sqrt(to.mass);
+  to.scale[1] = std::sqrt(to.inertia.trace() / 3);
+  for (int i = 0; i < 3; ++i) {
+    to.v0[i] = double(from.m_linearVelocity[i]);
+    to.v0[3 + i] = double(from.m_angularVelocity[i]);
+    to.v_free[i] = to.v0[i] + double(from.m_externalForceImpulse[i]);
+    to.v_free[3 + i] = to.v0[3 + i] + double(from.m_externalTorqueImpulse[i]);
+  }
+  m_island.bodies.push_back(to);
+  return known;
+}
+
+double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
+                                  const RowJacobian& J_2) const {
+  double K = 0;
+  for (int side = 0; side < 2; ++side) {
+    if (joint.body[size_t(side)] < 0) continue;
+    const IslandBody& body = m_island.bodies[size_t(joint.body[size_t(side)])];
+    Vector3d L_1 = side ? J_1.L_b : J_1.L_a, A_1 = side ? J_1.A_b : J_1.A_a;
+    Vector3d L_2 = side ? J_2.L_b : J_2.L_a, A_2 = side ? J_2.A_b : J_2.A_a;
+    bool any_turn = false;
+    for (int i = 0; i < 3; ++i) {
+      if (body.locked[size_t(i)]) L_1[i] = 0;
+      if (body.locked[size_t(3 + i)])
+        A_1[i] = A_2[i] = 0;
+      else
+        any_turn = true;
+    }
+    K += L_1.dot(L_2) / body.mass;
+    if (any_turn) K += A_1.dot(body.inertia.inverse() * A_2);
+  }
+  return K;
+}
+
+double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const {
+  int n = 0;
+  for (int r = joint.first_row; r < int(m_island.rows.size()); ++r)
+    n += m_island.rows[size_t(r)].law.isEquality();
+  Eigen::MatrixXd K(n, n);
+  Eigen::VectorXd k(n);
+  int i = 0;
+  for (int r = joint.first_row; r < int(m_island.rows.size()); ++r) {
+    const IslandRow& row = m_island.rows[size_t(r)];
+    if (!row.law.isEquality()) continue;
+    int j = 0;
+    for (int s = joint.first_row; s < int(m_island.rows.size()); ++s)
+      if (m_island.rows[size_t(s)].law.isEquality())
+        K(i, j++) = inverseMass(joint, row.J, m_island.rows[size_t(s)].J);
+    k[i++] = inverseMass(joint, row.J, J);
+  }
+  const double own = inverseMass(joint, J, J);
+  return n > 0 ? own - k.dot(K.completeOrthogonalDecomposition().solve(k)) : own;
+}
+
+void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {
+  if (!(row.K > 0) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) return;
+  m_island.rows.push_back(row);
+  ++to.rows;
+}
+
+void IslandBuilder::addOurs(Joint& joint, IslandJoint& to) {
+  const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
+  std::array<RowShape, max_joint_rows> shapes;
+  const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, shapes.data());
+  to.equalities = rows.equalities();
+  const ImpulseSetting setting = JointAccess::setting(joint);
+  const double dt = m_island.dt;
+  const Vector6d zero = Vector6d::Zero();
+  const auto v_free = [&](int side) {
+    return to.body[size_t(side)] < 0 ? zero : m_island.bodies[size_t(to.body[size_t(side)])].v_free;
+  };
+  for (int i = 0; i < rows.size(); ++i) {
+    const Row& from = rows[i];
+    IslandRow row;
+    row.start = from;
+    row.shape = shapes[size_t(i)];
+    row.has_position = true;
+    row.index = i;
+    row.sign = 1;
+    row.open = 0;
+    row.law.clear();
+    if (from.axis < 0) {
+      row.J = jacobian(from, 1);
+      row.K = inverseMass(to, row.J, row.J);
+      const auto soft = JointAccess::softness(joint, from.group, m_info);
+      const double position = double(from.position), bound = bounded(setting.max_impulse);
+      if (soft.cfm > 0 || bound < AxisLaw::unbounded) {
+        row.law.add(
+            {-double(soft.erp) * position / dt, double(soft.cfm) * row.K, -bound, bound, true});
+      } else {
+        row.law.add({0, 0, -bound, bound});
+        row.open = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp) * position;
+      }
+      addRow(to, row);
+      continue;
+    }
+    AxisState& state = JointAccess::axis(joint, from);
+    const Axis& axis = *state.axis;
+    const double sign = row.sign = state.sign;
+    row.J = jacobian(from, sign);
+    row.K = inverseMass(to, row.J, row.J);
+    const double velocity = row.J.along(v_free(0), v_free(1));
+    const AxisMotion motion =
+        JointAccess::motion(joint, from, state, pair, Scalar(velocity), m_info);
+    state.acted = true;
+    state.incoming = 0;
+    state.row = {-1, -1, -1};
+    double K_beside = -1;
+    const auto addPart = [&](const AxisPart& part) {
+      if (!part.on) return;
+      double softness = double(part.row.cfm);
+      if (softness > 0) {
+        if (K_beside < 0) K_beside = inverseMassBeside(to, row.J);
+        softness *= K_beside;
+      }
+      row.law.add({double(part.row.target), softness, bounded(part.row.lower),
+                   bounded(part.row.upper), true});
+    };
+    if (axis.max_friction > 0) addPart(frictionPart(axis, motion));
+    if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion));
+    if (axis.drive == Axis::Drive::rate) row.has_position = false;
+    if (from.limit && axis.limited()) {
+      const double q = double(from.position), low = double(axis.low), high = double(axis.high);
+      if (axis.hasLimitSpring() || motion.limit_cfm > 0) {
+        addPart(limitPart(axis, motion, state.incoming));
+      } else if (axis.locked()) {
+        row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded});
+        row.open = double(motion.limit_erp) * (q - low);
+      } else {
+        const double rebound = double(limitPart(axis, motion, state.incoming).row.target);
+        const double to_low = (low - q) / dt, to_high = (high - q) / dt;
+        const bool bounces =
+            axis.bias * axis.relaxation * btMax(motion.incoming, Scalar(std::abs(velocity))) > 0;
+        // Beyond a limit no further, and back by moving poses; inside up to it.
+        double up = std::fmin(to_low, 0), down = std::fmax(to_high, 0);
+        if (bounces && (to_low >= 0 || to_high <= 0 || motion.incoming > 0)) {
+          if (to_low >= 0 && velocity < 0)
+            up = std::fmax(0, std::fmin(rebound, -double(axis.bias * axis.relaxation) * velocity));
+          if (to_high <= 0 && velocity > 0)
+            down =
+                std::fmin(0, std::fmax(rebound, -double(axis.bias * axis.relaxation) * velocity));
+        }
+        row.law.add({up, 0, 0, AxisLaw::unbounded});
+        if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0});
+        row.open = double(motion.limit_erp) * (q < low ? q - low : q > high ? q - high : 0);
+      }
+    }
+    addRow(to, row);
+  }
+}
+
+void IslandBuilder::addStock(btTypedConstraint& joint, IslandJoint& to, const btSolverBody& a,
+                             const btSolverBody& b) {
+  btTypedConstraint::btConstraintInfo1 size;
+  joint.getInfo1(&size);
+  const int count = btMin(size.m_numConstraintRows, max_stock_rows);
+  if (count <= 0) return;
+  btSolverConstraint rows[max_stock_rows], with[max_stock_rows];
+  const Scalar fps = 1 / m_info.m_timeStep;
+  askRows(joint, {fps, 1, 0, 1, m_info.m_numIterations}, with, count);
+  const Scalar damping = askRows(
+      joint, {fps, 0, m_info.m_globalCfm, m_info.m_damping, m_info.m_numIterations}, rows, count);
+  Scalar position[max_stock_rows];
+  for (int i = 0; i < count; ++i) position[i] = (with[i].m_rhs - rows[i].m_rhs) / fps;
+  completeTargets(rows, count, joint, damping, a, b);
+  for (int i = 0; i < count; ++i) {
+    const btSolverConstraint& from = rows[i];
+    IslandRow row;
+    row.has_position = false;
+    row.index = i;
+    // Bullet's sign of an impulse is the other one.
+    row.J = {-pintle::inDouble(from.m_contactNormal1), -pintle::inDouble(from.m_relpos1CrossNormal),
+             -pintle::inDouble(from.m_contactNormal2),
+             -pintle::inDouble(from.m_relpos2CrossNormal)};
+    row.K = inverseMass(to, row.J, row.J);
+    row.open = 0;
+    row.law.clear();
+    const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
+    // Bounded both ways, or with a velocity of its own: a motor.
+    const bool driven =
+        from.m_rhs != 0 || (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded);
+    row.law.add({-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower, driven});
+    if (lower <= -AxisLaw::unbounded && upper >= AxisLaw::unbounded && !(from.m_cfm > 0))
+      row.open = double(m_info.m_erp) * double(position[i]);
+    addRow(to, row);
+  }
+}
+
+void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
+                        int solver_body_b) {
+  IslandJoint to = {};
+  to.constraint = &joint;
+  to.body = {body(bodies, solver_body_a), body(bodies, solver_body_b)};
+  to.first_row = int(m_island.rows.size());
+  Joint* const ours = JointAccess::ours(joint);
+  to.ours = ours;
+  if (ours != nullptr)
+    addOurs(*ours, to);
+  else
+    addStock(joint, to, bodies[solver_body_a], bodies[solver_body_b]);
+  if (to.rows > 0) m_island.joints.push_back(to);
+}
+
+void IslandBuilder::finish(std::vector<Component>& components) {
+  // Union of bodies that a joint connects.
+  const size_t n = m_island.bodies.size();
+  std::vector<int> root(n), number(n, -1), order(m_island.joints.size()), of_joint(order.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int i) {
+    while (root[size_t(i)] != i) i = root[size_t(i)] = root[size_t(root[size_t(i)])];
+    return i;
+  };
+  for (const IslandJoint& joint : m_island.joints)
+    if (joint.body[0] >= 0 && joint.body[1] >= 0)
+      root[size_t(find(joint.body[0]))] = find(joint.body[1]);
+  components.clear();
+  std::vector<int> to(n);
+  for (size_t i = 0; i < n; ++i) {
+    int& known = number[size_t(find(int(i)))];
+    if (known < 0) {
+      known = int(components.size());
+      components.push_back({0, 0, 0, 0});
+    }
+    ++components[size_t(known)].bodies;
+  }
+  for (const IslandJoint& joint : m_island.joints)
+    ++components[size_t(number[size_t(find(joint.body[0] >= 0 ? joint.body[0] : joint.body[1]))])]
+          .joints;
+  int first_body = 0, first_joint = 0;
+  std::vector<int> next_body, next_joint;
+  for (Component& c : components) {
+    c.first_body = first_body;
+    c.first_joint = first_joint;
+    first_body += c.bodies;
+    first_joint += c.joints;
+    next_body.push_back(c.first_body);
+    next_joint.push_back(c.first_joint);
+  }
+  std::vector<IslandBody> bodies(n);
+  for (size_t i = 0; i < n; ++i) {
+    to[i] = next_body[size_t(number[size_t(find(int(i)))])]++;
+    bodies[size_t(to[i])] = m_island.bodies[i];
+  }
+  std::vector<IslandJoint> joints(m_island.joints.size());
+  for (const IslandJoint& joint : m_island.joints) {
+    const int any = joint.body[0] >= 0 ? joint.body[0] : joint.body[1];
+    IslandJoint& at = joints[size_t(next_joint[size_t(number[size_t(find(any))])]++)];
+    at = joint;
+    for (int& body : at.body)
+      if (body >= 0) body = to[size_t(body)];
+  }
+  m_island.bodies.swap(bodies);
+  m_island.joints.swap(joints);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

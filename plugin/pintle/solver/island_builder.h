@@ -1,0 +1,46 @@
+// Purpose: from Bullet's bodies and joints to an Island: called once a step.
+#pragma once
+
+#include <pintle/solver/island.h>
+#include <pintle/solver/solver_options.h>
+
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
+#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
+#include <LinearMath/btAlignedObjectArray.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+using SolverBodies = btAlignedObjectArray<btSolverBody>;
+
+class IslandBuilder {
+ public:
+  explicit IslandBuilder(Island& island) : m_island(island) {}
+
+  void begin(const btContactSolverInfo& info, const SolverOptions& options);
+  /// A joint, with the numbers of its bodies among Bullet's. Bodies that do not move are left out.
+  void add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
+           int solver_body_b);
+  /// Sorts all by components.
+  void finish(std::vector<Component>& components);
+
+ private:
+  int body(const SolverBodies& bodies, int solver_body);
+  void addOurs(Joint& joint, IslandJoint& to);
+  void addStock(btTypedConstraint& joint, IslandJoint& to, const btSolverBody& a,
+                const btSolverBody& b);
+  void addRow(IslandJoint& to, const IslandRow& row);
+  /// J_1 M^-1 J_2^T
+  double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
+                     const RowJacobian& J_2) const;
+  /// The same of J, when the equalities of the joint hold.
+  double inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const;
+
+  Island& m_island;
+  btContactSolverInfo m_info;
+  SolverOptions m_options;
+  std::vector<int> m_body_of;  ///< of Bullet's bodies
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,58 @@
+// Purpose: what a solver asks a joint for beside its rows, and what it tells it of a step.
+#pragma once
+
+#include <pintle/joints/joint.h>
+#include <pintle/rows/axis_part.h>
+#include <pintle/rows/row.h>
+
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct JointAccess {
+  /// The joint, if it is one of Pintle's.
+  static Joint* ours(btTypedConstraint& constraint) { return dynamic_cast<Joint*>(&constraint); }
+
+  /// Its rows at the start of a step, in its own memory.
+  static const RowList& begin(Joint& joint, const BodyPair& pair, Scalar dt, RowShape* shapes) {
+    joint.m_last_time_step = joint.m_time_step;
+    joint.m_time_step = dt;
+    joint.m_rows.clear();
+    Rows rows(joint.m_rows, shapes);
+    if (pair.finite()) joint.prepare(pair, rows);
+    joint.m_rows = rows;
+    joint.m_solver_row_count = 1;
+    return joint.m_rows;
+  }
+  static ImpulseSetting setting(const Joint& joint) { return joint.impulseSetting(); }
+
+  /// ERP and CFM of a group of its equalities.
+  struct Softness {
+    Scalar erp, cfm;
+    bool own_erp;  ///< set by the user
+  };
+  static Softness softness(const Joint& joint, int group, const btContactSolverInfo& info) {
+    if (joint.m_erp_cfm_differs) {
+      const ErpCfm& of = joint.groups()[group];
+      return {of.factor * of.erp.orElse(info.m_erp), of.cfm.orElse(info.m_globalCfm),
+              of.erp.isSet()};
+    }
+    return {joint.m_erp.orElse(info.m_erp), joint.m_cfm.orElse(info.m_globalCfm),
+            joint.m_erp.isSet()};
+  }
+
+  static AxisState& axis(Joint& joint, const Row& row) { return joint.m_rows.axis(row.axis); }
+  /// What its axis is asked in this step. `velocity`: of the coordinate.
+  static AxisMotion motion(const Joint& joint, const Row& row, const AxisState& state,
+                           const BodyPair& pair, Scalar velocity, const btContactSolverInfo& info);
+
+  /// The impulses of the parts of an axis, along the coordinate.
+  static void setImpulse(AxisState& state, Axis::Part part, Scalar impulse) {
+    state.impulse[part] = impulse;
+  }
+  static Scalar maxCorrectionSpeed(const Joint& joint) { return joint.m_max_correction_speed; }
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

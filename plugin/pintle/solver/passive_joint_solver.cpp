@@ -1,0 +1,267 @@
+#include <pintle/solver/passive_joint_solver.h>
+
+#include <pintle/solver/energy_ledger.h>
+#include <pintle/solver/geometric_derivative.h>
+#include <pintle/solver/island_builder.h>
+#include <pintle/solver/joint_access.h>
+#include <pintle/solver/pose_correction.h>
+
+#include <Eigen/Geometry>
+
+#include <unordered_map>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+/// What is kept of a component from step to step.
+struct Memory {
+  std::vector<btTypedConstraint*> constraints;
+  std::vector<std::array<int, 2>> bodies;
+  Fronts fronts;
+  Workspace work;
+  std::vector<double> lambda;  ///< of the last step, of each row; of `rows` of each joint
+  std::vector<int> rows;
+  EnergyLedger ledger;
+  unsigned last_use = 0;
+};
+
+}  // namespace
+
+struct PassiveJointSolver::State {
+  SolverOptions options;
+  StepReport report;
+  Island island;
+  IslandBuilder builder{island};
+  std::vector<Component> components;
+  std::unordered_map<const btTypedConstraint*, std::unique_ptr<Memory>> memory;
+  std::vector<PoseChange> pose_changes;
+  unsigned uses = 0;
+
+  Memory& remember(const Component& component);
+  void warmStart(const Component& component, Memory& kept);
+  void findStiffness(const Component& component, Memory& kept);
+  void solve(const Component& component);
+};
+
+// The symbolic analysis of these joints: the known one, or a new one.
+Memory& PassiveJointSolver::State::remember(const Component& component) {
+  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
+  std::unique_ptr<Memory>& slot = memory[joints[0].constraint];
+  const auto bodiesOf = [&](const IslandJoint& joint) {
+    std::array<int, 2> of = joint.body;
+    for (int& body : of)
+      if (body >= 0) body -= component.first_body;
+    return of;
+  };
+  bool same = slot != nullptr && int(slot->constraints.size()) == component.joints &&
+              slot->fronts.bodies() == component.bodies;
+  for (int c = 0; same && c < component.joints; ++c)
+    same = slot->constraints[size_t(c)] == joints[c].constraint &&
+           slot->bodies[size_t(c)] == bodiesOf(joints[c]);
+  if (!same) {
+    EnergyLedger ledger;
+    if (slot != nullptr) ledger = slot->ledger;
+    slot = std::make_unique<Memory>();
+    slot->ledger = ledger;
+    for (int c = 0; c < component.joints; ++c) {
+      slot->constraints.push_back(joints[c].constraint);
+      slot->bodies.push_back(bodiesOf(joints[c]));
+    }
+    slot->fronts.analyse(component.bodies, slot->bodies);
+  }
+  std::vector<int>& sizes = slot->work.sizes;
+  bool same_sizes = same && int(sizes.size()) == component.joints;
+  sizes.resize(size_t(component.joints));
+  for (int c = 0; c < component.joints; ++c) {
+    same_sizes = same_sizes && sizes[size_t(c)] == joints[c].rows;
+    sizes[size_t(c)] = joints[c].rows;
+  }
+  if (!same_sizes) slot->fronts.setSizes(sizes);
+  slot->last_use = uses;
+  return *slot;
+}
+
+void PassiveJointSolver::State::warmStart(const Component& component, Memory& kept) {
+  std::vector<double>& lambda = kept.work.now.lambda;
+  lambda.clear();
+  size_t before = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const int known = size_t(c) < kept.rows.size() ? kept.rows[size_t(c)] : 0;
+    for (int i = 0; i < joint.rows; ++i)
+      lambda.push_back(known == joint.rows ? kept.lambda[before + size_t(i)] : 0.);
+    before += size_t(known);
+  }
+}
+
+// Of tier `start`: what the last step's impulses add to the inertia.
+void PassiveJointSolver::State::findStiffness(const Component& component, Memory& kept) {
+  std::vector<Matrix3d>& stiffness = kept.work.stiffness;
+  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
+  size_t r = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i, ++r) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!row.has_position ||
+          (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
+        continue;
+      for (int side = 0; side < 2; ++side) {
+        if (joint.body[size_t(side)] < 0) continue;
+        const Vector3d f = kept.work.now.lambda[r] * (side ? row.J.L_b : row.J.L_a);
+        stiffness[size_t(joint.body[size_t(side)] - component.first_body)] +=
+            leverDerivative(f, inDouble(side ? row.shape.b : row.shape.a), island.dt);
+      }
+    }
+  }
+  for (Matrix3d& of : stiffness) of = 2 * options.newmark_beta * clipped(of);  // it is (dt^2 / 2) k
+}
+
+void PassiveJointSolver::State::solve(const Component& component) {
+  Memory& kept = remember(component);
+  Workspace& work = kept.work;
+  const auto begin = [&] {
+    work.now.bodies.resize(size_t(component.bodies));
+    for (int i = 0; i < component.bodies; ++i)
+      work.now.bodies[size_t(i)].v = island.bodies[size_t(component.first_body + i)].v_free;
+    warmStart(component, kept);
+  };
+  const auto attempt = [&](Tier tier, double horizon) {
+    work.now.horizon = horizon;
+    const NewtonReport done = pintle::solve(island, component, tier, options, kept.fronts, work);
+    report.newton_steps += done.steps;
+    report.factors += done.factors;
+    report.error = std::max(report.error, done.error);
+    return done.converged;
+  };
+  // As far into the step as Newton's iteration finds a solution, each from the last one: from the velocities alone, whose problem
+  // is linear.
+  const auto follow = [&] {
+    begin();
+    attempt(Tier::gradient, 0);
+    const double dt = island.dt;
+    double held = 0, advance = dt / 2;
+    while (held < dt && advance > dt / 32) {
+      const Iterate last = work.now;
+      if (attempt(Tier::gradient, std::min(held + advance, dt))) {
+        held = std::min(held + advance, dt);
+      } else {
+        work.now = last;
+        advance /= 2;
+      }
+    }
+    return held == dt;
+  };
+  EnergyLedger& ledger = kept.ledger;
+  ledger.begin(kineticEnergyOfStart(island, component), island.dt);
+  begin();
+  findStiffness(component, kept);
+  double work_done = 0;
+  bool solved = false;
+  if (attempt(Tier::start, island.dt)) {
+    work_done = workOfJoints(island, component, work.now);
+    solved = ledger.mayGive(work_done, options.ledger_share);
+  }
+  if (!solved) {
+    ++report.second_tier;
+    begin();
+    if (!attempt(Tier::gradient, island.dt)) {
+      ++report.followed;
+      if (!follow()) ++report.not_converged;
+    }
+    work_done = workOfJoints(island, component, work.now);
+  }
+  if (!std::isfinite(work_done)) {  // overflow: nothing acts in this step
+    begin();
+    work.now.lambda.assign(work.now.lambda.size(), 0.);
+    kept.rows.clear();
+    return;
+  }
+  ledger.book(work_done, options.ledger_share);
+  kept.lambda = work.now.lambda;
+  kept.rows = work.sizes;
+  correctPoses(island, component, options, work, kept.fronts, pose_changes);
+}
+
+PassiveJointSolver::PassiveJointSolver() : m_state(new State) {}
+PassiveJointSolver::~PassiveJointSolver() = default;
+SolverOptions& PassiveJointSolver::options() { return m_state->options; }
+const StepReport& PassiveJointSolver::lastStep() const { return m_state->report; }
+
+void PassiveJointSolver::prepareSolve(int, int) {
+  ++m_state->uses;
+  m_state->report = {};
+}
+
+void PassiveJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
+                                       const btContactSolverInfo& info) {
+  m_tmpConstraintSizesPool.resizeNoInitialize(0);
+  m_tmpSolverNonContactConstraintPool.resizeNoInitialize(0);
+  State& state = *m_state;
+  state.builder.begin(info, state.options);
+  for (int i = 0; i < numConstraints; ++i) {
+    btTypedConstraint& constraint = *constraints[i];
+    constraint.buildJacobian();
+    constraint.internalSetAppliedImpulse(0);
+    if (btJointFeedback* feedback = constraint.getJointFeedback())
+      for (btVector3* of : {&feedback->m_appliedForceBodyA, &feedback->m_appliedTorqueBodyA,
+                            &feedback->m_appliedForceBodyB, &feedback->m_appliedTorqueBodyB})
+        of->setZero();
+    if (!constraint.isEnabled()) continue;
+    const int a = getOrInitSolverBody(constraint.getRigidBodyA(), info.m_timeStep),
+              b = getOrInitSolverBody(constraint.getRigidBodyB(), info.m_timeStep);
+    state.builder.add(constraint, m_tmpSolverBodyPool, a, b);
+  }
+  state.builder.finish(state.components);
+}
+
+btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& info,
+    btIDebugDraw* drawer) {
+  State& state = *m_state;
+  state.pose_changes.assign(state.island.bodies.size(), PoseChange::Zero());
+  for (const Component& component : state.components) {
+    ++state.report.components;
+    state.solve(component);
+    const Memory& kept =
+        *state.memory[state.island.joints[size_t(component.first_joint)].constraint];
+    for (int i = 0; i < component.bodies; ++i) {
+      const IslandBody& body = state.island.bodies[size_t(component.first_body + i)];
+      btSolverBody& to = m_tmpSolverBodyPool[body.solver_body];
+      const Vector6d change = kept.work.now.bodies[size_t(i)].v - body.v_free;
+      to.m_deltaLinearVelocity = btVector3(Scalar(change[0]), Scalar(change[1]), Scalar(change[2]));
+      to.m_deltaAngularVelocity =
+          btVector3(Scalar(change[3]), Scalar(change[4]), Scalar(change[5]));
+    }
+  }
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
+      bodies, numBodies, manifolds, numManifolds, constraints, 0 * numConstraints, info, drawer);
+}
+
+btScalar PassiveJointSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
+                                                           int numBodies,
+                                                           const btContactSolverInfo& info) {
+  const btScalar result =
+      btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
+  State& state = *m_state;
+  for (size_t i = 0; i < state.island.bodies.size(); ++i) {
+    const Vector6d& change = state.pose_changes[i];
+    if (change.isZero()) continue;
+    auto* const body = const_cast<btRigidBody*>(state.island.bodies[i].body);
+    const Turn turn(change.tail<3>(), 1);
+    const Eigen::Quaterniond q(turn.rotation());
+    btTransform to = body->getWorldTransform();
+    to.setOrigin(to.getOrigin() +
+                 btVector3(Scalar(change[0]), Scalar(change[1]), Scalar(change[2])));
+    to.setRotation((btQuaternion(Scalar(q.x()), Scalar(q.y()), Scalar(q.z()), Scalar(q.w())) *
+                    to.getRotation())
+                       .normalized());
+    body->setWorldTransform(to);
+  }
+  return result;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,56 @@
+// Purpose: a solver for Bullet's worlds of which joints cannot create energy, and which holds them to the last digits.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+
+#include <memory>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct SolverOptions;
+
+/// What the last step of a solver did.
+struct StepReport {
+  int components = 0;
+  int newton_steps = 0, factors = 0;
+  int second_tier = 0;    ///< components that were solved by the discrete gradient
+  int followed = 0;       ///< of these, from the start of the step on
+  int not_converged = 0;  ///< components whose joints hold earlier than at the end of the step
+  double error = 0;       ///< m or rad: the largest left of a joint
+};
+
+class PassiveJointSolver : public btSequentialImpulseConstraintSolver {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+
+  PassiveJointSolver();
+  ~PassiveJointSolver() override;
+  PassiveJointSolver(const PassiveJointSolver&) = delete;
+  PassiveJointSolver& operator=(const PassiveJointSolver&) = delete;
+
+  void prepareSolve(int numBodies, int numManifolds) override;
+
+  SolverOptions& options();
+  const StepReport& lastStep() const;
+
+ protected:
+  void convertJoints(btTypedConstraint** constraints, int numConstraints,
+                     const btContactSolverInfo& infoGlobal) override;
+  btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int numBodies,
+                                             btPersistentManifold** manifoldPtr, int numManifolds,
+                                             btTypedConstraint** constraints, int numConstraints,
+                                             const btContactSolverInfo& infoGlobal,
+                                             btIDebugDraw* debugDrawer) override;
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int numBodies,
+                                         const btContactSolverInfo& infoGlobal) override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> m_state;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

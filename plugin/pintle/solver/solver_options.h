@@ -1,0 +1,34 @@
+// Purpose: every number that the passive solver chooses, with its unit, its default, and what it is for.
+#pragma once
+
+#include <pintle/precision.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct SolverOptions {
+  /// m and rad: how far a joint may be from its goal at the end of a step. The energy that a solve creates does not depend on it.
+  double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
+  /// Of the momentum: what is left of M (v - v*) = G^T lambda, against M v*.
+  double momentum_tolerance = 1e-7;
+  /// Newton steps of a tier. More than ten are rare. The first tier gives up sooner, since the second one follows.
+  int max_newton_iterations = 30;
+  int max_first_tier_factors = 8;
+  /// Newton steps in a row that may change which bounds act. Then it is found by projected Gauss-Seidel, which does not cycle.
+  int max_set_changes = 3;
+  int max_sweeps = 1000;
+  /// A factor is kept while a correction is at most this part of the one before it.
+  double contraction = 0.3;
+  /// Softness of joints of loops, relative to their own 1 / K: rows that repeat each other share their impulse.
+  double dependent_softness = 1e-10;
+  /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
+  double ledger_share = 0.01;
+  /// beta of Newmark's rule, with which bodies swing under their joints' load in the first tier: from 1/4 on, the average
+  /// acceleration, it is stable for any stiffness. Neutral in energy.
+  double newmark_beta = 0.5;
+  /// m and rad: an error up to which poses are corrected by the factor that Newton's iteration ended with.
+  double largest_residue = 1e-6;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
