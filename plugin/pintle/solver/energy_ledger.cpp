@@ -24,12 +24,16 @@ double kineticEnergy(const Island& island, const Component& component, const Ite
   return sum;
 }
 
-// An impulse lambda along G changes the kinetic energy by lambda . G times the mean of the velocities before and after.
+// An impulse p works by p . (v0 + v1) / 2, v0 and v1 the velocities before and after the step: that of all joints is what the
+// bodies have gained but for their forces.
 double workOfJoints(const Island& island, const Component& component, const Iterate& at) {
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work += kineticEnergy(body, at.bodies[size_t(i)].v) - kineticEnergy(body, body.v_free);
+    const Vector6d &v = at.bodies[size_t(i)].v, twice = v + body.v0, by_joints = v - body.v_free;
+    work += (body.mass * by_joints.head<3>().dot(twice.head<3>()) +
+             by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
+            2;
   }
   size_t r = 0;
   for (int c = 0; c < component.joints; ++c) {
@@ -37,8 +41,7 @@ double workOfJoints(const Island& island, const Component& component, const Iter
     const auto mean = [&](int side) -> Vector6d {
       const int body = joint.body[size_t(side)];
       if (body < 0) return Vector6d::Zero();
-      return (at.bodies[size_t(body - component.first_body)].v +
-              island.bodies[size_t(body)].v_free) /
+      return (at.bodies[size_t(body - component.first_body)].v + island.bodies[size_t(body)].v0) /
              2;
     };
     for (int i = 0; i < joint.rows; ++i, ++r) {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <pintle/solver/island.h>
-#include <pintle/solver/newton.h>
+#include <pintle/solver/iterate.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

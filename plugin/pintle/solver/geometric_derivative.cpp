@@ -1,6 +1,6 @@
 #include <pintle/solver/geometric_derivative.h>
 
-#include <pintle/solver/newton.h>
+#include <pintle/solver/iterate.h>
 
 #include <Eigen/Eigenvalues>
 

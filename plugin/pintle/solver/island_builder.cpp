@@ -325,6 +325,8 @@ void IslandBuilder::finish(std::vector<Component>& components) {
     for (int& body : at.body)
       if (body >= 0) body = to[size_t(body)];
   }
+  for (int& known : m_body_of)
+    if (known >= 0) known = to[size_t(known)];
   m_island.bodies.swap(bodies);
   m_island.joints.swap(joints);
 }

@@ -23,9 +23,10 @@ class IslandBuilder {
            int solver_body_b);
   /// Sorts all by components.
   void finish(std::vector<Component>& components);
+  /// Thereafter: the number of one of Bullet's bodies in the island, added if it has no joints; -1: it does not move.
+  int body(const SolverBodies& bodies, int solver_body);
 
  private:
-  int body(const SolverBodies& bodies, int solver_body);
   void addOurs(Joint& joint, IslandJoint& to);
   void addStock(btTypedConstraint& joint, IslandJoint& to, const btSolverBody& a,
                 const btSolverBody& b);

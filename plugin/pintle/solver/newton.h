@@ -1,71 +1,107 @@
 // Purpose: Newton's iteration for the velocities v with which a component of joints ends the step, and the impulses lambda:
 //   M (v - v*) = G(v)^T lambda,   u(v) and lambda of each row on its law (axis_law.h)
-// u the mean velocity of a row over the step. Where the impulses act is a tier's choice (Tier).
+// u the mean velocity of a row over the step. Where the impulses act is a tier's choice (iterate.h).
 #pragma once
 
-#include <pintle/solver/island.h>
+#include <pintle/solver/iterate.h>
 #include <pintle/solver/linear/fronts.h>
 #include <pintle/solver/solver_options.h>
-#include <pintle/solver/turn.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-enum class Tier {
-  start,    ///< rows of the start, which hold at the end of the step (SHAKE; Ryckaert 1977)
-  gradient  ///< the discrete gradient (discrete_gradient.h): never gains
-};
-
-/// Where a body ends the step.
-struct BodyAtEnd {
-  Vector6d v;
-  Turn turn;
-  btTransform pose;
-};
-
-/// A row, if the step ends like this.
-struct RowAtEnd {
-  double u;       ///< its velocity
-  RowJacobian J;  ///< du/dv
-  RowJacobian G;  ///< along which its impulse acts
-};
-
-/// The state of the iteration of one component.
-struct Iterate {
-  /// s: rows hold at this time of the step. At its end, or earlier: with 0 in velocity, which is a linear problem. By the
-  /// discrete gradient up to then joints never gain either.
-  double horizon = 0;
-  std::vector<BodyAtEnd> bodies;
-  std::vector<RowAtEnd> rows;
-  std::vector<double> lambda;  ///< N s, N m s
-};
-
-/// What the last iteration did.
 struct NewtonReport {
   bool converged = false;
   int steps = 0, factors = 0;
   double error = 0;  ///< the largest, m or rad
 };
 
+/// What the iteration works with. `now` is where it begins, and where it has come to.
 struct Workspace {
   Iterate now, next;
   std::vector<LawPiece> pieces, next_pieces;
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (tier start)
+  std::vector<Vector6d> external;   ///< of each body: impulses of contacts, N s and N m s
   std::vector<double> correction, simplified, residual;
   std::vector<int> sizes;
 };
 
-/// Bodies and rows of the component at velocities `at.bodies[].v`.
-void moveTo(const Island& island, const Component& component, Tier tier, Iterate& at);
+class Newton {
+ public:
+  Newton(const Island& island, const Component& component, Tier tier, const SolverOptions& options,
+         Fronts& fronts, Workspace& work)
+      : m_island(island),
+        m_component(component),
+        m_tier(tier),
+        m_options(options),
+        m_fronts(fronts),
+        m_work(work) {
+    m_first.resize(size_t(m_component.joints));
+    for (int c = 0; c < m_component.joints; ++c) {
+      m_first[size_t(c)] = int(m_rows.size());
+      for (int i = 0; i < joint(c).rows; ++i)
+        m_rows.push_back(&m_island.rows[size_t(joint(c).first_row + i)]);
+    }
+    m_work.pieces.resize(m_rows.size());
+  }
 
-/// The factor of [M -J^T; J 0], J the rows that `acts` names, as they are at the end of the step that `work.now` leads to: of the
-/// least motion, in the metric of the masses, that moves rows as asked. Returns false where there is none.
-bool factoriseMotion(const Island& island, const Component& component, const SolverOptions& options,
-                     const std::vector<char>& acts, Fronts& fronts, Workspace& work);
+  /// Solves the component from `work.now` (velocities and impulses) to there.
+  NewtonReport run();
+  /// The factor of [M -J^T; J 0], J the rows that `acts` names, as they are at the end of the step that `work.now` leads to: of
+  /// the least motion, in the metric of the masses, that moves rows as asked. Returns false where there is none.
+  bool factoriseMotion(const std::vector<char>& acts);
 
-/// Solves the component from `work.now` (velocities and impulses) to there.
-NewtonReport solve(const Island& island, const Component& component, Tier tier,
-                   const SolverOptions& options, Fronts& fronts, Workspace& work);
+  // One step after the other, for who solves others beside it (contacts.h).
+  void begin();
+  /// The factor at `work.now`. Returns false where there is none.
+  bool factorise();
+  /// work.correction: how `work.now` is to change.
+  void findCorrection();
+  /// Changes it by work.correction, or a part of it. Returns how much of the correction is left: one that contracts is less than 1.
+  double advance();
+  /// With every row on the piece of its law that it is nearest to. `momentum`: the part of it that may be left.
+  bool isConverged(double tolerance, double momentum);
+  double error() const { return m_error; }
+  /// Whether the last step has changed which rows act.
+  bool hasChangedSet() const;
+
+ private:
+  const IslandBody& body(int i) const {
+    return m_island.bodies[size_t(m_component.first_body + i)];
+  }
+  const IslandJoint& joint(int c) const {
+    return m_island.joints[size_t(m_component.first_joint + c)];
+  }
+
+  /// Of the rows of a joint, relative to K: those of loops may repeat each other.
+  double leastSoftness(int c) const {
+    return m_fronts.isInLoop(c) ? m_options.dependent_softness : 0;
+  }
+  void choosePieces(const Iterate& at, std::vector<LawPiece>& pieces) const {
+    for (size_t i = 0; i < pieces.size(); ++i) {
+      const IslandRow& row = *m_rows[i];
+      pieces[i] = row.law.meet(at.rows[i].u - row.K * at.lambda[i], row.K);
+    }
+  }
+  void findResidual(const Iterate& at, std::vector<double>& x);
+  void assemble(const Iterate& at);
+  void step(const std::vector<double>& x, double part);
+  void findBoundedCorrection(std::vector<double>& x);
+  void keepBounded(const Iterate& at);
+  double along(const RowJacobian& J, int joint, const std::vector<double>& x) const;
+
+  const Island& m_island;
+  const Component& m_component;
+  const Tier m_tier;
+  const SolverOptions& m_options;
+  Fronts& m_fronts;
+  Workspace& m_work;
+  std::vector<const IslandRow*> m_rows;
+  std::vector<int> m_first;  ///< of each joint's rows
+  double m_momentum2 = 0, m_scale2 = 0, m_error = 0;
+  bool m_exact = true;
+  bool m_bounded = false;  ///< the active set is found by projected Gauss-Seidel
+};
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

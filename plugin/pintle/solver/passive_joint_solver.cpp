@@ -1,5 +1,6 @@
 #include <pintle/solver/passive_joint_solver.h>
 
+#include <pintle/solver/contacts.h>
 #include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/geometric_derivative.h>
 #include <pintle/solver/island_builder.h>
@@ -36,12 +37,17 @@ struct PassiveJointSolver::State {
   std::vector<Component> components;
   std::unordered_map<const btTypedConstraint*, std::unique_ptr<Memory>> memory;
   std::vector<PoseChange> pose_changes;
+  std::vector<Vector6d> velocities;  ///< with which bodies end the step
+  std::vector<ContactRow> contacts;
   unsigned uses = 0;
 
   Memory& remember(const Component& component);
   void warmStart(const Component& component, Memory& kept);
   void findStiffness(const Component& component, Memory& kept);
+  void begin(const Component& component, Memory& kept);
   void solve(const Component& component);
+  void finish(const Component& component, Memory& kept, double work_done);
+  void solveAmongContacts(std::vector<ContactRow>& rows);
 };
 
 // The symbolic analysis of these joints: the known one, or a new one.
@@ -118,18 +124,23 @@ void PassiveJointSolver::State::findStiffness(const Component& component, Memory
   for (Matrix3d& of : stiffness) of = 2 * options.newmark_beta * clipped(of);  // it is (dt^2 / 2) k
 }
 
+// From the velocities that forces lead to.
+void PassiveJointSolver::State::begin(const Component& component, Memory& kept) {
+  Workspace& work = kept.work;
+  work.now.bodies.resize(size_t(component.bodies));
+  for (int i = 0; i < component.bodies; ++i)
+    work.now.bodies[size_t(i)].v = island.bodies[size_t(component.first_body + i)].v_free;
+  warmStart(component, kept);
+}
+
 void PassiveJointSolver::State::solve(const Component& component) {
   Memory& kept = remember(component);
   Workspace& work = kept.work;
-  const auto begin = [&] {
-    work.now.bodies.resize(size_t(component.bodies));
-    for (int i = 0; i < component.bodies; ++i)
-      work.now.bodies[size_t(i)].v = island.bodies[size_t(component.first_body + i)].v_free;
-    warmStart(component, kept);
-  };
+  work.external.clear();
+  const auto begin = [&] { this->begin(component, kept); };
   const auto attempt = [&](Tier tier, double horizon) {
     work.now.horizon = horizon;
-    const NewtonReport done = pintle::solve(island, component, tier, options, kept.fronts, work);
+    const NewtonReport done = Newton(island, component, tier, options, kept.fronts, work).run();
     report.newton_steps += done.steps;
     report.factors += done.factors;
     report.error = std::max(report.error, done.error);
@@ -172,16 +183,58 @@ void PassiveJointSolver::State::solve(const Component& component) {
     }
     work_done = workOfJoints(island, component, work.now);
   }
+  finish(component, kept, work_done);
+}
+
+void PassiveJointSolver::State::finish(const Component& component, Memory& kept, double work_done) {
+  Workspace& work = kept.work;
   if (!std::isfinite(work_done)) {  // overflow: nothing acts in this step
-    begin();
+    begin(component, kept);
     work.now.lambda.assign(work.now.lambda.size(), 0.);
     kept.rows.clear();
     return;
   }
-  ledger.book(work_done, options.ledger_share);
+  kept.ledger.book(work_done, options.ledger_share);
   kept.lambda = work.now.lambda;
   kept.rows = work.sizes;
   correctPoses(island, component, options, work, kept.fronts, pose_changes);
+}
+
+// Contacts take energy, and so does the discrete gradient: it alone acts among them.
+void PassiveJointSolver::State::solveAmongContacts(std::vector<ContactRow>& rows) {
+  std::vector<char> touched(island.bodies.size(), false);
+  for (const ContactRow& row : rows)
+    for (const int body : row.body)
+      if (body >= 0) touched[size_t(body)] = true;
+  std::vector<ContactPart> parts;
+  std::vector<Memory*> memories;
+  for (const Component& component : components) {
+    const auto first = touched.begin() + component.first_body;
+    if (std::find(first, first + component.bodies, true) == first + component.bodies) {
+      solve(component);
+      continue;
+    }
+    Memory& kept = remember(component);
+    begin(component, kept);
+    kept.ledger.begin(kineticEnergyOfStart(island, component), island.dt);
+    parts.push_back({&component, &kept.fronts, &kept.work});
+    memories.push_back(&kept);
+  }
+  velocities.clear();
+  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+  const ContactReport done = pintle::solveAmongContacts(island, parts, rows, options, velocities);
+  report.newton_steps += done.steps * int(parts.size());
+  report.factors += done.factors;
+  report.second_tier += int(parts.size());
+  report.not_converged += done.converged ? 0 : int(parts.size());
+  report.error = std::max(report.error, done.error);
+  for (size_t p = 0; p < parts.size(); ++p) {
+    const Component& component = *parts[p].component;
+    bool finite = true;
+    for (const BodyAtEnd& body : memories[p]->work.now.bodies)
+      finite = finite && std::isfinite(body.v.sum());
+    finish(component, *memories[p], finite ? 0 : double(infinity) * 0);
+  }
 }
 
 PassiveJointSolver::PassiveJointSolver() : m_state(new State) {}
@@ -216,28 +269,73 @@ void PassiveJointSolver::convertJoints(btTypedConstraint** constraints, int numC
   state.builder.finish(state.components);
 }
 
+void PassiveJointSolver::addContacts(btConstraintArray& pool, const btConstraintArray* normals) {
+  State& state = *m_state;
+  const Vector6d zero = Vector6d::Zero();
+  for (int i = 0; i < pool.size(); ++i) {
+    btSolverConstraint& from = pool[i];
+    ContactRow row;
+    row.body = {state.builder.body(m_tmpSolverBodyPool, from.m_solverBodyIdA),
+                state.builder.body(m_tmpSolverBodyPool, from.m_solverBodyIdB)};
+    row.J = {inDouble(from.m_contactNormal1), inDouble(from.m_relpos1CrossNormal),
+             inDouble(from.m_contactNormal2), inDouble(from.m_relpos2CrossNormal)};
+    // Bullet has both multiplied by its own 1 / K.
+    const double inverse_K = double(from.m_jacDiagABInv);
+    const auto free = [&](int body) {
+      return body < 0 ? zero : state.island.bodies[size_t(body)].v_free;
+    };
+    row.target = inverse_K > 0 ? double(from.m_rhs) / inverse_K +
+                                     row.J.along(free(row.body[0]), free(row.body[1]))
+                               : 0;
+    row.softness = inverse_K > 0 ? double(from.m_cfm) / inverse_K : 0;
+    row.lower = double(from.m_lowerLimit);
+    row.upper = double(from.m_upperLimit);
+    row.normal = normals != nullptr ? from.m_frictionIndex : -1;
+    row.friction = double(from.m_friction);
+    row.impulse = double(from.m_appliedImpulse);
+    row.from = &from;
+    state.contacts.push_back(row);
+  }
+}
+
 btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
     btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds, int numManifolds,
     btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& info,
     btIDebugDraw* drawer) {
   State& state = *m_state;
+  state.pose_changes.clear();
+  if (state.components.empty())
+    return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
+        bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info, drawer);
+  solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifolds, numManifolds,
+                                                constraints, numConstraints, info, drawer);
+  state.contacts.clear();
+  addContacts(m_tmpSolverContactConstraintPool, nullptr);
+  addContacts(m_tmpSolverContactFrictionConstraintPool, &m_tmpSolverContactConstraintPool);
+  addContacts(m_tmpSolverContactRollingFrictionConstraintPool, &m_tmpSolverContactConstraintPool);
   state.pose_changes.assign(state.island.bodies.size(), PoseChange::Zero());
+  state.report.components += int(state.components.size());
+  if (state.contacts.empty()) {
+    state.velocities.resize(state.island.bodies.size());
+    for (const Component& component : state.components) state.solve(component);
+  } else {
+    state.solveAmongContacts(state.contacts);
+  }
   for (const Component& component : state.components) {
-    ++state.report.components;
-    state.solve(component);
     const Memory& kept =
         *state.memory[state.island.joints[size_t(component.first_joint)].constraint];
-    for (int i = 0; i < component.bodies; ++i) {
-      const IslandBody& body = state.island.bodies[size_t(component.first_body + i)];
-      btSolverBody& to = m_tmpSolverBodyPool[body.solver_body];
-      const Vector6d change = kept.work.now.bodies[size_t(i)].v - body.v_free;
-      to.m_deltaLinearVelocity = btVector3(Scalar(change[0]), Scalar(change[1]), Scalar(change[2]));
-      to.m_deltaAngularVelocity =
-          btVector3(Scalar(change[3]), Scalar(change[4]), Scalar(change[5]));
-    }
+    for (int i = 0; i < component.bodies; ++i)
+      state.velocities[size_t(component.first_body + i)] = kept.work.now.bodies[size_t(i)].v;
   }
-  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
-      bodies, numBodies, manifolds, numManifolds, constraints, 0 * numConstraints, info, drawer);
+  for (size_t i = 0; i < state.island.bodies.size(); ++i) {
+    const IslandBody& body = state.island.bodies[i];
+    btSolverBody& to = m_tmpSolverBodyPool[body.solver_body];
+    const Vector6d change = state.velocities[i] - body.v_free;
+    to.m_deltaLinearVelocity = btVector3(Scalar(change[0]), Scalar(change[1]), Scalar(change[2]));
+    to.m_deltaAngularVelocity = btVector3(Scalar(change[3]), Scalar(change[4]), Scalar(change[5]));
+  }
+  for (const ContactRow& row : state.contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
+  return 0;
 }
 
 btScalar PassiveJointSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
@@ -246,7 +344,7 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyFinish(btCollisionObject** b
   const btScalar result =
       btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
   State& state = *m_state;
-  for (size_t i = 0; i < state.island.bodies.size(); ++i) {
+  for (size_t i = 0; i < state.pose_changes.size(); ++i) {
     const Vector6d& change = state.pose_changes[i];
     if (change.isZero()) continue;
     auto* const body = const_cast<btRigidBody*>(state.island.bodies[i].body);

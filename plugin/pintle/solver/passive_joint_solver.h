@@ -49,6 +49,9 @@ class PassiveJointSolver : public btSequentialImpulseConstraintSolver {
 
  private:
   struct State;
+  /// Rows of friction are bounded by those of `normals`.
+  void addContacts(btConstraintArray& pool, const btConstraintArray* normals);
+
   std::unique_ptr<State> m_state;
 };
 

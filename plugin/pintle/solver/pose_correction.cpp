@@ -33,7 +33,7 @@ void correctPoses(const Island& island, const Component& component, const Solver
   });
   // What is left of Newton's iteration is small enough for its last factor.
   if ((held_early || largest > options.largest_residue) &&
-      !factoriseMotion(island, component, options, acts, fronts, work))
+      !Newton(island, component, Tier::start, options, fronts, work).factoriseMotion(acts))
     return;
   std::vector<double> x(size_t(fronts.size()), 0.);
   forEachRow([&](int at, const IslandRow& row) {

@@ -14,13 +14,18 @@ struct SolverOptions {
   /// Newton steps of a tier. More than ten are rare. The first tier gives up sooner, since the second one follows.
   int max_newton_iterations = 30;
   int max_first_tier_factors = 8;
+  /// The same among contacts, where a step is solved no better than its friction: m and rad, and of the momentum.
+  double contact_tolerance = 1e-5;
+  double contact_momentum_tolerance = 1e-4;
+  int max_contact_sweeps = 100;
   /// Newton steps in a row that may change which bounds act. Then it is found by projected Gauss-Seidel, which does not cycle.
   int max_set_changes = 3;
   int max_sweeps = 1000;
   /// A factor is kept while a correction is at most this part of the one before it.
   double contraction = 0.3;
-  /// Softness of joints of loops, relative to their own 1 / K: rows that repeat each other share their impulse.
-  double dependent_softness = 1e-10;
+  /// Softness of joints of loops, relative to their own 1 / K: rows that repeat each other share their impulse, and those that
+  /// contradict each other give way.
+  double dependent_softness = 1e-11;
   /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
   double ledger_share = 0.01;
   /// beta of Newmark's rule, with which bodies swing under their joints' load in the first tier: from 1/4 on, the average

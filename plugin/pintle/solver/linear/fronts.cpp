@@ -97,6 +97,7 @@ void Fronts::addFront(const std::vector<int>& own, const std::vector<int>& bound
   front.own_nodes = int(own.size());
   front.nodes = int(own.size() + boundary.size());
   front.first_node = int(m_nodes.size());
+  front.is_of_loop = own[0] >= bodies();
   for (const int node : own)
     (node < bodies() ? m_body_front[size_t(node)] : m_joint_front[size_t(node - bodies())]) =
         int(m_fronts.size());

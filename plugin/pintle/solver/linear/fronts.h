@@ -45,6 +45,8 @@ class Fronts {
   /// Joint c, and body `side` (0 or 1) of it: rows of the joint, columns of the body; and the other way round.
   Block jointBodyBlock(int c, int side);
   Block bodyJointBlock(int c, int side);
+  /// Whether the joint was not eliminated together with a body.
+  bool isInLoop(int c) const { return m_fronts[size_t(m_joint_front[size_t(c)])].is_of_loop; }
   /// Whether there is a place where the two bodies of the joint meet: not in a loop.
   bool couplesBodies(int c) const;
   /// Rows of body `side`, columns of the other one.
@@ -61,6 +63,7 @@ class Fronts {
   struct Front {
     int own_nodes, nodes;    ///< numbers of nodes: eliminated here, and all
     int first_node;          ///< of its nodes in m_nodes
+    bool is_of_loop;         ///< its own nodes are joints
     int parent;              ///< -1: none
     int own, all;            ///< unknowns
     size_t first_unknown;    ///< of its list in m_unknown

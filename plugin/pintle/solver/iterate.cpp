@@ -1,0 +1,183 @@
+#include <pintle/solver/iterate.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/joints/joint.h>
+#include <pintle/solver/discrete_gradient.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+const BodyAtEnd resting{Vector6d::Zero(), Turn(), btTransform::getIdentity()};
+
+const btTransform& poseOf(const IslandJoint& joint, int side, const BodyAtEnd& end) {
+  if (joint.body[size_t(side)] >= 0) return end.pose;
+  return side ? joint.constraint->getRigidBodyB().getCenterOfMassTransform()
+              : joint.constraint->getRigidBodyA().getCenterOfMassTransform();
+}
+
+void moveBody(const IslandBody& body, double dt, BodyAtEnd& end) {
+  end.turn = Turn(end.v.tail<3>(), dt);
+  const Matrix3d R = end.turn.rotation();
+  const btMatrix3x3 turned(Scalar(R(0, 0)), Scalar(R(0, 1)), Scalar(R(0, 2)), Scalar(R(1, 0)),
+                           Scalar(R(1, 1)), Scalar(R(1, 2)), Scalar(R(2, 0)), Scalar(R(2, 1)),
+                           Scalar(R(2, 2)));
+  end.pose.setBasis(turned * body.start.getBasis());
+  const Vector3d x = dt * end.v.head<3>();
+  end.pose.setOrigin(body.start.getOrigin() + btVector3(Scalar(x[0]), Scalar(x[1]), Scalar(x[2])));
+}
+
+// A row of the start, as a velocity.
+void holdVelocity(const IslandRow& row, const BodyAtEnd& a, const BodyAtEnd& b, RowAtEnd& to) {
+  to.J = to.G = row.J;
+  to.u = row.J.along(a.v, b.v);
+}
+
+// From a row of poses to one of velocities: bodies turn as they do (Turn).
+RowJacobian byVelocity(const Row& row, double sign, const BodyAtEnd& a, const BodyAtEnd& b) {
+  const Vector3d L = sign * row.L.cast<double>();
+  return {-L, -sign * (a.turn.slope.transpose() * row.A_a.cast<double>()), L,
+          sign * (b.turn.slope.transpose() * row.A_b.cast<double>())};
+}
+RowJacobian byVelocity(const Gradient& G, double sign, const BodyAtEnd& a, const BodyAtEnd& b) {
+  return {-sign * G.L, -sign * a.turn.part * G.A_a, sign * G.L, sign * b.turn.part * G.A_b};
+}
+
+// What the row of the start measures, among the rows of the end. Returns false if nothing does. Tangents of a joint may be chosen
+// anew at each pose: an equality is then taken along that of the start.
+bool findAtEnd(const IslandRow& row, const Rows& end, int equalities_at_start, Row& found) {
+  if (row.start.axis >= 0) {
+    for (int i = end.equalities(); i < end.size(); ++i)
+      if (end[i].axis == row.start.axis) {
+        found = end[i];
+        return isSameRow(row.start, found);
+      }
+    return false;
+  }
+  if (end.equalities() != equalities_at_start) return false;
+  found = end[row.index];
+  if (isSameRow(row.start, found)) return true;
+  found.L = found.A_a = found.A_b = Vec3::Zero();
+  found.position = 0;
+  bool any = false;
+  for (int i = 0; i < end.equalities(); ++i) {
+    const Row& other = end[i];
+    if (other.angular != row.start.angular || other.group != row.start.group) continue;
+    const Vec3 &mine = row.start.angular ? row.start.A_b : row.start.L,
+               &its = row.start.angular ? other.A_b : other.L;
+    const Scalar part = mine.dot(its) / its.dot(its);
+    found.L += part * other.L;
+    found.A_a += part * other.A_a;
+    found.A_b += part * other.A_b;
+    found.position += part * other.position;
+    any = any || btFabs(part) > Scalar(0.1);
+  }
+  return any;
+}
+
+// Where an arm of a body points when the step ends, and its mean.
+struct Arm {
+  Vector3d end, mean;
+
+  Arm(const BodyAtEnd& body, const Vec3& start) : mean(body.turn.mean * inDouble(start)) {
+    end = inDouble(start) + cross(body.turn.phi, mean);
+  }
+};
+
+// Rows that are made of arms of the bodies, in closed form, without asking the joint.
+void moveArms(const IslandRow& row, Tier tier, double horizon, const BodyAtEnd& a,
+              const BodyAtEnd& b, RowAtEnd& to) {
+  const Arm arm_a(a, row.shape.a), arm_b(b, row.shape.b);
+  const auto turnsBy = [&](const Vector3d& A_a, const Vector3d& A_b) {
+    to.J.A_a = a.turn.slope.transpose() * A_a;
+    to.J.A_b = b.turn.slope.transpose() * A_b;
+  };
+  const auto actsAlong = [&](const Vector3d& L, const Vector3d& A_a, const Vector3d& A_b) {
+    to.G = {-L, a.turn.part * A_a, L, b.turn.part * A_b};
+  };
+  if (row.shape.kind == RowShape::dot) {
+    const Vector3d a_0 = inDouble(row.shape.a), b_0 = inDouble(row.shape.b);
+    to.J.L_a = to.J.L_b = Vector3d::Zero();
+    turnsBy(cross(arm_a.end, arm_b.end), cross(arm_b.end, arm_a.end));
+    actsAlong(Vector3d::Zero(), cross(arm_a.mean, Vector3d((b_0 + arm_b.end) / 2)),
+              cross(arm_b.mean, Vector3d((a_0 + arm_a.end) / 2)));
+    to.u = to.G.along(a.v, b.v);
+  } else {
+    const Vector3d n_0 = inDouble(row.start.L);
+    const Vector3d move = horizon * (b.v - a.v).head<3>() + cross(b.turn.phi, arm_b.mean) -
+                          cross(a.turn.phi, arm_a.mean);
+    Vector3d n_1 = n_0, n = n_0;
+    if (row.shape.kind == RowShape::distance) {
+      const Vector3d d_0 = double(row.shape.length) * n_0, d_1 = d_0 + move;
+      const double length = d_1.norm(), sum = d_0.norm() + length;
+      if (length > 0) n_1 = d_1 / length;
+      if (sum > 0) n = (d_0 + d_1) / sum;
+    }
+    to.J.L_a = -n_1;
+    to.J.L_b = n_1;
+    turnsBy(-cross(arm_a.end, n_1), cross(arm_b.end, n_1));
+    actsAlong(n, -cross(arm_a.mean, n), cross(arm_b.mean, n));
+    to.u = n.dot(move) / horizon;
+  }
+  if (tier == Tier::start) to.G = row.J;
+}
+
+void moveRows(const Island& island, const IslandJoint& joint, const Component& component, Tier tier,
+              Iterate& at, int first) {
+  const BodyAtEnd &a = bodyOf(joint, 0, component, at), &b = bodyOf(joint, 1, component, at);
+  RowMemory<max_joint_rows, max_joint_rows> memory;
+  Rows end(memory);
+  bool asked = false;
+  for (int i = 0; i < joint.rows; ++i) {
+    const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+    RowAtEnd& to = at.rows[size_t(first + i)];
+    if (!row.has_position || !(at.horizon > 0)) {
+      holdVelocity(row, a, b, to);
+      continue;
+    }
+    if (row.isOfArms()) {
+      moveArms(row, tier, at.horizon, a, b, to);
+      continue;
+    }
+    if (!asked) joint.ours->addRows(PosePair(poseOf(joint, 0, a), poseOf(joint, 1, b)), end);
+    asked = true;
+    Row now;
+    if (!findAtEnd(row, end, joint.equalities, now)) {
+      holdVelocity(row, a, b, to);
+      continue;
+    }
+    const double change = double(now.position) - double(row.start.position);
+    to.J = byVelocity(now, row.sign, a, b);
+    to.u = change / at.horizon;
+    if (tier == Tier::start) {
+      to.G = row.J;
+      continue;
+    }
+    const Displacement by_a{at.horizon * a.v.head<3>(), a.turn.phi},
+        by_b{at.horizon * b.v.head<3>(), b.turn.phi};
+    const RowOfStep of{row.start, now, row.shape, row.shape};
+    to.G = byVelocity(discreteGradient(of, row.sign * change, by_a, by_b), row.sign, a, b);
+  }
+}
+
+}  // namespace
+
+const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& component,
+                        const Iterate& at) {
+  const int body = joint.body[size_t(side)];
+  return body < 0 ? resting : at.bodies[size_t(body - component.first_body)];
+}
+
+void moveTo(const Island& island, const Component& component, Tier tier, Iterate& at) {
+  for (int i = 0; at.horizon > 0 && i < component.bodies; ++i)
+    moveBody(island.bodies[size_t(component.first_body + i)], at.horizon, at.bodies[size_t(i)]);
+  int first = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    moveRows(island, joint, component, tier, at, first);
+    first += joint.rows;
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,307 @@
+// Where a row meets the law of its impulse, and many that depend on each other.
+#include <pintle/solver/active_set.h>
+#include <pintle/solver/axis_law.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "support.h"
+
+namespace exact_axis_law_test {
+
+using pintle::AxisLaw;
+using pintle::BoundedRow;
+using pintle::LawPart;
+using pintle::LawPiece;
+using support::Random;
+
+constexpr double unbounded = AxisLaw::unbounded;
+
+bool oneIn(int n, Random& random) { return random.uniform(0, n) < 1; }
+
+// Lambda just below or above u. Parts without a bound outweigh those that have one.
+double impulse(const AxisLaw& law, double u) {
+  double sum = 0;
+  int without = 0;
+  for (int i = 0; i < law.parts(); ++i) {
+    const double part = law.part(i).at(u);
+    if (std::abs(part) >= unbounded)
+      without += part > 0 ? 1 : -1;
+    else
+      sum += part;
+  }
+  return without != 0 ? without * unbounded : sum;
+}
+
+// The zero of u - free - K Lambda(u), which rises.
+double bisect(const AxisLaw& law, double free, double K) {
+  double low = -1e4, high = 1e4;
+  for (int n = 0; n < 200; ++n) {
+    const double u = (low + high) / 2;
+    (u - free - K * impulse(law, u) < 0 ? low : high) = u;
+  }
+  return (low + high) / 2;
+}
+
+struct Point {
+  double u, lambda;
+
+  Point(const LawPiece& piece, double free, double K) {
+    lambda = piece.acts ? (piece.target - free) / (K + piece.softness) : piece.impulse;
+    u = free + K * lambda;
+  }
+};
+
+LawPart anyPart(Random& random) {
+  // Targets are few, so that parts share them.
+  const double target =
+      oneIn(2, random) ? std::floor(random.uniform(-3, 4)) : random.uniform(-3, 3);
+  const double softness = oneIn(2, random) ? 0 : std::pow(10, random.uniform(-3, 1));
+  LawPart part{target, softness, -random.uniform(0, 5), random.uniform(0, 5)};
+  if (oneIn(3, random)) part.lower = oneIn(2, random) ? 0 : -unbounded;
+  if (oneIn(3, random)) part.upper = oneIn(2, random) ? 0 : unbounded;
+  return part;
+}
+
+// Rigid parts that have no bound do not contradict each other: limits of an axis have a lower and an upper end.
+AxisLaw anyLaw(int parts, Random& random) {
+  AxisLaw law;
+  double least = -1e9, most = 1e9;  // where the others let u be
+  while (law.parts() < parts) {
+    LawPart part = anyPart(random);
+    if (!(part.softness > 0)) {
+      if (part.lower == -unbounded && part.upper == unbounded && (least > -1e9 || most < 1e9))
+        continue;
+      if (part.upper == unbounded && part.target > most) continue;
+      if (part.lower == -unbounded && part.target < least) continue;
+      if (part.upper == unbounded) least = std::max(least, part.target);
+      if (part.lower == -unbounded) most = std::min(most, part.target);
+    }
+    law.add(part);
+  }
+  return law;
+}
+
+std::string describe(const AxisLaw& law, double free, double K) {
+  std::string text = "free " + std::to_string(free) + ", K " + std::to_string(K);
+  for (int i = 0; i < law.parts(); ++i) {
+    const LawPart& part = law.part(i);
+    text += "\n  target " + std::to_string(part.target) + ", softness " +
+            std::to_string(part.softness) + ", from " + std::to_string(part.lower) + " to " +
+            std::to_string(part.upper);
+  }
+  return text;
+}
+
+// A steep part makes its impulse as inexact as its velocity is, divided by its softness.
+TEST(AxisLaw, MeetsWhereBisectionDoes) {
+  Random random(1);
+  int acting[AxisLaw::max_parts + 1] = {}, level[AxisLaw::max_parts + 1] = {};
+  for (int n = 0; n < support::trials(40000); ++n) {
+    const int parts = 1 + n % AxisLaw::max_parts;
+    const AxisLaw law = anyLaw(parts, random);
+    const double free = random.uniform(-20, 20), K = std::pow(10, random.uniform(-2, 2));
+    const LawPiece piece = law.meet(free, K);
+    const double u = bisect(law, free, K);
+    const Point met(piece, free, K);
+    ASSERT_NEAR(met.u, u, 1e-9) << describe(law, free, K);
+    ASSERT_NEAR(met.lambda, (u - free) / K, 1e-9 / K) << describe(law, free, K);
+    ++(piece.acts ? acting : level)[parts];
+  }
+  for (int parts = 1; parts <= AxisLaw::max_parts; ++parts) {
+    EXPECT_GT(acting[parts], support::trials(2000)) << parts;
+    EXPECT_GT(level[parts], support::trials(400)) << parts;
+  }
+}
+
+// The piece holds not at one point alone: Newton's tangent is made of it.
+TEST(AxisLaw, PieceIsThatOfTheNeighbourhood) {
+  Random random(2);
+  for (int n = 0; n < support::trials(20000); ++n) {
+    const AxisLaw law = anyLaw(1 + n % AxisLaw::max_parts, random);
+    const double free = random.uniform(-20, 20), K = std::pow(10, random.uniform(-2, 2));
+    const LawPiece piece = law.meet(free, K), before = law.meet(free - 1e-6, K),
+                   after = law.meet(free + 1e-6, K);
+    // Random points are not at corners.
+    if (before.acts != after.acts || before.target != after.target) continue;
+    EXPECT_EQ(piece.acts, before.acts) << describe(law, free, K);
+    EXPECT_EQ(piece.softness, before.softness) << describe(law, free, K);
+    EXPECT_EQ(piece.impulse, before.impulse) << describe(law, free, K);
+  }
+}
+
+TEST(AxisLaw, AnEqualityActsEverywhere) {
+  for (const double softness : {0., 0.5}) {
+    AxisLaw law;
+    law.add({2, softness, -unbounded, unbounded});
+    EXPECT_TRUE(law.isEquality());
+    for (const double free : {-1e6, 0., 2., 1e6}) {
+      const LawPiece piece = law.meet(free, 3);
+      EXPECT_TRUE(piece.acts);
+      EXPECT_EQ(piece.target, 2);
+      EXPECT_EQ(piece.softness, softness);
+    }
+  }
+}
+
+TEST(AxisLaw, OneBoundMakesNoEquality) {
+  AxisLaw law;
+  law.add({0, 0, 0, unbounded});
+  EXPECT_FALSE(law.isEquality());
+  law.clear();
+  law.add({0, 0, -unbounded, unbounded});
+  law.add({0, 0, -1, 1});
+  EXPECT_FALSE(law.isEquality());
+}
+
+// Two springs in parallel, without bounds: a law without corners.
+TEST(AxisLaw, SpringsAddUp) {
+  for (const double softness : {1e-14, 1e-3, 1.}) {
+    AxisLaw law;
+    law.add({1, softness, -unbounded, unbounded});
+    law.add({4, 2 * softness, -unbounded, unbounded});
+    for (const double free : {-10., 0., 2., 10.}) {
+      const LawPiece piece = law.meet(free, 3);
+      EXPECT_TRUE(piece.acts);
+      EXPECT_NEAR(piece.target, 2, 1e-14);
+      EXPECT_NEAR(piece.softness, 2 * softness / 3, 1e-15 * softness);
+    }
+  }
+}
+
+// A limit at both ends that are one, a friction beside it.
+TEST(AxisLaw, LimitsThatMeetHoldLikeAnEquality) {
+  AxisLaw law;
+  law.add({0, 0, -2, 2});
+  law.add({1, 0, 0, unbounded});
+  law.add({1, 0, -unbounded, 0});
+  for (const double free : {-10., 0., 1., 10.}) {
+    const LawPiece piece = law.meet(free, 0.5);
+    EXPECT_TRUE(piece.acts) << free;
+    EXPECT_EQ(piece.target, 1) << free;
+    EXPECT_EQ(piece.softness, 0) << free;
+  }
+}
+
+TEST(AxisLaw, SplitsAmongItsParts) {
+  Random random(3);
+  for (int n = 0; n < support::trials(20000); ++n) {
+    const AxisLaw law = anyLaw(1 + n % AxisLaw::max_parts, random);
+    const double free = random.uniform(-20, 20), K = std::pow(10, random.uniform(-2, 2));
+    const Point met(law.meet(free, K), free, K);
+    double of[AxisLaw::max_parts];
+    law.split(met.u, met.lambda, of);
+    double sum = 0;
+    for (int i = 0; i < law.parts(); ++i) {
+      const LawPart& part = law.part(i);
+      EXPECT_GE(of[i], part.lower) << describe(law, free, K);
+      EXPECT_LE(of[i], part.upper) << describe(law, free, K);
+      // On its own law: what another one has too little, none has made up.
+      const double least = part.at(met.u + 1e-6), most = part.at(met.u - 1e-6);
+      EXPECT_GE(of[i], least - 1e-6) << describe(law, free, K);
+      EXPECT_LE(of[i], most + 1e-6) << describe(law, free, K);
+      sum += of[i];
+    }
+    EXPECT_NEAR(sum, met.lambda, 1e-9 * (1 + std::abs(met.lambda))) << describe(law, free, K);
+  }
+}
+
+// Rows that all depend on each other: u = u_free + W lambda.
+class Bounded : public testing::Test {
+ protected:
+  static constexpr int n = 8;
+
+  Bounded() : laws(n), rows(n), W(n * n) {}
+
+  void next() {
+    const Eigen::MatrixXd A =
+        Eigen::MatrixXd::NullaryExpr(n, 2 * n, [&] { return random.uniform(-1, 1); });
+    const Eigen::MatrixXd product = A * A.transpose();
+    u_free = Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-5, 5); });
+    // It may begin anywhere.
+    const Eigen::VectorXd start =
+        Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-1, 1); });
+    const Eigen::VectorXd u = u_free + product * start;
+    for (int i = 0; i < n; ++i) {
+      laws[size_t(i)].clear();
+      rows[size_t(i)] = {&laws[size_t(i)], u[i], start[i]};
+      for (int j = 0; j < n; ++j) W[size_t(i * n + j)] = product(i, j);
+    }
+  }
+
+  void solve() {
+    pintle::solveBounded(rows, W, 1e-13, 100000);
+    for (int i = 0; i < n; ++i) {
+      double u = u_free[i];
+      for (int j = 0; j < n; ++j) u += W[size_t(i * n + j)] * rows[size_t(j)].lambda;
+      ASSERT_NEAR(rows[size_t(i)].u, u, 1e-10) << i;
+    }
+  }
+
+  Random random{4};
+  std::vector<AxisLaw> laws;
+  std::vector<BoundedRow> rows;
+  std::vector<double> W;
+  Eigen::VectorXd u_free;
+};
+
+TEST_F(Bounded, LimitsAreComplementary) {
+  int pushing = 0, open = 0;
+  for (int trial = 0; trial < support::trials(500); ++trial) {
+    next();
+    std::vector<double> target;
+    for (AxisLaw& law : laws) {
+      target.push_back(random.uniform(-1, 1));
+      law.add({target.back(), 0, 0, unbounded});
+    }
+    solve();
+    for (size_t i = 0; i < n; ++i) {
+      const double beyond = rows[i].u - target[i], lambda = rows[i].lambda;
+      EXPECT_GE(lambda, 0);
+      EXPECT_GE(beyond, -1e-10);
+      EXPECT_LT(std::min(lambda, std::abs(beyond)), 1e-10);
+      ++(lambda > 0 ? pushing : open);
+    }
+  }
+  EXPECT_GT(pushing, support::trials(1000));
+  EXPECT_GT(open, support::trials(1000));
+}
+
+TEST_F(Bounded, EqualitiesAreSolved) {
+  for (int trial = 0; trial < support::trials(100); ++trial) {
+    next();
+    for (size_t i = 0; i < n; ++i)
+      laws[i].add({double(i), i % 2 ? 0.3 : 0., -unbounded, unbounded});
+    solve();
+    for (size_t i = 0; i < n; ++i)
+      EXPECT_NEAR(rows[i].u + (i % 2 ? 0.3 : 0.) * rows[i].lambda, double(i), 1e-10);
+  }
+}
+
+// Limits, friction, motors, springs: each impulse lies between what its law says just above and just below the velocity.
+TEST_F(Bounded, EveryRowIsOnItsLaw) {
+  for (int trial = 0; trial < support::trials(500); ++trial) {
+    next();
+    for (AxisLaw& law : laws) law = anyLaw(1 + int(random.uniform(0, 4)) % 4, random);
+    solve();
+    for (const BoundedRow& row : rows) {
+      constexpr double near = 1e-9, of_steepest = 4e-6;
+      EXPECT_GE(row.lambda, impulse(*row.law, row.u + near) - of_steepest);
+      EXPECT_LE(row.lambda, impulse(*row.law, row.u - near) + of_steepest);
+    }
+  }
+}
+
+TEST_F(Bounded, WithoutSweepsNothingChanges) {
+  next();
+  for (AxisLaw& law : laws) law.add({9, 0, 0, unbounded});
+  const std::vector<BoundedRow> before = rows;
+  pintle::solveBounded(rows, W, 1e-13, 0);
+  for (size_t i = 0; i < n; ++i) EXPECT_EQ(rows[i].lambda, before[i].lambda);
+}
+
+}  // namespace exact_axis_law_test

@@ -1,0 +1,372 @@
+// The direct solver of bodies and joints: whatever hangs together how, against Eigen's dense factor.
+#include <pintle/solver/linear/fronts.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support.h"
+
+namespace exact_fronts_test {
+
+using pintle::Fronts;
+using support::Random;
+
+struct Graph {
+  std::string name;
+  int bodies;
+  std::vector<Fronts::Joint> joints;
+};
+
+int below(Random& random, int n) { return std::min(int(random.uniform(0, n)), n - 1); }
+
+Graph chain(int bodies) {
+  Graph graph{"chain of " + std::to_string(bodies), bodies, {}};
+  for (int i = 0; i + 1 < bodies; ++i) graph.joints.push_back({i, i + 1});
+  return graph;
+}
+
+Graph ring(int bodies) {
+  Graph graph = chain(bodies);
+  graph.name = "ring of " + std::to_string(bodies);
+  graph.joints.push_back({bodies - 1, 0});
+  return graph;
+}
+
+// Its hub is neither the first body nor the last one.
+Graph star(int leaves) {
+  Graph graph{"star of " + std::to_string(leaves), leaves + 1, {}};
+  const int hub = leaves / 2;
+  for (int i = 0; i <= leaves; ++i)
+    if (i < hub)
+      graph.joints.push_back({i, hub});
+    else if (i > hub)
+      graph.joints.push_back({hub, i});
+  return graph;
+}
+
+Graph tree(int bodies, Random& random) {
+  Graph graph{"tree of " + std::to_string(bodies), bodies, {}};
+  for (int i = 1; i < bodies; ++i) {
+    const int parent = below(random, i);
+    graph.joints.push_back(below(random, 2) ? Fronts::Joint{i, parent} : Fronts::Joint{parent, i});
+  }
+  return graph;
+}
+
+Graph net(int side) {
+  Graph graph{"net of " + std::to_string(side), side * side, {}};
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      if (j + 1 < side) graph.joints.push_back({i * side + j, i * side + j + 1});
+      if (i + 1 < side) graph.joints.push_back({(i + 1) * side + j, i * side + j});
+    }
+  return graph;
+}
+
+// A sixth of the joints is to the ground, on either side.
+Graph anyGraph(int bodies, int joints, Random& random) {
+  Graph graph{"any of " + std::to_string(bodies) + " with " + std::to_string(joints), bodies, {}};
+  for (int c = 0; c < joints; ++c) {
+    const int a = below(random, bodies), b = (a + 1 + below(random, bodies - 1)) % bodies;
+    switch (below(random, 12)) {
+      case 0: graph.joints.push_back({-1, a}); break;
+      case 1: graph.joints.push_back({a, -1}); break;
+      default: graph.joints.push_back({a, b});
+    }
+  }
+  return graph;
+}
+
+Graph with(Graph graph, const std::string& what, const std::vector<Fronts::Joint>& joints) {
+  graph.name += ", " + what;
+  graph.joints.insert(graph.joints.end(), joints.begin(), joints.end());
+  return graph;
+}
+
+// Two that have nothing to do with each other, and three bodies without joints: between, before, and behind.
+Graph apart(const Graph& one, const Graph& other) {
+  Graph graph{one.name + " and " + other.name, one.bodies + other.bodies + 3, {}};
+  const auto add = [&](const Graph& part, int first) {
+    for (Fronts::Joint joint : part.joints) {
+      for (int& body : joint)
+        if (body >= 0) body += first;
+      graph.joints.push_back(joint);
+    }
+  };
+  add(one, 1);
+  add(other, one.bodies + 2);
+  return graph;
+}
+
+// What eliminates without loops.
+std::vector<Graph> trees() {
+  Random random(1);
+  std::vector<Graph> all = {chain(1), chain(2), chain(9), star(3), star(17)};
+  for (const int bodies : {5, 12, 30}) all.push_back(tree(bodies, random));
+  all.push_back(with(chain(5), "hung at an end", {{-1, 0}}));
+  all.push_back(with(chain(5), "hung in the middle", {{2, -1}}));
+  all.push_back(apart(star(4), with(chain(4), "hung", {{3, -1}})));
+  return all;
+}
+
+std::vector<Graph> loops() {
+  Random random(2);
+  std::vector<Graph> all = {ring(3), ring(10)};
+  for (int side = 3; side <= 6; ++side) all.push_back(net(side));
+  all.push_back(with(net(4), "hung at corners", {{-1, 0}, {15, -1}}));
+  all.push_back(with(chain(6), "held at both ends", {{-1, 0}, {5, -1}}));
+  all.push_back(with(chain(4), "one joint doubled", {{2, 1}}));
+  all.push_back(with(chain(1), "held twice", {{-1, 0}, {0, -1}}));
+  all.push_back(with(ring(5), "with a branch", {{2, -1}}));
+  all.push_back(apart(ring(4), net(3)));
+  all.push_back(apart(tree(6, random), ring(3)));
+  for (int i = 0; i < 10; ++i) all.push_back(anyGraph(8 + i, 8 + 2 * i, random));
+  return all;
+}
+
+std::vector<int> sizes(const Graph& graph, int least, int most, Random& random) {
+  std::vector<int> all;
+  for (size_t c = 0; c < graph.joints.size(); ++c)
+    all.push_back(least + below(random, most - least + 1));
+  return all;
+}
+
+Eigen::MatrixXd numbers(int rows, int columns, double size, Random& random) {
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-size, size); });
+}
+
+// Rows that are nearly orthonormal: a chain of any length is then as well-conditioned as its joints.
+Eigen::MatrixXd rowsOfJoint(int rows, Random& random) {
+  const Eigen::MatrixXd Q =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(numbers(6, 6, 1, random)).householderQ();
+  return Q.topRows(rows) + numbers(rows, 6, 0.05, random);
+}
+
+// The same random blocks in Fronts and in a dense matrix, in which bodies come first.
+class Problem {
+ public:
+  Problem(Fronts& fronts, const Graph& graph, const std::vector<int>& joint_sizes, double softness,
+          Random& random)
+      : m_fronts(fronts), m_random(random) {
+    int n = 6 * graph.bodies;
+    for (const int size : joint_sizes) {
+      m_joint.push_back(n);
+      n += size;
+    }
+    A.setZero(n, n);
+    fronts.clear();
+    for (int i = 0; i < graph.bodies; ++i)
+      add(fronts.bodyBlock(i), 6 * i, 6 * i,
+          Eigen::MatrixXd::Identity(6, 6) + numbers(6, 6, 0.2, random));
+    for (int c = 0; c < int(joint_sizes.size()); ++c) addJoint(graph, c, joint_sizes, softness);
+    for (int i = 0; i < graph.bodies; ++i)
+      for (int k = 0; k < 6; ++k) m_place.push_back(fronts.body(i) + k);
+    for (size_t c = 0; c < joint_sizes.size(); ++c)
+      for (int k = 0; k < joint_sizes[c]; ++k) m_place.push_back(fronts.joint(int(c)) + k);
+  }
+
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const {
+    Eigen::VectorXd x(b.size()), sorted(b.size());
+    for (int i = 0; i < b.size(); ++i) x[m_place[size_t(i)]] = b[i];
+    m_fronts.solve(x.data());
+    for (int i = 0; i < b.size(); ++i) sorted[i] = x[m_place[size_t(i)]];
+    return sorted;
+  }
+
+  void compare(const std::string& name) const {
+    ASSERT_EQ(m_fronts.size(), A.rows()) << name;
+    ASSERT_TRUE(m_fronts.factorise()) << name;
+    const Eigen::PartialPivLU<Eigen::MatrixXd> dense(A);
+    // Twice: a solve leaves the factor as it is.
+    for (int i = 0; i < 2; ++i) {
+      const Eigen::VectorXd b = numbers(int(A.rows()), 1, 1, m_random), x = dense.solve(b);
+      ASSERT_LT((solve(b) - x).norm(), 1e-9 * x.norm()) << name;
+    }
+  }
+
+  Eigen::MatrixXd A;
+  int coupled = 0;  ///< joints of which both bodies meet
+
+ private:
+  void add(const Fronts::Block& to, int row, int column, const Eigen::MatrixXd& block) {
+    for (int i = 0; i < block.rows(); ++i)
+      for (int j = 0; j < block.cols(); ++j) to.at[i * to.stride + j] += block(i, j);
+    A.block(row, column, block.rows(), block.cols()) += block;
+  }
+
+  void addJoint(const Graph& graph, int c, const std::vector<int>& joint_sizes, double softness) {
+    const int size = joint_sizes[size_t(c)], at = m_joint[size_t(c)];
+    const Fronts::Joint& bodies = graph.joints[size_t(c)];
+    if (softness > 0)
+      add(m_fronts.jointBlock(c), at, at,
+          softness * (Eigen::MatrixXd::Identity(size, size) + numbers(size, size, 0.2, m_random)));
+    for (int side = 0; side < 2; ++side) {
+      const int body = bodies[size_t(side)];
+      if (body < 0) continue;
+      const Eigen::MatrixXd J = rowsOfJoint(size, m_random);
+      add(m_fronts.jointBodyBlock(c, side), at, 6 * body, J);
+      add(m_fronts.bodyJointBlock(c, side), 6 * body, at,
+          -J.transpose() + numbers(6, size, 0.05, m_random));
+      if (bodies[size_t(1 - side)] < 0 || !m_fronts.couplesBodies(c)) continue;
+      add(m_fronts.bodyBodyBlock(c, side), 6 * body, 6 * bodies[size_t(1 - side)],
+          numbers(6, 6, 0.1, m_random));
+      ++coupled;
+    }
+  }
+
+  Fronts& m_fronts;
+  Random& m_random;
+  std::vector<int> m_joint, m_place;
+};
+
+TEST(Fronts, SolvesTreesOfAnyJoints) {
+  Random random(3);
+  for (const Graph& graph : trees())
+    for (int n = 0; n < support::trials(20); ++n) {
+      Fronts fronts;
+      fronts.analyse(graph.bodies, graph.joints);
+      const auto joint_sizes = sizes(graph, 1, 6, random);
+      fronts.setSizes(joint_sizes);
+      const Problem problem(fronts, graph, joint_sizes, 0, random);
+      problem.compare(graph.name);
+      // In a tree the bodies of every joint meet.
+      int pairs = 0;
+      for (const Fronts::Joint& joint : graph.joints) pairs += joint[0] >= 0 && joint[1] >= 0;
+      EXPECT_EQ(problem.coupled, 2 * pairs) << graph.name;
+    }
+}
+
+// Few enough rows for the bodies: more would contradict each other.
+TEST(Fronts, SolvesLoopsOfRigidJoints) {
+  Random random(4);
+  for (const Graph& graph : loops())
+    for (int n = 0; n < support::trials(20); ++n) {
+      Fronts fronts;
+      fronts.analyse(graph.bodies, graph.joints);
+      const auto joint_sizes = sizes(graph, 1, 2, random);
+      fronts.setSizes(joint_sizes);
+      Problem(fronts, graph, joint_sizes, 0, random).compare(graph.name);
+    }
+}
+
+TEST(Fronts, SolvesLoopsOfAnySoftJoints) {
+  Random random(5);
+  for (const Graph& graph : loops())
+    for (int n = 0; n < support::trials(20); ++n) {
+      Fronts fronts;
+      fronts.analyse(graph.bodies, graph.joints);
+      const auto joint_sizes = sizes(graph, 1, 6, random);
+      fronts.setSizes(joint_sizes);
+      Problem(fronts, graph, joint_sizes, 0.5, random).compare(graph.name);
+    }
+}
+
+// So many joints for the bodies that fronts are eliminated in panels.
+TEST(Fronts, SolvesWhereAllAreCoupledToAll) {
+  Random random(6);
+  for (int n = 0; n < support::trials(20); ++n) {
+    const Graph graph = anyGraph(4 + n, 30 + n, random);
+    Fronts fronts;
+    fronts.analyse(graph.bodies, graph.joints);
+    const auto joint_sizes = sizes(graph, 1, 6, random);
+    fronts.setSizes(joint_sizes);
+    Problem(fronts, graph, joint_sizes, 0.5, random).compare(graph.name);
+  }
+}
+
+// Limits come and go from step to step: a joint may even have no rows.
+TEST(Fronts, SizesMayChangeWithoutAnalysis) {
+  Random random(7);
+  std::vector<Graph> all = loops();
+  for (const Graph& graph : trees()) all.push_back(graph);
+  for (const Graph& graph : all) {
+    Fronts fronts;
+    fronts.analyse(graph.bodies, graph.joints);
+    for (int n = 0; n < 6; ++n) {
+      const auto joint_sizes = sizes(graph, n % 2, 6, random);
+      fronts.setSizes(joint_sizes);
+      Problem(fronts, graph, joint_sizes, 0.5, random).compare(graph.name);
+    }
+    const std::vector<int> none(graph.joints.size(), 0);
+    fronts.setSizes(none);
+    Problem(fronts, graph, none, 0.5, random).compare(graph.name + ", no rows");
+  }
+}
+
+TEST(Fronts, MayBeUsedForOneGraphAfterTheOther) {
+  Random random(8);
+  Fronts fronts;
+  std::vector<Graph> all = loops();
+  for (const Graph& graph : trees()) all.push_back(graph);
+  std::swap(all.front(), all.back());
+  for (const Graph& graph : all) {
+    fronts.analyse(graph.bodies, graph.joints);
+    const auto joint_sizes = sizes(graph, 1, 6, random);
+    fronts.setSizes(joint_sizes);
+    Problem(fronts, graph, joint_sizes, 0.5, random).compare(graph.name);
+  }
+}
+
+// A joint of a tree is eliminated with one of its bodies, on the other one's diagonal: no place is shared. Twice what that takes
+// is for lists, which grow by doubling.
+TEST(Fronts, NumbersGrowWithTheJoints) {
+  const int rows = 3;
+  const auto bytes = [rows](const Graph& graph) {
+    Fronts fronts;
+    fronts.analyse(graph.bodies, graph.joints);
+    fronts.setSizes(std::vector<int>(graph.joints.size(), rows));
+    return double(fronts.bytes());
+  };
+  const double of_joint = sizeof(double) * (12 + rows) * (12 + rows),
+               of_loop = sizeof(double) * ((6 + 2 * rows) * (6 + 2 * rows) + 9 * rows * rows);
+  for (const int n : {10, 100, 1000, 4000}) {
+    EXPECT_LT(bytes(star(n)), 2 * of_joint * (n + 1)) << n;
+    EXPECT_LT(bytes(chain(n)), 2 * of_joint * n) << n;
+    EXPECT_LT(bytes(ring(n)), 2 * of_loop * n) << n;
+  }
+}
+
+// A joint that is left without a row of its own, and one whose row is no number.
+TEST(Fronts, SaysThatAMatrixIsSingular) {
+  Random random(9);
+  std::vector<Graph> all = loops();
+  for (const Graph& graph : trees()) all.push_back(graph);
+  for (const Graph& graph : all)
+    for (int c = 0; c < int(graph.joints.size()); ++c) {
+      Fronts fronts;
+      fronts.analyse(graph.bodies, graph.joints);
+      const auto joint_sizes = sizes(graph, 1, 2, random);
+      fronts.setSizes(joint_sizes);
+      for (const double value : {0., std::numeric_limits<double>::quiet_NaN(),
+                                 std::numeric_limits<double>::infinity()}) {
+        const Problem problem(fronts, graph, joint_sizes, 0, random);
+        for (int side = 0; side < 2; ++side) {
+          if (graph.joints[size_t(c)][size_t(side)] < 0) continue;
+          const Fronts::Block J = fronts.jointBodyBlock(c, side);
+          std::fill(J.at, J.at + 6, value);
+        }
+        EXPECT_FALSE(fronts.factorise()) << graph.name << ", joint " << c << ", " << value;
+      }
+    }
+}
+
+TEST(Fronts, SaysThatABodyWithoutMassIsSingular) {
+  Random random(10);
+  const Graph graph = apart(chain(1), chain(2));
+  for (int body = 0; body < graph.bodies; ++body) {
+    Fronts fronts;
+    fronts.analyse(graph.bodies, graph.joints);
+    fronts.setSizes({1});
+    const Problem problem(fronts, graph, {1}, 0, random);
+    const Fronts::Block H = fronts.bodyBlock(body);
+    for (int i = 0; i < 6; ++i) std::fill(H.at + i * H.stride, H.at + i * H.stride + 6, 0.);
+    EXPECT_FALSE(fronts.factorise()) << body;
+  }
+}
+
+}  // namespace exact_fronts_test

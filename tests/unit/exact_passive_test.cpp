@@ -1,0 +1,317 @@
+// Joints that cannot create energy: random chains of every joint, cables, heavy loads on light chains, bridges with crates.
+#include <pintle/body_pair.h>
+#include <pintle/joints/ball_joint.h>
+#include <pintle/joints/distance_joint.h>
+#include <pintle/joints/quaternion_hinge.h>
+#include <pintle/rows/row.h>
+#include <pintle/solver/passive_joint_solver.h>
+
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "joint_kinds.h"
+#include "physics_support.h"
+#include "support.h"
+
+namespace {
+
+using physics::rounding;
+using support::Random;
+using support::scalar;
+using support::vec;
+
+/// A world of boxes, with books of its energy. Bodies fall by 9.81 m/s^2 along -z.
+class Books {
+ public:
+  explicit Books(double hz)
+      : m_dt(1 / hz), m_world(&m_dispatcher, &m_broadphase, &solver, &m_configuration) {
+    m_world.setGravity(vec(0, 0, -9.81));
+    m_world.getSolverInfo().m_minimumSolverBatchSize = 1;
+  }
+  ~Books() {
+    for (const auto& joint : joints) m_world.removeConstraint(joint.get());
+    for (const auto& body : bodies) m_world.removeRigidBody(body.get());
+  }
+
+  /// Collides only if asked to. A mass of 0: static.
+  btRigidBody& add(double mass, const btVector3& half, const btTransform& pose,
+                   bool collides = false) {
+    m_shapes.push_back(std::make_unique<btBoxShape>(half));
+    btVector3 inertia(0, 0, 0);
+    if (mass > 0) m_shapes.back()->calculateLocalInertia(scalar(mass), inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(scalar(mass), nullptr, m_shapes.back().get(),
+                                                  inertia);
+    info.m_startWorldTransform = pose;
+    bodies.push_back(std::make_unique<btRigidBody>(info));
+    bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+    if (collides)
+      m_world.addRigidBody(bodies.back().get());
+    else
+      m_world.addRigidBody(bodies.back().get(), 0, 0);
+    return *bodies.back();
+  }
+  void join(std::unique_ptr<btTypedConstraint> joint) {
+    m_world.addConstraint(joint.get(), true);
+    joints.push_back(std::move(joint));
+  }
+
+  /// J, in the middle of the last step: there the velocity belongs to the pose.
+  double energy() const {
+    double sum = kinetic();
+    for (const auto& body : bodies)
+      if (body->getInvMass() > 0)
+        sum += 9.81 / double(body->getInvMass()) *
+               (double(body->getCenterOfMassPosition().z()) -
+                m_dt / 2 * double(body->getLinearVelocity().z()));
+    return sum;
+  }
+  double kinetic() const {
+    double sum = 0;
+    for (const auto& body : bodies) {
+      if (!(body->getInvMass() > 0)) continue;
+      sum += double(body->getLinearVelocity().length2()) / double(body->getInvMass()) / 2;
+      const btVector3 w =
+          body->getCenterOfMassTransform().getBasis().transpose() * body->getAngularVelocity();
+      for (int i = 0; i < 3; ++i)
+        if (const double inverse = double(body->getInvInertiaDiagLocal()[i]); inverse > 0)
+          sum += double(w[i] * w[i]) / inverse / 2;
+    }
+    return sum;
+  }
+
+  void begin() {
+    m_start = m_last = energy();
+    peak = kinetic();
+  }
+  void step() {
+    m_world.stepSimulation(scalar(m_dt), 0, scalar(m_dt));
+    const double now = energy();
+    gain = std::max(gain, now - m_start);
+    gains += std::max(0., now - m_last);
+    m_last = now;
+    peak = std::max(peak, kinetic());
+  }
+
+  pintle::PassiveJointSolver solver;
+  std::vector<std::unique_ptr<btRigidBody>> bodies;
+  std::vector<std::unique_ptr<btTypedConstraint>> joints;
+  double gain = 0;   ///< J: the most above the start
+  double gains = 0;  ///< J: the sum of all gains of a step
+  double peak = 0;   ///< J: the largest kinetic energy
+
+ private:
+  double m_dt, m_start = 0, m_last = 0;
+  btDefaultCollisionConfiguration m_configuration;
+  btCollisionDispatcher m_dispatcher{&m_configuration};
+  btDbvtBroadphase m_broadphase;
+  std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
+  btDiscreteDynamicsWorld m_world;
+};
+
+btTransform at(const btVector3& x, const btQuaternion& turn = btQuaternion::getIdentity()) {
+  return btTransform(turn, x);
+}
+
+/// m: the largest distance of the pivots of balls.
+double largestGap(const Books& books) {
+  double largest = 0;
+  for (const auto& constraint : books.joints) {
+    const auto& joint = static_cast<const pintle::BallJoint&>(*constraint);
+    const btVector3 d = joint.getRigidBodyA().getCenterOfMassTransform() * joint.getPivotInA() -
+                        joint.getRigidBodyB().getCenterOfMassTransform() * joint.getPivotInB();
+    largest = std::max(largest, double(d.length()));
+  }
+  return largest;
+}
+
+/// m or rad: the most that an equality of the joint is open.
+double largestError(const pintle::Joint& joint) {
+  pintle::RowMemory<pintle::max_joint_rows, pintle::max_joint_rows> memory;
+  pintle::Rows rows(memory);
+  joint.addRows(pintle::BodyPair(joint.getRigidBodyA(), joint.getRigidBodyB()), rows);
+  double largest = 0;
+  for (int i = 0; i < rows.equalities(); ++i)
+    largest = std::max(largest, std::abs(double(rows[i].position)));
+  return largest;
+}
+
+class PassiveChain : public testing::TestWithParam<kinds::Kind> {};
+
+TEST_P(PassiveChain, HoldsAndGainsNothing) {
+  constexpr int runs = 12;
+  double mean = 0;
+  for (int run = 0; run < runs; ++run) {
+    Random random(unsigned(run) + 1);
+    Books books(120);
+    btRigidBody* last = &books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+    const int links = 1 + run % 4;
+    for (int i = 0; i < links; ++i) {
+      const btTransform frame_a = at(i > 0 ? random.vector(0.3) : vec(0, 0, 0)),
+                        frame_b = at(random.vector(0.3), random.pose(1).getRotation());
+      const btTransform pose = last->getCenterOfMassTransform() * frame_a * frame_b.inverse();
+      const double mass = std::pow(10, random.uniform(-1, 1));
+      const btVector3 half =
+          vec(random.uniform(0.05, 0.25), random.uniform(0.05, 0.25), random.uniform(0.05, 0.25));
+      btRigidBody& body = books.add(mass, half, pose);
+      body.setLinearVelocity(random.vector(1));
+      body.setAngularVelocity(random.vector(3));
+      // Rods of tests have their far end at (2, 1, 1) in the frame (joint_kinds.cpp): here nearer.
+      btTransform end_b = frame_b;
+      if (GetParam().name.rfind("Distance", 0) == 0) {
+        end_b.setOrigin(end_b.getOrigin() - vec(2, 1, 1) + random.vector(0.3));
+      }
+      auto joint = GetParam().make(*last, body, frame_a, end_b, 0);
+      books.join(std::move(joint));
+      last = &body;
+    }
+    books.begin();
+    double worst = 0;
+    for (int i = 0; i < 3 * 120; ++i) {
+      books.step();
+      for (const auto& joint : books.joints)
+        worst = std::max(worst, largestError(static_cast<const pintle::Joint&>(*joint)));
+    }
+    EXPECT_LE(books.gain, 0.03 * books.peak) << GetParam() << ", run " << run;
+    ASSERT_TRUE(support::is_finite(*last)) << GetParam() << ", run " << run;
+    mean += worst / runs;
+  }
+  EXPECT_LE(mean, rounding(2e-5, 1e-6)) << GetParam();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PassiveChain, testing::ValuesIn(kinds::all()),
+                         [](const testing::TestParamInfo<kinds::Kind>& kind) {
+                           return kind.param.name;
+                         });
+
+/// Links of 0.5 m and 1 kg, held at both ends, let go from a V; one of them loaded.
+std::unique_ptr<Books> cable(int links, double slack, double hz, double load) {
+  auto books = std::make_unique<Books>(hz);
+  const double length = 0.5, all = links * length, span = all * (1 - slack),
+               depth = std::sqrt(all * all - span * span) / 2;
+  btRigidBody& post = books->add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+  btRigidBody* last = &post;
+  btVector3 end(0, 0, 0);
+  const auto join = [&](btRigidBody& a, btRigidBody& b) {
+    books->join(std::make_unique<pintle::BallJoint>(a, b,
+                                                    a.getCenterOfMassTransform().inverse() * end,
+                                                    b.getCenterOfMassTransform().inverse() * end));
+  };
+  for (int i = 0; i < links; ++i) {
+    const bool down = 2 * i < links;
+    const btVector3 along = vec(span / links, 0, (down ? -2 : 2) * depth / links);
+    const btQuaternion turn(btVector3(0, 1, 0),
+                            scalar(std::atan2(down ? 2 * depth : -2 * depth, span)));
+    const bool loaded = load > 0 && i == links / 2;
+    btRigidBody& link =
+        books->add(loaded ? load : 1, vec(length / 2, 0.05, 0.05), at(end + along / 2, turn));
+    join(*last, link);
+    last = &link;
+    end += along;
+  }
+  join(*last, post);
+  return books;
+}
+
+TEST(Passive, CablesGainNothing) {
+  struct Case {
+    int links;
+    double slack, hz, load;
+  };
+  for (const Case& of : {Case{10, 0.002, 60, 0}, Case{10, 0.02, 60, 0}, Case{10, 0.1, 60, 0},
+                         Case{10, 0.2, 60, 0}, Case{10, 0.02, 240, 0}, Case{30, 0.02, 120, 0},
+                         Case{20, 0.02, 120, 5}, Case{10, 0.02, 60, 1e4}}) {
+    const auto books = cable(of.links, of.slack, of.hz, of.load);
+    books->begin();
+    double gap = 0;
+    for (int i = 0; i < 10 * int(of.hz); ++i) {
+      books->step();
+      gap = std::max(gap, largestGap(*books));
+    }
+    EXPECT_LE(books->gain, rounding(0.02, 0.01) * books->peak)
+        << of.links << " links, slack " << of.slack;
+    EXPECT_LE(gap, rounding(2e-5, 1e-8)) << of.links << " links, slack " << of.slack;
+  }
+}
+
+TEST(Passive, HoldsAMillionTimesItsMass) {
+  for (const double ratio : {1., 1e2, 1e3, 1e6}) {
+    Books books(60);
+    btRigidBody* last = &books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+    for (int i = 0; i < 10; ++i) {
+      btRigidBody& link =
+          books.add(i == 9 ? ratio : 1, vec(0.25, 0.05, 0.05), at(vec(0.5 * i + 0.25, 0, 0)));
+      books.join(std::make_unique<pintle::BallJoint>(
+          *last, link, i > 0 ? vec(0.25, 0, 0) : vec(0, 0, 0), vec(-0.25, 0, 0)));
+      last = &link;
+    }
+    books.begin();
+    double gap = 0;
+    for (int i = 0; i < 300; ++i) {
+      books.step();
+      gap = std::max(gap, largestGap(books));
+    }
+    EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak) << ratio;
+    EXPECT_LE(gap, rounding(1e-3, 1e-8)) << ratio;
+    EXPECT_GT(books.peak, 20 * ratio) << "it has fallen";
+  }
+}
+
+/// 10 planks of 10 kg and 11 hinges in an arch, and a crate of 50 kg dropped on it.
+template <class Hinge>
+void expectCalmBridges(double most) {
+  Books books(60);
+  books.add(0, vec(200, 200, 1), at(vec(0, 0, -1)), true);
+  btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, -50)));
+  std::vector<btRigidBody*> crates;
+  constexpr int bridges = 4;
+  for (int n = 0; n < bridges; ++n) {
+    const btVector3 begin = vec(14 * n, 0, 5);
+    btVector3 end = begin;
+    btRigidBody* last = &post;
+    const auto join = [&](btRigidBody& a, btRigidBody& b) {
+      const btTransform frame(btMatrix3x3(1, 0, 0, 0, 0, -1, 0, 1, 0), end);  // about y
+      auto hinge = std::make_unique<Hinge>(a, b, a.getCenterOfMassTransform().inverse() * frame,
+                                           b.getCenterOfMassTransform().inverse() * frame);
+      hinge->setLimit(1, -1);
+      books.join(std::move(hinge));
+    };
+    for (int i = 0; i < 10; ++i) {
+      const double slope = (i + 0.5) / 10 - 0.5;
+      const btVector3 along = vec(std::cos(slope), 0, std::sin(slope));
+      btRigidBody& plank =
+          books.add(10, vec(0.5, 0.5, 0.05),
+                    at(end + along / 2, btQuaternion(btVector3(0, 1, 0), scalar(-slope))), true);
+      join(*last, plank);
+      last = &plank;
+      end += along;
+    }
+    join(*last, post);
+    crates.push_back(&books.add(50, vec(0.3, 0.3, 0.3),
+                                at((begin + end) / 2 + vec(0.2 * (n - 2), 0, 0.5)), true));
+  }
+  books.begin();
+  for (int i = 0; i < 360; ++i) books.step();
+  EXPECT_LE(books.gains, most * bridges);
+  for (const btRigidBody* crate : crates)
+    EXPECT_GT(crate->getCenterOfMassPosition().z(), 2) << "it is still on the bridge";
+  EXPECT_LE(books.kinetic(), 20 * bridges);
+}
+
+// Stock's joints on stock's solver gain 600 J a bridge.
+TEST(Passive, BridgesWithCratesGainNothing) { expectCalmBridges<pintle::QuaternionHinge>(10); }
+TEST(Passive, BridgesOfStockHingesGainLittle) { expectCalmBridges<btHingeConstraint>(30); }
+
+TEST(Passive, TheSameStepsGiveTheSameBits) {
+  const auto first = cable(10, 0.1, 60, 5), second = cable(10, 0.1, 60, 5);
+  for (int i = 0; i < 300; ++i) {
+    first->step();
+    second->step();
+  }
+  EXPECT_EQ(first->energy(), second->energy());
+}
+
+}  // namespace
