@@ -355,10 +355,10 @@ TEST(Fronts, SaysThatAMatrixIsSingular) {
     }
 }
 
-TEST(Fronts, SaysThatABodyWithoutMassIsSingular) {
+TEST(Fronts, SaysThatABodyWithoutMassAndJointsIsSingular) {
   Random random(10);
   const Graph graph = apart(chain(1), chain(2));
-  for (int body = 0; body < graph.bodies; ++body) {
+  for (const int body : {0, 1, 2, 5}) {
     Fronts fronts;
     fronts.analyse(graph.bodies, graph.joints);
     fronts.setSizes({1});

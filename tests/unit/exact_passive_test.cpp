@@ -10,6 +10,7 @@
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -304,6 +305,147 @@ void expectCalmBridges(double most) {
 // Stock's joints on stock's solver gain 600 J a bridge.
 TEST(Passive, BridgesWithCratesGainNothing) { expectCalmBridges<pintle::QuaternionHinge>(10); }
 TEST(Passive, BridgesOfStockHingesGainLittle) { expectCalmBridges<btHingeConstraint>(30); }
+
+/// Boxes of 1 m side by side, stock's fixed joints between neighbours, that break at `threshold`, N s.
+void addBlock(Books& books, const std::array<int, 3>& n, const btVector3& corner, double mass,
+              double threshold) {
+  std::vector<btRigidBody*> boxes;
+  const auto index = [&](int i, int j, int k) { return size_t((i * n[1] + j) * n[2] + k); };
+  for (int i = 0; i < n[0]; ++i)
+    for (int j = 0; j < n[1]; ++j)
+      for (int k = 0; k < n[2]; ++k)
+        boxes.push_back(&books.add(mass, vec(0.5, 0.5, 0.5),
+                                   at(corner + vec(i + 0.5, j + 0.5, k + 0.5)), true));
+  const auto join = [&](btRigidBody& a, btRigidBody& b, const btVector3& half) {
+    auto joint = std::make_unique<btFixedConstraint>(a, b, at(half), at(-half));
+    joint->setBreakingImpulseThreshold(scalar(threshold));
+    books.join(std::move(joint));
+  };
+  for (int i = 0; i < n[0]; ++i)
+    for (int j = 0; j < n[1]; ++j)
+      for (int k = 0; k < n[2]; ++k) {
+        btRigidBody& box = *boxes[index(i, j, k)];
+        if (i + 1 < n[0]) join(box, *boxes[index(i + 1, j, k)], vec(0.5, 0, 0));
+        if (j + 1 < n[1]) join(box, *boxes[index(i, j + 1, k)], vec(0, 0.5, 0));
+        if (k + 1 < n[2]) join(box, *boxes[index(i, j, k + 1)], vec(0, 0, 0.5));
+      }
+}
+
+TEST(Passive, ABlockOfFixedBoxesThatFallsGainsNothing) {
+  Books books(60);
+  books.add(0, vec(50, 50, 1), at(vec(0, 0, -1)), true);
+  addBlock(books, {2, 2, 2}, vec(0, 0, 4), 10, double(SIMD_INFINITY));
+  books.begin();
+  for (int i = 0; i < 300; ++i) books.step();
+  EXPECT_LE(books.gain, 0.01 * books.peak);
+  EXPECT_LE(books.kinetic(), 0.01 * books.peak);
+}
+
+TEST(Passive, AWallThatBreaksGainsNothing) {
+  Books books(60);
+  books.add(0, vec(50, 50, 1), at(vec(0, 0, -1)), true);
+  addBlock(books, {1, 4, 4}, vec(0, -2, 0), 2, 5);
+  btRigidBody& ball = books.add(20, vec(0.5, 0.5, 0.5), at(vec(-4, 0, 2)), true);
+  ball.setLinearVelocity(vec(15, 0, 0));
+  books.begin();
+  for (int i = 0; i < 180; ++i) books.step();
+  EXPECT_LE(books.gain, 0.01 * books.peak);
+  int broken = 0;
+  for (const auto& joint : books.joints) broken += !joint->isEnabled();
+  EXPECT_GT(broken, 5);
+}
+
+// 0.98 N s: a body of 6 kg at 60 Hz.
+TEST(Passive, AThresholdIsComparedWithTheLoad) {
+  for (const double part : {0.9, 1.1}) {
+    for (const double hz : {60., 240.}) {
+      Books books(hz);
+      btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+      btRigidBody& load = books.add(6, vec(0.1, 0.1, 0.1), at(vec(0, 0, -1)));
+      auto joint = std::make_unique<pintle::BallJoint>(post, load, vec(0, 0, 0), vec(0, 0, 1));
+      joint->setBreakingImpulseThreshold(scalar(part * 6 * 9.81 / hz));
+      books.join(std::move(joint));
+      for (int i = 0; i < int(hz); ++i) books.step();
+      EXPECT_EQ(books.joints[0]->isEnabled(), part > 1) << part << " of the load, " << hz << " Hz";
+    }
+  }
+}
+
+// A load on a bridge of 0.2 % slack hangs on a multiple of its weight. Joints hold at 1.1 times what the first one bears at rest.
+TEST(Passive, AThresholdOfATautBridgeIsThatOfRest) {
+  const auto books = cable(10, 0.002, 60, 5);
+  for (const auto& body : books->bodies) body->setDamping(scalar(0.5), scalar(0.5));
+  for (int i = 0; i < 1200; ++i) books->step();
+  btJointFeedback feedback;
+  books->joints[0]->setJointFeedback(&feedback);
+  books->step();
+  const btVector3 force = feedback.m_appliedForceBodyB.absolute();
+  const double rest = double(force[force.maxAxis()]) / 60;
+  EXPECT_GT(rest, 5 * 9.81 / 60) << "a taut bridge bears more than its load";
+  for (const auto& joint : books->joints) joint->setBreakingImpulseThreshold(scalar(1.1 * rest));
+  for (int i = 0; i < 120; ++i) books->step();
+  for (const auto& joint : books->joints) EXPECT_TRUE(joint->isEnabled());
+  books->joints[0]->setJointFeedback(nullptr);
+}
+
+TEST(Passive, LittleSoftnessIsAsNone) {
+  double gap[2];
+  for (const bool soft : {false, true}) {
+    Books books(60);
+    btRigidBody* last = &books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+    for (int i = 0; i < 10; ++i) {
+      btRigidBody& link =
+          books.add(i == 9 ? 100 : 1, vec(0.25, 0.05, 0.05), at(vec(0.5 * i + 0.25, 0, 0)));
+      auto ball = std::make_unique<pintle::BallJoint>(
+          *last, link, i > 0 ? vec(0.25, 0, 0) : vec(0, 0, 0), vec(-0.25, 0, 0));
+      if (soft) ball->setParam(BT_CONSTRAINT_CFM, scalar(1e-9));
+      books.join(std::move(ball));
+      last = &link;
+    }
+    books.begin();
+    double largest = 0;
+    for (int i = 0; i < 300; ++i) {
+      books.step();
+      largest = std::max(largest, largestGap(books));
+    }
+    gap[soft] = largest;
+    EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak);
+  }
+  EXPECT_LE(gap[1], gap[0] + 1e-5);
+}
+
+// By 0.5 m a frame, as a mouse does: stock's lags by 2 m.
+TEST(Passive, ABodyThatIsDraggedFollows) {
+  Books books(60);
+  btRigidBody& body = books.add(1, vec(0.3, 0.3, 0.3), at(vec(0, 0, 0)));
+  auto ball = std::make_unique<pintle::BallJoint>(body, vec(0, 0, 0));
+  pintle::BallJoint& drag = *ball;
+  books.join(std::move(ball));
+  double lag = 0, spin = 0;
+  for (int i = 0; i < 120; ++i) {
+    const btVector3 to = vec(3 * std::cos(i * 0.5 / 3) - 3, 3 * std::sin(i * 0.5 / 3), 0);
+    drag.setPivotB(to);
+    books.step();
+    lag = std::max(lag, double((body.getCenterOfMassPosition() - to).length()));
+    spin = std::max(spin, double(body.getAngularVelocity().length()));
+  }
+  EXPECT_LE(lag, 2.05);
+  EXPECT_LE(spin, rounding(1e-3, 1e-9));
+}
+
+TEST(Passive, ABodyThatOnlyTurnsIsHeld) {
+  Books books(60);
+  btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+  btRigidBody& wheel = books.add(1, vec(0.3, 0.3, 0.1), at(vec(0, 0, 0)));
+  wheel.setLinearFactor(vec(0, 0, 0));
+  books.join(std::make_unique<pintle::QuaternionHinge>(post, wheel, vec(0, 0, 0), vec(0, 0, 0),
+                                                       vec(0, 0, 1), vec(0, 0, 1)));
+  wheel.setAngularVelocity(vec(2, 1, 10));
+  for (int i = 0; i < 300; ++i) books.step();
+  EXPECT_NEAR(double(wheel.getCenterOfMassTransform().getBasis().getColumn(2).z()), 1,
+              rounding(1e-5, 1e-12));
+  EXPECT_NEAR(double(wheel.getAngularVelocity().z()), 10, rounding(1e-3, 1e-6));
+}
 
 TEST(Passive, TheSameStepsGiveTheSameBits) {
   const auto first = cable(10, 0.1, 60, 5), second = cable(10, 0.1, 60, 5);

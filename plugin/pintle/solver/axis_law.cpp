@@ -48,7 +48,10 @@ LawPiece AxisLaw::meet(double free, double K) const {
   // Between the corners: the impulse is level + slope * u.
   double slope = 0, level = 0;
   const double left = k > 0 ? corner[k - 1] : -infinity, right = k < corners ? corner[k] : infinity;
-  const double inside = k == 0 ? right - 1 : k == corners ? left + 1 : (left + right) / 2;
+  const double inside = corners == 0   ? free
+                        : k == 0       ? right - 1
+                        : k == corners ? left + 1
+                                       : (left + right) / 2;
   for (int i = 0; i < m_parts; ++i) {
     const LawPart& part = m_part[i];
     const double at = part.at(inside);
@@ -65,18 +68,22 @@ LawPiece AxisLaw::meet(double free, double K) const {
 
 void AxisLaw::split(double u, double impulse, double (&of)[max_parts]) const {
   double rest = impulse;
+  bool open[max_parts];  // on its vertical piece: its impulse is not given by u
   for (int i = 0; i < m_parts; ++i) {
     const LawPart& part = m_part[i];
-    const bool open = !(part.softness > 0) && std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u));
-    of[i] = open ? std::clamp(0., part.lower, part.upper) : part.at(u);
+    open[i] = !(part.softness > 0) && std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u));
+    of[i] = open[i] ? std::clamp(0., part.lower, part.upper) : part.at(u);
     rest -= of[i];
   }
-  for (int i = 0; i < m_parts && rest != 0; ++i) {
-    const LawPart& part = m_part[i];
-    const double before = of[i];
-    of[i] = std::clamp(before + rest, part.lower, part.upper);
-    rest -= of[i] - before;
-  }
+  // Those take what is left; the others what is rounded.
+  for (const bool to_open : {true, false})
+    for (int i = 0; i < m_parts && rest != 0; ++i) {
+      if (open[i] != to_open) continue;
+      const LawPart& part = m_part[i];
+      const double before = of[i];
+      of[i] = std::clamp(before + rest, part.lower, part.upper);
+      rest -= of[i] - before;
+    }
 }
 
 }  // namespace PINTLE_PRECISION

@@ -13,6 +13,7 @@ inline namespace PINTLE_PRECISION {
 struct LawPart {
   double target, softness, lower, upper;
   bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
+  int role = 0;         ///< which part of an axis it is (Axis::Part)
 
   double at(double u) const {
     if (softness > 0) return std::fmin(std::fmax((target - u) / softness, lower), upper);

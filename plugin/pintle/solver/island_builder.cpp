@@ -182,7 +182,7 @@ void IslandBuilder::addOurs(Joint& joint, IslandJoint& to) {
     state.incoming = 0;
     state.row = {-1, -1, -1};
     double K_beside = -1;
-    const auto addPart = [&](const AxisPart& part) {
+    const auto addPart = [&](const AxisPart& part, Axis::Part role) {
       if (!part.on) return;
       double softness = double(part.row.cfm);
       if (softness > 0) {
@@ -190,17 +190,17 @@ void IslandBuilder::addOurs(Joint& joint, IslandJoint& to) {
         softness *= K_beside;
       }
       row.law.add({double(part.row.target), softness, bounded(part.row.lower),
-                   bounded(part.row.upper), true});
+                   bounded(part.row.upper), true, role});
     };
-    if (axis.max_friction > 0) addPart(frictionPart(axis, motion));
-    if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion));
+    if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction);
+    if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion), Axis::motor);
     if (axis.drive == Axis::Drive::rate) row.has_position = false;
     if (from.limit && axis.limited()) {
       const double q = double(from.position), low = double(axis.low), high = double(axis.high);
       if (axis.hasLimitSpring() || motion.limit_cfm > 0) {
-        addPart(limitPart(axis, motion, state.incoming));
+        addPart(limitPart(axis, motion, state.incoming), Axis::limit);
       } else if (axis.locked()) {
-        row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded});
+        row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded, false, Axis::limit});
         row.open = double(motion.limit_erp) * (q - low);
       } else {
         const double rebound = double(limitPart(axis, motion, state.incoming).row.target);
@@ -216,8 +216,9 @@ void IslandBuilder::addOurs(Joint& joint, IslandJoint& to) {
             down =
                 std::fmin(0, std::fmax(rebound, -double(axis.bias * axis.relaxation) * velocity));
         }
-        row.law.add({up, 0, 0, AxisLaw::unbounded});
-        if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0});
+        row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
+        if (high < double(infinity))
+          row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
         row.open = double(motion.limit_erp) * (q < low ? q - low : q > high ? q - high : 0);
       }
     }

@@ -5,6 +5,7 @@
 #include <pintle/solver/geometric_derivative.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/joint_access.h>
+#include <pintle/solver/joint_report.h>
 #include <pintle/solver/pose_correction.h>
 
 #include <Eigen/Geometry>
@@ -24,6 +25,7 @@ struct Memory {
   std::vector<double> lambda;  ///< of the last step, of each row; of `rows` of each joint
   std::vector<int> rows;
   EnergyLedger ledger;
+  double work_done = 0;  ///< J: by its joints, in this step
   unsigned last_use = 0;
 };
 
@@ -46,8 +48,13 @@ struct PassiveJointSolver::State {
   void findStiffness(const Component& component, Memory& kept);
   void begin(const Component& component, Memory& kept);
   void solve(const Component& component);
-  void finish(const Component& component, Memory& kept, double work_done);
-  void solveAmongContacts(std::vector<ContactRow>& rows);
+  void finish(const Component& component, Memory& kept);
+  bool isTouched(const Component& component) const;
+  Memory& memoryOf(const Component& component) {
+    return *memory[island.joints[size_t(component.first_joint)].constraint];
+  }
+  void solveAmongContacts();
+  void solveAll();
 };
 
 // The symbolic analysis of these joints: the known one, or a new one.
@@ -134,7 +141,7 @@ void PassiveJointSolver::State::begin(const Component& component, Memory& kept) 
 }
 
 void PassiveJointSolver::State::solve(const Component& component) {
-  Memory& kept = remember(component);
+  Memory& kept = memoryOf(component);
   Workspace& work = kept.work;
   work.external.clear();
   const auto begin = [&] { this->begin(component, kept); };
@@ -164,15 +171,13 @@ void PassiveJointSolver::State::solve(const Component& component) {
     }
     return held == dt;
   };
-  EnergyLedger& ledger = kept.ledger;
-  ledger.begin(kineticEnergyOfStart(island, component), island.dt);
   begin();
   findStiffness(component, kept);
   double work_done = 0;
   bool solved = false;
   if (attempt(Tier::start, island.dt)) {
     work_done = workOfJoints(island, component, work.now);
-    solved = ledger.mayGive(work_done, options.ledger_share);
+    solved = kept.ledger.mayGive(work_done, options.ledger_share);
   }
   if (!solved) {
     ++report.second_tier;
@@ -183,57 +188,84 @@ void PassiveJointSolver::State::solve(const Component& component) {
     }
     work_done = workOfJoints(island, component, work.now);
   }
-  finish(component, kept, work_done);
+  kept.work_done = work_done;
 }
 
-void PassiveJointSolver::State::finish(const Component& component, Memory& kept, double work_done) {
+void PassiveJointSolver::State::finish(const Component& component, Memory& kept) {
   Workspace& work = kept.work;
-  if (!std::isfinite(work_done)) {  // overflow: nothing acts in this step
+  double sum = 0;
+  for (const BodyAtEnd& body : work.now.bodies) sum += body.v.sum();
+  if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
     begin(component, kept);
     work.now.lambda.assign(work.now.lambda.size(), 0.);
     kept.rows.clear();
     return;
   }
-  kept.ledger.book(work_done, options.ledger_share);
+  kept.ledger.book(kept.work_done, options.ledger_share);
   kept.lambda = work.now.lambda;
   kept.rows = work.sizes;
+  pintle::report(island, component, work.now);
   correctPoses(island, component, options, work, kept.fronts, pose_changes);
 }
 
 // Contacts take energy, and so does the discrete gradient: it alone acts among them.
-void PassiveJointSolver::State::solveAmongContacts(std::vector<ContactRow>& rows) {
-  std::vector<char> touched(island.bodies.size(), false);
-  for (const ContactRow& row : rows)
-    for (const int body : row.body)
-      if (body >= 0) touched[size_t(body)] = true;
+void PassiveJointSolver::State::solveAmongContacts() {
+  std::vector<ContactRow>& rows = contacts;
   std::vector<ContactPart> parts;
   std::vector<Memory*> memories;
   for (const Component& component : components) {
-    const auto first = touched.begin() + component.first_body;
-    if (std::find(first, first + component.bodies, true) == first + component.bodies) {
-      solve(component);
-      continue;
-    }
-    Memory& kept = remember(component);
+    if (!isTouched(component)) continue;
+    Memory& kept = memoryOf(component);
     begin(component, kept);
-    kept.ledger.begin(kineticEnergyOfStart(island, component), island.dt);
     parts.push_back({&component, &kept.fronts, &kept.work});
     memories.push_back(&kept);
   }
-  velocities.clear();
-  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+  for (size_t i = 0; i < island.bodies.size(); ++i) velocities[i] = island.bodies[i].v_free;
   const ContactReport done = pintle::solveAmongContacts(island, parts, rows, options, velocities);
   report.newton_steps += done.steps * int(parts.size());
   report.factors += done.factors;
   report.second_tier += int(parts.size());
   report.not_converged += done.converged ? 0 : int(parts.size());
   report.error = std::max(report.error, done.error);
-  for (size_t p = 0; p < parts.size(); ++p) {
-    const Component& component = *parts[p].component;
-    bool finite = true;
-    for (const BodyAtEnd& body : memories[p]->work.now.bodies)
-      finite = finite && std::isfinite(body.v.sum());
-    finish(component, *memories[p], finite ? 0 : double(infinity) * 0);
+  for (Memory* const kept : memories) kept->work_done = 0;
+}
+
+bool PassiveJointSolver::State::isTouched(const Component& component) const {
+  const auto isOf = [&](int body) {
+    return body >= component.first_body && body < component.first_body + component.bodies;
+  };
+  return std::any_of(contacts.begin(), contacts.end(),
+                     [&](const ContactRow& row) { return isOf(row.body[0]) || isOf(row.body[1]); });
+}
+
+// A joint breaks at what it bears when all else is solved, and the step is then solved without it.
+void PassiveJointSolver::State::solveAll() {
+  velocities.clear();
+  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+  std::vector<char> touched;
+  for (const Component& component : components) {
+    touched.push_back(isTouched(component));
+    Memory& kept = remember(component);
+    kept.ledger.begin(kineticEnergyOfStart(island, component), island.dt);
+  }
+  const auto breaks = [&](size_t c) {
+    return breakOverloaded(island, components[c], memoryOf(components[c]).work.now);
+  };
+  for (size_t c = 0; c < components.size(); ++c) {
+    if (touched[c]) continue;
+    do solve(components[c]);
+    while (breaks(c));
+  }
+  for (bool again = !contacts.empty(); again;) {
+    solveAmongContacts();
+    again = false;
+    for (size_t c = 0; c < components.size(); ++c) again = (touched[c] && breaks(c)) || again;
+  }
+  for (const Component& component : components) {
+    Memory& kept = memoryOf(component);
+    finish(component, kept);
+    for (int i = 0; i < component.bodies; ++i)
+      velocities[size_t(component.first_body + i)] = kept.work.now.bodies[size_t(i)].v;
   }
 }
 
@@ -315,18 +347,7 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
   addContacts(m_tmpSolverContactRollingFrictionConstraintPool, &m_tmpSolverContactConstraintPool);
   state.pose_changes.assign(state.island.bodies.size(), PoseChange::Zero());
   state.report.components += int(state.components.size());
-  if (state.contacts.empty()) {
-    state.velocities.resize(state.island.bodies.size());
-    for (const Component& component : state.components) state.solve(component);
-  } else {
-    state.solveAmongContacts(state.contacts);
-  }
-  for (const Component& component : state.components) {
-    const Memory& kept =
-        *state.memory[state.island.joints[size_t(component.first_joint)].constraint];
-    for (int i = 0; i < component.bodies; ++i)
-      state.velocities[size_t(component.first_body + i)] = kept.work.now.bodies[size_t(i)].v;
-  }
+  state.solveAll();
   for (size_t i = 0; i < state.island.bodies.size(); ++i) {
     const IslandBody& body = state.island.bodies[i];
     btSolverBody& to = m_tmpSolverBodyPool[body.solver_body];

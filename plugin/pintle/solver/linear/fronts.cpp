@@ -74,11 +74,12 @@ class MinimumDegree {
 
   std::vector<int> reach(int node) {
     std::vector<int> found;
-    m_mark[size_t(node)] = node;
+    ++m_search;  // a node may be asked for more than once
+    m_mark[size_t(node)] = m_search;
     for (const int clique : m_cliques_of[size_t(node)])
       for (const int i : m_cliques[size_t(clique)]) {
-        if (m_gone[size_t(i)] || m_mark[size_t(i)] == node) continue;
-        m_mark[size_t(i)] = node;
+        if (m_gone[size_t(i)] || m_mark[size_t(i)] == m_search) continue;
+        m_mark[size_t(i)] = m_search;
         found.push_back(i);
       }
     return found;
@@ -87,7 +88,8 @@ class MinimumDegree {
   std::vector<std::vector<int>> m_cliques, m_cliques_of;
   std::vector<int> m_degree;
   std::vector<char> m_gone;
-  std::vector<int> m_mark;
+  std::vector<int> m_mark;  ///< the last search that has found each
+  int m_search = -1;
 };
 
 }  // namespace
