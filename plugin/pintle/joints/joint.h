@@ -185,9 +185,9 @@ class Joint : public btTypedConstraint {
   /// gains energy.
   Scalar lastingTime() const {
     const Scalar w = m_angular_speed;
-    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return curvedTime();
+    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return m_curved_time;
     const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
-    return curvedTime() * (next * next);
+    return m_curved_time * (next * next);
   }
   StepMotion motion(const BodyPair& pair) const;
 
@@ -233,7 +233,9 @@ class Joint : public btTypedConstraint {
   Scalar relaxation() const;
   void aim(Step& step, const BodyPair& pair);
   Scalar compareWithLast(const Step& step, const BodyPair& pair);
-  void limitClosing(Step& step);
+  void correct(const Step& step);
+  void limitClosing(const Step& step, Scalar gap2, Scalar other2);
+  bool isPutApart(const Step& step, Scalar last_gap, Scalar max_speed) const;
   void liftThresholds();
   void breakIfOverloaded(btSolverBody& a, btSolverBody& b);
   void relax(Scalar factor);

@@ -149,7 +149,6 @@ void lengthen(btSolverConstraint& row, Scalar times) {
 }  // namespace
 
 void Joint::beginPasses(const btConstraintInfo2& info) {
-  m_solver_rows = solverRows(info);
   const int own = getOverrideNumSolverIterations();
   const int passes = own > 0 ? own : info.m_numIterations;
   // Bullet shows none beyond its own number; so many are enough for any joint.
