@@ -15,11 +15,12 @@ struct StepMotion {
   /// All joints are solved at once: each keeps the angular momentum of its bodies, whatever holds these.
   bool solved_at_once;
 
-  /// The part of a gap that is in the lever of body a (3.1.3, conditioned). With all of it two bodies that move freely are held at one point, and angular momentum is conserved at any gap. But Bullet
-  /// turns no body by more than pi/4 in a step, whatever its velocity: such ones come apart in every step, and would swing
-  /// about each other for seconds. Held at two points they are braked: by degrees, beyond a tenth of a radian. Against a
-  /// body that cannot move nothing is to be conserved: there the lever takes what its own turn puts the pivot off
-  /// by, as a pendulum's does, but not the gap of a pull, which would turn the body.
+  /// The part of a gap that is in the lever of body a (3.1.3, conditioned). With all of it two bodies that move freely are
+  /// held at one point, and angular momentum is conserved at any gap. But Bullet turns no body by more than pi/4 in a step,
+  /// whatever its velocity: such ones come apart in every step, and would swing about each other for seconds. Held at two
+  /// points they are braked: by degrees, beyond a tenth of a radian. Against a body that cannot move nothing is to be
+  /// conserved: there the lever takes what its own turn puts the pivot off by, as a pendulum's does, but not the gap of a
+  /// pull, which would turn the body.
   Scalar gapInLever(const Vec3& lever, const Vec3& gap) const {
     if (!isFree(pair.a())) return 0;
     constexpr Scalar from = Scalar(0.1), to = SIMD_PI / 4;
