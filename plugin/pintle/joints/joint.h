@@ -263,6 +263,9 @@ class Joint : public btTypedConstraint {
   Scalar m_curved_time = 0;  ///< s, of this step
   Scalar m_max_correction_speed = 8;
   Scalar m_max_linear_correction_speed = 1;
+  /// m/s or rad/s: by how much the last look ahead of this step found the equalities to bend otherwise than foreseen, in
+  /// all; infinity before the first one.
+  Scalar m_look_change = 0;
   /// N s or N m s, after the last pass over the rows of a joint that may break.
   Scalar m_last_load = 0;
   Scalar m_gap = -1;  ///< m, at the start of the last step; < 0: there was none
