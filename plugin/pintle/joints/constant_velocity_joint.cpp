@@ -21,13 +21,15 @@ btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 }  // namespace
 
-// The joint frames in the world, and the shaft angle as it has become at them.
+// The joint frames in the world, and the shaft angle at them.
 struct ConstantVelocityJoint::Observation {
   Frame a, b;
   Vec3 d;  ///< from the pivot of a to that of b
   Vec3 x_a = a.a(), x_b = b.a();
-  UnwrappedAngle shaft = {};
+  equations::AngleAbout<Scalar> shaft = equations::shaft_angle(x_a, a.b(), x_b);
 
+  // Straight on there is none: the last one stands.
+  bool hasShaftAngle() const { return shaft.x * shaft.x + shaft.y * shaft.y > Scalar(1e-6); }
   // Of b against a, F the axes of a.
   Quaternion<Scalar> turn(const Mat3& F) const {
     return equations::quaternion(Mat3(F.transpose() * b.axes()));
@@ -82,20 +84,23 @@ Axis ConstantVelocityJoint::freeBend() {
 inline ConstantVelocityJoint::Observation ConstantVelocityJoint::observe(
     const PosePair& poses) const {
   const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
-  Observation seen{a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
-  seen.shaft = m_shaft_angle;
-  const auto to = equations::shaft_angle(seen.x_a, a.b(), seen.x_b);
-  if (!(to.x * to.x + to.y * to.y > Scalar(1e-6))) return seen;
-  const Scalar dt = timeStep();
-  if (turnIsNearest(m_rbA, m_rbB, dt, angularSpeed()))
-    seen.shaft.update(to.x, to.y);
-  else
-    seen.shaft.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
-  return seen;
+  return {a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
+}
+
+inline UnwrappedAngle ConstantVelocityJoint::shaftAngle(const Observation& seen) const {
+  UnwrappedAngle angle = m_shaft_angle;
+  if (seen.hasShaftAngle()) angle.update(seen.shaft.x, seen.shaft.y);
+  return angle;
 }
 
 inline void ConstantVelocityJoint::remember(const Observation& seen, bool) {
-  m_shaft_angle = seen.shaft;
+  if (!seen.hasShaftAngle()) return;
+  const auto& to = seen.shaft;
+  const Scalar dt = timeStep();
+  if (turnIsNearest(m_rbA, m_rbB, dt, angularSpeed()))
+    m_shaft_angle.update(to.x, to.y);
+  else
+    m_shaft_angle.update(to.x, to.y, to.J_b().dot(turnOfStep(m_rbA, m_rbB, dt)));
 }
 
 void ConstantVelocityJoint::framesChanged() {
@@ -115,7 +120,7 @@ btScalar ConstantVelocityJoint::getTwist() const {
 }
 
 btScalar ConstantVelocityJoint::getShaftAngle() const {
-  return observe(BodyPair(m_rbA, m_rbB)).shaft.value();
+  return shaftAngle(observe(BodyPair(m_rbA, m_rbB))).value();
 }
 
 // --- settings ------------------------------------------------------------------------------------
@@ -227,10 +232,8 @@ inline void ConstantVelocityJoint::constrain(const Observation& seen, Rows& rows
       rows.addAngularAxis(0, bend.J_b, bend.C, m_bend, limit).max_speed =
           getMaxCorrectionSpeed() * apart / length2;
   }
-  if (m_shaft.driven()) {
-    const auto to = equations::shaft_angle(seen.x_a, seen.a.b(), seen.x_b);
-    if (to.length > minMotorSine()) rows.addAngularAxis(1, to.J_b(), seen.shaft.value(), m_shaft, false);
-  }
+  if (m_shaft.driven() && seen.shaft.length > minMotorSine())
+    rows.addAngularAxis(1, seen.shaft.J_b(), shaftAngle(seen).value(), m_shaft, false);
 }
 
 template class ObservedJoint<ConstantVelocityJoint, FrameJoint>;

@@ -98,6 +98,7 @@ class ConstantVelocityJoint : public ObservedJoint<ConstantVelocityJoint, FrameJ
   friend ObservedJoint;
   struct Observation;
   Observation observe(const PosePair& poses) const;
+  UnwrappedAngle shaftAngle(const Observation& seen) const;
   void remember(const Observation& seen, bool);
   void constrain(const Observation& seen, Rows& rows) const;
   bool bendMayReachLimit(const Observation& seen, Scalar cosine, const Rows& rows) const;

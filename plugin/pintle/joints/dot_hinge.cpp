@@ -26,7 +26,7 @@ inline void DotHinge::constrain(const Observation& seen, Rows& rows) const {
   addPivotRows(seen.anchors(), rows);
   if (!m_axis.driven() && !m_axis.limited()) return;
   const auto swing = equations::swing(c_a, c_b);
-  addAxisRow(acting(seen.twist, swing, rows), swing, rows);
+  addAxisRow(acting(seen, swing, rows), swing, rows);
 }
 
 template class ObservedJoint<DotHinge, HingeBase>;

@@ -95,7 +95,7 @@ void HingeBase::setAxis(const btVector3& axisInA) {
 // --- angle ---------------------------------------------------------------------------------------
 
 void HingeBase::testLimit(const btTransform& transA, const btTransform& transB) {
-  m_tested = observe({transA, transB}).twist;
+  m_tested = followed(m_twist, observe({transA, transB}).twist);
 }
 
 btScalar HingeBase::getLimitSign() {

@@ -149,7 +149,7 @@ class HingeBase : public FrameJoint {
   struct Observation;
   Observation observe(const PosePair& poses) const;
   void remember(const Observation& seen, bool in_step);
-  Acting acting(const UnwrappedAngle& twist, const equations::Swing<Scalar>& swing,
+  Acting acting(const Observation& seen, const equations::Swing<Scalar>& swing,
                 const Rows& rows) const;
   void addAxisRow(const Acting& acting, const equations::Swing<Scalar>& swing, Rows& rows) const;
 

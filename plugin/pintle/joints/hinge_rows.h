@@ -15,13 +15,13 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// The joint frames in the world, and the twist as it has become at them.
+/// The joint frames in the world, and the twist at them.
 struct HingeBase::Observation {
   Frame a, b;
   Vec3 d;  ///< from the pivot of a to that of b
   Vec3 c_a = a.c(), c_b = b.c();
   Lanes a_b = a.components(b.a()), b_b = a.components(b.b());
-  UnwrappedAngle twist = {};
+  equations::Twist<Scalar> twist = equations::twist<Scalar>(a_b[0], b_b[1], a_b[1], b_b[0]);
 
   equations::Anchors<Scalar> anchors() const { return {a.r(), b.r(), d}; }
   Scalar sum() const { return d.sum() + c_b.sum() + (a_b + b_b).head<3>().sum(); }
@@ -29,24 +29,21 @@ struct HingeBase::Observation {
 
 inline HingeBase::Observation HingeBase::observe(const PosePair& poses) const {
   const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
-  Observation seen{a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
-  seen.twist = m_twist;
-  const auto twist =
-      equations::twist<Scalar>(seen.a_b[0], seen.b_b[1], seen.a_b[1], seen.b_b[0]);
-  followTwist(seen.twist, twist, seen.c_a + seen.c_b, m_rbA, m_rbB, timeStep(), angularSpeed());
-  return seen;
+  return {a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
 }
 
 inline void HingeBase::remember(const Observation& seen, bool in_step) {
-  m_twist = seen.twist;
+  followStep(m_twist, seen.twist, seen.c_a, seen.c_b, m_rbA, m_rbB, timeStep(), angularSpeed());
   if (in_step) m_tested = m_twist;
 }
 
-inline Acting HingeBase::acting(const UnwrappedAngle& twist,
-                                const equations::Swing<Scalar>& swing, const Rows& rows) const {
+inline Acting HingeBase::acting(const Observation& seen, const equations::Swing<Scalar>& swing,
+                                const Rows& rows) const {
   // With c_a and c_b all but opposite the axis has no angle.
   if (!(swing.h_scale < Scalar(20))) return {};
-  return actingAngle(m_axis, twist, swing.h, m_sign, [&] { return rows.turn(); });
+  return actingAngle(
+      m_axis, [&] { return followed(m_twist, seen.twist); }, swing.h, m_sign,
+      [&] { return rows.turn(); });
 }
 
 inline void HingeBase::addAxisRow(const Acting& acting, const equations::Swing<Scalar>& swing,

@@ -112,7 +112,6 @@ struct Joint::Step {
   bool rigid;                                ///< no equality is soft
   Scalar curved_time;   ///< s: with the curvature, what it adds to a mean velocity
   Scalar foreseen = 1;  ///< the part of that that equalities reckon with
-  Scalar closing = 1;   ///< the part of the correction that rows without a largest speed take
 
   Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
       : fps(info.fps), curved_time(joint.m_curved_time) {
@@ -148,14 +147,10 @@ struct Joint::Step {
 
   // The velocity that takes away the part erp of C (2.3).
   Scalar correction(const Row& row) const {
-    const Scalar away = -rate[row.group] * (closes(row) ? closing : Scalar(1)) * row.position;
+    const Scalar away = -rate[row.group] * row.position;
     const Scalar speed = btFabs(away) > min_speed ? away : Scalar(0);
     return btMax(-row.max_speed, btMin(speed, row.max_speed));
   }
-
-  // J v says how C moves to first order; Bullet then turns the bodies by more than that, and the curvature is what
-  // it adds in a step: with it a turning joint does not drift.
-  Scalar target(const Row& row) const { return correction(row) - foreseen * gain(row); }
 };
 
 Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows)
@@ -233,16 +228,20 @@ StepMotion Joint::motion(const BodyPair& pair) const {
   return {pair, m_time_step, angularSpeed() * m_time_step, curvedPart(), m_solved_at_once};
 }
 
-// A joint that starts apart closes at less than its gap asks for, and at no more than the largest speed. (An error of
-// orientation has a largest speed in any step: Row::max_speed.) Between bodies that move, a gap that no velocity
-// explains is a start, too: one of them has been put elsewhere, or the joint back into the world.
-void Joint::limitClosing(Step& step) {
+// Gives each equality the velocity that takes its error away.
+inline void Joint::correct(const Step& step) {
   Scalar gap2 = 0, other2 = 0;
-  const int n = m_rows.equalities();
-  for (int i = 0; i < n; ++i) {
-    const Row& row = m_rows[i];
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    Row& row = m_rows[i];
+    row.target = step.correction(row);
     (step.closes(row) ? gap2 : other2) += row.position * row.position;
   }
+  if (!m_solved_at_once) limitClosing(step, gap2, other2);
+}
+
+// A joint that starts apart closes at less than its gap asks for, and at no more than the largest speed. (An error of
+// orientation has a largest speed in any step: Row::max_speed.)
+inline void Joint::limitClosing(const Step& step, Scalar gap2, Scalar other2) {
   const Scalar last = m_gap, rate = step.rate[0];
   m_gap = btSqrt(gap2);
   const Scalar speed = rate * m_gap,
@@ -251,24 +250,31 @@ void Joint::limitClosing(Step& step) {
     m_starts_apart = false;
     return;
   }
-  if (last < 0) m_starts_apart = true;
-  if (!m_starts_apart && speed > max_speed && m_rbA.getInvMass() > 0 && m_rbB.getInvMass() > 0) {
-    // J v, whichever way the bodies have turned in the step.
-    const BodyPair pair(m_rbA, m_rbB);
-    const Scalar v = (pair.v_b() - pair.v_a()).norm(), w_a = pair.w_a().norm(),
-                 w_b = pair.w_b().norm();
-    Scalar speed2 = 0;
-    for (int i = 0; i < n; ++i) {
-      const Row& row = m_rows[i];
-      if (!step.closes(row)) continue;
-      const Scalar largest = row.L.norm() * v + row.A_a.norm() * w_a + row.A_b.norm() * w_b;
-      speed2 += largest * largest;
-    }
-    m_starts_apart = m_gap > last + (max_speed + 2 * btSqrt(speed2)) * m_time_step;
-  }
+  m_starts_apart =
+      m_starts_apart || last < 0 || (speed > max_speed && isPutApart(step, last, max_speed));
   if (!m_starts_apart) return;
   const Scalar times = speed / max_speed;
-  step.closing = times < infinity ? 1 / btSqrt(1 + times * times) : Scalar(0);  // also NaN
+  const Scalar part = times < infinity ? 1 / btSqrt(1 + times * times) : Scalar(0);  // also NaN
+  for (int i = 0; i < m_rows.equalities(); ++i)
+    if (step.closes(m_rows[i])) m_rows[i].target *= part;
+}
+
+// Between bodies that move, a gap that no velocity explains is a start, too: one of them has been put elsewhere, or the
+// joint back into the world.
+PINTLE_NOINLINE bool Joint::isPutApart(const Step& step, Scalar last_gap, Scalar max_speed) const {
+  if (!(m_rbA.getInvMass() > 0 && m_rbB.getInvMass() > 0)) return false;
+  // J v, whichever way the bodies have turned in the step.
+  const BodyPair pair(m_rbA, m_rbB);
+  const Scalar v = (pair.v_b() - pair.v_a()).norm(), w_a = pair.w_a().norm(),
+               w_b = pair.w_b().norm();
+  Scalar speed2 = 0;
+  for (int i = 0; i < m_rows.equalities(); ++i) {
+    const Row& row = m_rows[i];
+    if (!step.closes(row)) continue;
+    const Scalar largest = row.L.norm() * v + row.A_a.norm() * w_a + row.A_b.norm() * w_b;
+    speed2 += largest * largest;
+  }
+  return m_gap > last_gap + (max_speed + 2 * btSqrt(speed2)) * m_time_step;
 }
 
 // At the start of a step a row that the last one solved moves at
@@ -279,36 +285,42 @@ void Joint::limitClosing(Step& step) {
 // lambda . J (v0 + v1) / 2, v0 and v1 the velocities before and after the step: a bend that lasts turns v0 into -v1
 // along the row, and does no work whatever the load. One that a blow has made feeds what hits the joint next.
 inline Scalar Joint::compareWithLast(const Step& step, const BodyPair& pair) {
-  const RelativeVelocity V(pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b());
+  const int n = m_rows.equalities();
+  Scalar bend2 = 0;
+  if (m_last_foreseen >= 0 && !m_foresees_curvature) {
+    for (int i = 0; i < n; ++i) {
+      const Row& row = m_rows[i];
+      if (!row.angular) bend2 += step.gain(row) * step.gain(row);
+    }
+  }
+  // Where a pivot hardly moves there is nothing but rounding.
+  const Scalar moves = m_angular_speed * m_angular_speed * m_time_step;
+  const bool bends = bend2 > SIMD_EPSILON * moves * moves;
   const bool makes_up = m_remembers && !m_starts_apart;
+  if (!bends && !makes_up) return 1;
+
+  const RelativeVelocity V(pair.v_a(), pair.w_a(), pair.v_b(), pair.w_b());
   const Scalar part = feed_forward * curvedPart();
-  Scalar bend2 = 0, change2 = 0;
-  for (int i = 0; i < m_rows.equalities(); ++i) {
+  Scalar change2 = 0;
+  for (int i = 0; i < n; ++i) {
     Row& row = m_rows[i];
-    const Scalar gain = step.gain(row);
+    if (row.angular && !makes_up) continue;
+    const Scalar gain = step.gain(row), left = V.along(row) - gain - row.target;
     const Scalar residual = makes_up ? m_rows.history(i).residual : Scalar(0);
-    const Scalar left = V.along(row) - gain - row.target;
     row.target -= part * agreed(residual, left);
     if (row.angular) continue;
     const Scalar change = residual - left + (1 - m_last_foreseen) * gain;
-    bend2 += gain * gain;
     change2 += change * change;
   }
-  if (m_last_foreseen < 0 || m_foresees_curvature) return 1;
-  // Twice, since the gain is half of what J has turned by. Where a pivot hardly moves there is nothing but rounding.
+  // Twice, since the gain is half of what J has turned by.
   const Scalar max_change2 = 4 * smooth * smooth * bend2;
-  const Scalar moves = m_angular_speed * m_angular_speed * m_time_step;
-  return change2 > max_change2 && bend2 > SIMD_EPSILON * moves * moves
-             ? btSqrt(max_change2 / change2)
-             : Scalar(1);
+  return bends && change2 > max_change2 ? btSqrt(max_change2 / change2) : Scalar(1);
 }
 
-// Gives each equality the velocity that it is to have. (All at once: a lane that is read just after a number of it was
-// written waits for that.)
+// Adds to the corrections what the bend of the rows asks for: J v says how C moves to first order; Bullet then turns the
+// bodies by more than that, and the curvature is what it adds in a step. With it a turning joint does not drift. (All at
+// once: a lane that is read just after a number of it was written waits for that.)
 inline void Joint::aim(Step& step, const BodyPair& pair) {
-  const int n = m_rows.equalities();
-  Row* const rows = n > 0 ? &m_rows[0] : nullptr;
-  for (int i = 0; i < n; ++i) rows[i].target = step.correction(rows[i]);
   if (!m_solved_at_once) {
     // A joint that nothing disturbed in the last step was not hit.
     m_foreseen = step.foreseen =
@@ -316,7 +328,7 @@ inline void Joint::aim(Step& step, const BodyPair& pair) {
     if (step.foreseen == 1) step.curved_time = m_curved_time = lastingTime();
   }
   const Scalar bend = step.foreseen * step.curved_time;
-  for (int i = 0; i < n; ++i) rows[i].target -= bend * rows[i].curvature;
+  for (int i = 0; i < m_rows.equalities(); ++i) m_rows[i].target -= bend * m_rows[i].curvature;
 }
 
 void Joint::placeRows(int room) {
@@ -382,7 +394,7 @@ inline void Joint::act(Row& row, const BlockRow* orthogonal, const Block* block,
     if (row.limit) parts[Axis::limit] = limitPart(axis, motion, state.incoming).row;
   }
   row.target = sign * (parts[Axis::limit].target - motion.gain);
-  for (int i = 0; i < Axis::parts; ++i) {
+  for (const Axis::Part i : Axis::each_part) {
     AxisRow& part = parts[i];
     part.target -= motion.gain;
     // From along the coordinate to along J.
@@ -403,14 +415,15 @@ inline void Joint::forgetImpulses() {
 PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   m_last_time_step = m_time_step;
   m_time_step = 1 / info->fps;
-  m_curved_time = m_solved_at_once ? lastingTime() : curvedTime();
+  m_curved_time = curvedTime();
+  if (m_solved_at_once) m_curved_time = lastingTime();
   const int n = m_rows.size();
   if (n == 0) return;
   m_solver_rows = solverRows(*info);
   RowWriter out(*info);
   Step step(*this, *info, out.cfm());
   const BodyPair pair(m_rbA, m_rbB);
-  if (!m_solved_at_once) limitClosing(step);
+  correct(step);
   const ImpulseSetting setting = impulseSetting();
   info->m_damping = setting.damping;
 
@@ -496,17 +509,20 @@ PINTLE_NOINLINE void Joint::actBesideEqualities(Row& row, const Step& step,
   block.weigh(orthogonal);
   act(row, &orthogonal, &block, step, parts);
   if (!(plain.K > orthogonal.K)) return;
-  for (int i = 0; i < Axis::parts; ++i) parts[i].cfm *= orthogonal.K / plain.K;
+  for (const Axis::Part i : Axis::each_part) parts[i].cfm *= orthogonal.K / plain.K;
 }
 
 // Plain rows of needles, and such of which an equality is so soft that Bullet's iteration would diverge: it
 // is written as a rigid row, to where the soft one would come by itself.
 PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
-  m_curved_time = lastingTime();
   RowWriter out(info);
   Step step(*this, info, out.cfm());
   const ImpulseSetting setting = impulseSetting();
   const BodyPair pair(m_rbA, m_rbB);
+  // Nothing is compared with the last step.
+  m_remembers = false;
+  m_last_foreseen = -1;
+  aim(step, pair);
   const bool needle = isNeedle(m_rbA) || isNeedle(m_rbB);
   for (int i = 0; i < m_rows.size(); ++i) {
     Row& row = m_rows[i];
@@ -517,7 +533,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
       writeParts(out, m_rows.axis(row.axis), L, A_a, A_b, 0, parts);
       continue;
     }
-    Scalar cfm = step.cfm[row.group], target = step.target(row);
+    Scalar cfm = step.cfm[row.group], target = row.target;
     if (!m_solved_at_once && !(cfm < diverging_cfm)) {
       // Bullet takes this part of the free velocity away.
       const Scalar free = setting.damping * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
@@ -563,7 +579,7 @@ bool Joint::solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, 
   const bool given = solveAxis(*state.axis, motion, state, parts);
   state.K = motion.K;
   state.expected = alone_velocity;
-  for (int i = 0; i < Axis::parts; ++i)
+  for (const Axis::Part i : Axis::each_part)
     if (parts[i].lower == parts[i].upper) state.expected += motion.K * parts[i].upper;
   return given;
 }

@@ -187,9 +187,9 @@ class Joint : public btTypedConstraint {
   /// gains energy.
   Scalar lastingTime() const {
     const Scalar w = m_angular_speed;
-    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return curvedTime();
+    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return m_curved_time;
     const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
-    return curvedTime() * (next * next);
+    return m_curved_time * (next * next);
   }
   StepMotion motion(const BodyPair& pair) const;
 
@@ -235,7 +235,9 @@ class Joint : public btTypedConstraint {
   Scalar relaxation() const;
   void aim(Step& step, const BodyPair& pair);
   Scalar compareWithLast(const Step& step, const BodyPair& pair);
-  void limitClosing(Step& step);
+  void correct(const Step& step);
+  void limitClosing(const Step& step, Scalar gap2, Scalar other2);
+  bool isPutApart(const Step& step, Scalar last_gap, Scalar max_speed) const;
   void liftThresholds();
   void breakIfOverloaded(btSolverBody& a, btSolverBody& b);
   void relax(Scalar factor);
@@ -263,6 +265,9 @@ class Joint : public btTypedConstraint {
   Scalar m_curved_time = 0;  ///< s, of this step
   Scalar m_max_correction_speed = 8;
   Scalar m_max_linear_correction_speed = 1;
+  /// m/s or rad/s: by how much the last look ahead of this step found the equalities to bend otherwise than foreseen, in
+  /// all; infinity before the first one.
+  Scalar m_look_change = 0;
   /// N s or N m s, after the last pass over the rows of a joint that may break.
   Scalar m_last_load = 0;
   Scalar m_gap = -1;  ///< m, at the start of the last step; < 0: there was none

@@ -1,8 +1,10 @@
 // Purpose: from what a joint observes at a pose to its rows, once for all joints. A joint `Self` has
-//   struct Observation             where its frames are, and its angles as they have become there; `sum()` is no number
-//                                  if one of its numbers is none, as in a frame that its owner has spoiled
+//   struct Observation             where its frames are, and its angles there, the nearest to those that it remembers;
+//                                  `sum()` is no number if one of its numbers is none, as in a frame that its owner
+//                                  has spoiled
 //   Observation observe(const PosePair&) const
-//   void remember(const Observation&, bool in_step)    takes its angles over: in each step, and when somebody asks
+//   void remember(Observation&, bool in_step)    takes its angles over: in each step, and when somebody asks. Only here do
+//                                  velocities count: of bodies that turn fast a pose does not tell the turns
 //   void constrain(const Observation&, Rows&) const    adds the rows
 // which this class is a friend of, and its .cpp file instantiates this class (joints/observed_joint_rows.h).
 #pragma once

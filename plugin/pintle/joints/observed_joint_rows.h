@@ -16,12 +16,13 @@ void ObservedJoint<Self, Base>::addRows(const PosePair& poses, Rows& rows) const
 
 template <class Self, class Base>
 void ObservedJoint<Self, Base>::updateState(const PosePair& poses) {
-  self().remember(self().observe(poses), false);
+  typename Self::Observation seen = self().observe(poses);
+  self().remember(seen, false);
 }
 
 template <class Self, class Base>
 void ObservedJoint<Self, Base>::prepare(const PosePair& poses, Rows& rows) {
-  const typename Self::Observation seen = self().observe(poses);
+  typename Self::Observation seen = self().observe(poses);
   self().remember(seen, true);
   if (PosePair::is_finite(seen.sum())) self().constrain(seen, rows);
 }

@@ -23,7 +23,7 @@ void QuaternionHinge::limitChanged() {
 
 inline void QuaternionHinge::constrain(const Observation& seen, Rows& rows) const {
   const auto swing = equations::swing(seen.c_a, seen.c_b);
-  const Acting now = acting(seen.twist, swing, rows);
+  const Acting now = acting(seen, swing, rows);
   if (getFormulation() == Formulation::document) {
     const bool half_sine = now.limit && !m_axis.driven();
     addDocumentRows(seen, half_sine, rows);
@@ -37,7 +37,8 @@ inline void QuaternionHinge::constrain(const Observation& seen, Rows& rows) cons
 
 void QuaternionHinge::addDocumentRows(const Observation& seen, bool limit, Rows& rows) const {
   const Mat3 F = seen.a.axes();
-  const auto p = equations::relative(equations::quaternion(F), equations::quaternion(seen.b.axes()));
+  const auto p =
+      equations::relative(equations::quaternion(F), equations::quaternion(seen.b.axes()));
   if (!PosePair::is_finite(p.w + p.v.sum())) return;
   const Scalar across = std::hypot(p.v.x(), p.v.y());
   // Along the error the row turns 2/|w| times as fast as it says.
@@ -49,8 +50,8 @@ void QuaternionHinge::addDocumentRows(const Observation& seen, bool limit, Rows&
   }
   if (!m_angular_only) addDocumentPositionRows(seen.anchors(), rows);
   if (!limit) return;
-  const auto row =
-      equations::quaternion_hinge_limit_row<Scalar>(p, F, Vec3::Unit(2), seen.twist.turns());
+  const auto row = equations::quaternion_hinge_limit_row<Scalar>(
+      p, F, Vec3::Unit(2), followed(m_twist, seen.twist).turns());
   rows.addAngularAxis(0, row.J_b, m_sign * row.C, m_half_sine_axis, true, m_sign > 0 ? 1 : -1);
 }
 

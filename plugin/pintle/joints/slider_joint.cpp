@@ -37,7 +37,7 @@ PINTLE_NOINLINE Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist,
 
 }  // namespace
 
-// The joint frames in the world, and the twist as it has become at them.
+// The joint frames in the world, and the twist at them.
 struct SliderJoint::Observation {
   Observation(const PosePair& poses, const btTransform& frame_a, const btTransform& frame_b)
       : a(poses.pose_a(), frame_a),
@@ -48,7 +48,7 @@ struct SliderJoint::Observation {
     crossed = {sums[0], sums[1], sums[2]};
     trace = dots[0] + dots[1] + dots[2];
     // a.(b x b') = c.b' and a.(c x c') = -b.c'
-    to = equations::twist<Scalar>(dots[1], dots[2], sums[0], 0);
+    twist = equations::twist<Scalar>(dots[1], dots[2], sums[0], 0);
   }
   // The trace is made of all axes.
   Scalar sum() const { return d.sum() + trace; }
@@ -59,20 +59,19 @@ struct SliderJoint::Observation {
   Lanes offset;  ///< d
   Vec3 crossed;
   Scalar trace;
-  equations::Twist<Scalar> to;  ///< of b against a
-  UnwrappedAngle twist;
+  equations::Twist<Scalar> twist;  ///< of b against a
 };
 
 inline SliderJoint::Observation SliderJoint::observe(const PosePair& poses) const {
-  Observation seen(poses, m_frame_a, m_frame_b);
-  seen.twist = m_twist;
-  followTwist(seen.twist, seen.to, seen.a.a() + seen.b.a(), m_rbA, m_rbB, timeStep(),
-              angularSpeed());
-  return seen;
+  return {poses, m_frame_a, m_frame_b};
+}
+
+inline UnwrappedAngle SliderJoint::angle(const Observation& seen) const {
+  return followed(m_twist, seen.twist);
 }
 
 inline void SliderJoint::remember(const Observation& seen, bool in_step) {
-  m_twist = seen.twist;
+  followStep(m_twist, seen.twist, seen.a.a(), seen.b.a(), m_rbA, m_rbB, timeStep(), angularSpeed());
   if (!in_step) return;
   forgetPoses();
   m_seen = m_twist;
@@ -81,7 +80,8 @@ inline void SliderJoint::remember(const Observation& seen, bool in_step) {
 
 SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                          const btTransform& frameInB, bool useLinearReferenceFrameA)
-    : ObservedJoint(rbA, rbB, row_count), m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
+    : ObservedJoint(rbA, rbB, row_count),
+      m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
   m_linear.own = &m_linear_parameters;
   m_angular.own = &m_angular_parameters;
   m_angular.low = m_angular.high = 0;
@@ -113,7 +113,7 @@ void SliderJoint::testLinLimits() { m_seen_position = getLinearPos(); }
 
 void SliderJoint::testAngLimits() {
   if (!readsPoses()) updateState(BodyPair(m_rbA, m_rbB));
-  m_seen = readsPoses() ? observe(seenPair()).twist : m_twist;
+  m_seen = readsPoses() ? angle(observe(seenPair())) : m_twist;
 }
 
 btVector3 SliderJoint::getAncorInA() const {
@@ -122,13 +122,11 @@ btVector3 SliderJoint::getAncorInA() const {
   return m_frame_a.getOrigin() + along * m_frame_a.getBasis().getColumn(0);
 }
 
-btScalar SliderJoint::getLinearPos() const {
-  return m_sign * observe(seenPair()).offset[0];
-}
+btScalar SliderJoint::getLinearPos() const { return m_sign * observe(seenPair()).offset[0]; }
 
 btScalar SliderJoint::getAngularPos() const {
   if (m_angular.limited() && (m_angular.low < -SIMD_PI || m_angular.high > SIMD_PI))
-    return observe(seenPair()).twist.value();
+    return angle(observe(seenPair())).value();
   // By the y axis of b, as Bullet measures it also while the axes are apart.
   const btMatrix3x3 F_a = getCalculatedTransformA().getBasis();
   const btVector3 y_b = getCalculatedTransformB().getBasis().getColumn(1);
@@ -204,8 +202,7 @@ void SliderJoint::tuningChanged() {
     const Parameter erp = set(tuning.softness, erp_flag);
     return ErpCfm{erp, set(tuning.cfm, cfm_flag), erp.isSet() ? Scalar(1) : tuning.softness};
   };
-  m_erp_cfm[across] =
-      equality(m_ortho_lin, BT_SLIDER_FLAGS_ERP_ORTLIN, BT_SLIDER_FLAGS_CFM_ORTLIN);
+  m_erp_cfm[across] = equality(m_ortho_lin, BT_SLIDER_FLAGS_ERP_ORTLIN, BT_SLIDER_FLAGS_CFM_ORTLIN);
   m_erp_cfm[directions] =
       equality(m_ortho_ang, BT_SLIDER_FLAGS_ERP_ORTANG, BT_SLIDER_FLAGS_CFM_ORTANG);
   const bool same = m_ortho_lin.softness == 1 && m_ortho_ang.softness == 1 &&
@@ -213,7 +210,7 @@ void SliderJoint::tuningChanged() {
                     (m_flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) == 0;
   m_erp_cfm_differs = !same;
   m_erp_cfm[locked_angle] = {set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG),
-                                set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG), m_lim_ang.softness};
+                             set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG), m_lim_ang.softness};
 }
 
 void SliderJoint::setPoweredLinMotor(bool onOff) { m_linear.enable(onOff); }
@@ -325,8 +322,9 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
     const auto swing = equations::swing(seen.a.a(), seen.b.a());
     if (!document) addSwingRows(swing, getMaxCorrectionSpeed(), rows, group(directions));
     // With the axes all but opposite there is no angle between them.
-    if ((m_angular.driven() || m_angular.limited()) && swing.h_scale < Scalar(20))
-      turn = actingAngle(m_angular, seen.twist, swing.h, 1, [&] { return rows.turn(); });
+    if (swing.h_scale < Scalar(20))
+      turn = actingAngle(
+          m_angular, [&] { return angle(seen); }, swing.h, 1, [&] { return rows.turn(); });
     if (turn.row) turn_row = equations::twist_row(swing);
   } else if (!document) {
     addLockRows(seen, rows);
@@ -337,6 +335,11 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
   if (m_angular_only) return add_turn();
 
   const equations::Anchors<Scalar> anchors{seen.a.r(), seen.b.r(), seen.d};
+  const Vec3 lever_a = anchors.r_a + anchors.d;
+  const Vec3 moved = rows.moved([&](const BodyPair& v) {
+    return Vec3(equations::relative_velocity<Scalar>({v.v_a(), v.w_a(), v.v_b(), v.w_b()}, lever_a,
+                                                     anchors.r_b));
+  });
   const Lanes bend = seen.a.components(rows.curvature([&](const BodyPair& v) {
     return Vec3(equations::position_curvature_conserving<Scalar>(
         anchors, {v.v_a(), v.w_a(), v.v_b(), v.w_b()}));
@@ -352,19 +355,21 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
   add(seen.a.b(), 1);
   add(seen.a.c(), 2);
   if (m_linear.limited() || m_linear.driven()) {
-    const auto J = equations::contact_row(seen.a.a(), anchors).J;
     const Scalar position = m_sign * seen.offset[0];
-    const bool limit = m_linear.limited() && slideLimitActs(position, rows.slide(J, bend[0]));
-    if (limit || m_linear.driven())
+    const Reach reach = rows.slide(seen.a.a().dot(moved), lever_a, anchors.r_b, bend[0]);
+    const bool limit = m_linear.limited() && slideLimitActs(position, reach);
+    if (limit || m_linear.driven()) {
+      const auto J = equations::contact_row(seen.a.a(), anchors).J;
       rows.addAxis(linear, J.L, J.A_a, J.A_b, position, m_linear, limit, m_sign > 0 ? 1 : -1)
           .curvature = m_sign * bend[0];
+    }
   }
   add_turn();  // the last one, which getAppliedImpulse tells of, as in Bullet
 }
 
 // About the axes of a, so that the angle has a row of its own.
 inline void SliderJoint::addLockRows(const Observation& at, Rows& rows) const {
-  const UnwrappedAngle& twist = at.twist;
+  const UnwrappedAngle twist = angle(at);
   const auto R = [&] { return Mat3(at.a.axes().transpose() * at.b.axes()); };
   const Vec3 phi = m_angular.low == 0 && twist.turns() == 0
                        ? equations::orientation_error(at.crossed, at.trace, R)
@@ -386,7 +391,8 @@ void SliderJoint::addDocumentAngularRows(const Observation& seen, Rows& rows) co
   const bool locked = angleIsLocked();
   Mat3 F = seen.a.axes();
   if (locked && m_angular.low != 0) F = turned(F, m_angular.low);
-  const auto p = equations::relative(equations::quaternion(F), equations::quaternion(seen.b.axes()));
+  const auto p =
+      equations::relative(equations::quaternion(F), equations::quaternion(seen.b.axes()));
   if (!PosePair::is_finite(p.w + p.v.sum())) return;
   const Scalar error = locked ? p.v.norm() : std::hypot(p.v.y(), p.v.z());
   // Along the error the row turns 2/|w| times as fast as it says.

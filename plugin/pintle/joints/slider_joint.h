@@ -207,6 +207,7 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
 
   struct Observation;
   Observation observe(const PosePair& poses) const;
+  UnwrappedAngle angle(const Observation& seen) const;
   void remember(const Observation& seen, bool in_step);
   /// Angular only: the angle's rows alone, nothing across or along the axis.
   void constrain(const Observation& seen, Rows& rows) const;

@@ -18,18 +18,31 @@ inline Vec3 turnBetween(const Frame& a, const Frame& b) {
                                       [&] { return Mat3(b.axes() * a.axes().transpose()); });
 }
 
-/// `angle` becomes the twist of b against a about the sum of the two bodies' axes. `speed`: of the
-/// faster body, rad/s.
-inline void followTwist(UnwrappedAngle& angle, const equations::Twist<Scalar>& twist,
-                        const Vec3& axes_sum, const btRigidBody& a, const btRigidBody& b, Scalar dt,
-                        Scalar speed) {
-  // Its length is 1 + cos(swing). With the axes all but opposite there is no twist to be seen, and
-  // the last one stands; nor in a frame that its owner has spoiled.
-  if (!(twist.x * twist.x + twist.y * twist.y > Scalar(0.01))) return;
+/// Whether there is a twist to be seen. Its length is 1 + cos(swing): with the axes all but opposite the last one
+/// stands, and in a frame that its owner has spoiled.
+inline bool isSeen(const equations::Twist<Scalar>& twist) {
+  return twist.x * twist.x + twist.y * twist.y > Scalar(0.01);
+}
+
+/// What `angle` is at another pose, where the twist is this one: the nearest turn.
+inline UnwrappedAngle followed(const UnwrappedAngle& angle, const equations::Twist<Scalar>& twist) {
+  // As it mostly is: the step has taken it over.
+  if (angle.isAt(twist.x, twist.y) || !isSeen(twist)) return angle;
+  UnwrappedAngle there = angle;
+  there.update(twist.x, twist.y);
+  return there;
+}
+
+/// `angle` becomes the twist of b against a about the sum of the two bodies' axes, where a step has brought them.
+/// `speed`: of the faster body, rad/s.
+inline void followStep(UnwrappedAngle& angle, const equations::Twist<Scalar>& twist,
+                       const Vec3& axis_a, const Vec3& axis_b, const btRigidBody& a,
+                       const btRigidBody& b, Scalar dt, Scalar speed) {
+  if (!isSeen(twist)) return;
   if (turnIsNearest(a, b, dt, speed))
     angle.update(twist.x, twist.y);
   else
-    angle.update(twist.x, twist.y, axes_sum.normalized().dot(turnOfStep(a, b, dt)));
+    angle.update(twist.x, twist.y, (axis_a + axis_b).normalized().dot(turnOfStep(a, b, dt)));
 }
 
 }  // namespace PINTLE_PRECISION

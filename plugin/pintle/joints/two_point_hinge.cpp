@@ -66,7 +66,7 @@ inline void TwoPointHinge::constrain(const Observation& seen, Rows& rows) const 
     for (int i = before; i < rows.size(); ++i)
       rows[i].max_speed = speed_per_error * std::abs(rows[i].position);
   }
-  addAxisRow(acting(seen.twist, swing, rows), swing, rows);
+  addAxisRow(acting(seen, swing, rows), swing, rows);
 }
 
 inline void TwoPointHinge::addPointRows(const Lines& lines, Rows& rows) const {

@@ -95,11 +95,12 @@ inline UniversalJoint::Observation UniversalJoint::observe(const PosePair& poses
   const Frame a(poses.pose_a(), m_frame_a), b(poses.pose_b(), m_frame_b);
   Observation seen{a, b, equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())};
   seen.angles = m_angles;
-  follow(seen, seen.angles);
+  follow(seen, false, seen.angles);
   return seen;
 }
 
-inline void UniversalJoint::follow(const Observation& at, Angles& angles) const {
+// `turns_fast`: the bodies have come here in a step that may have turned them by more than half a turn.
+inline void UniversalJoint::follow(const Observation& at, bool turns_fast, Angles& angles) const {
   const auto to = equations::spider_angles<Scalar>(at.a.a().dot(at.y), at.dots[1],
                                                    at.z.dot(at.b.a()), at.dots[2]);
   // Not in a frame that its owner has spoiled, either.
@@ -110,18 +111,22 @@ inline void UniversalJoint::follow(const Observation& at, Angles& angles) const 
     angles.turned_over = false;
     if (rightWayUp()) angles.alpha = angles.beta = {};
   }
-  const Scalar dt = timeStep();
-  if (turnIsNearest(m_rbA, m_rbB, dt, angularSpeed())) {
-    angles.alpha.update(to.alpha_x, to.alpha_y);
-    angles.beta.update(to.beta_x, to.beta_y);
-  } else {
-    const Vec3 turn = turnOfStep(m_rbA, m_rbB, dt);
+  if (turns_fast) {
+    const Vec3 turn = turnOfStep(m_rbA, m_rbB, timeStep());
     angles.alpha.update(to.alpha_x, to.alpha_y, at.z.dot(turn));
     angles.beta.update(to.beta_x, to.beta_y, at.y.dot(turn));
+  } else {
+    angles.alpha.update(to.alpha_x, to.alpha_y);
+    angles.beta.update(to.beta_x, to.beta_y);
   }
 }
 
-inline void UniversalJoint::remember(const Observation& seen, bool in_step) {
+inline void UniversalJoint::remember(Observation& seen, bool in_step) {
+  if (!turnIsNearest(m_rbA, m_rbB, timeStep(), angularSpeed())) {
+    // Anew, from the last step.
+    seen.angles = m_angles;
+    follow(seen, true, seen.angles);
+  }
   m_angles = seen.angles;
   if (!in_step) return;
   forgetPoses();
@@ -480,7 +485,7 @@ inline void UniversalJoint::addHingeRow(int index, const Observation& seen,
                                         const AngularReach& reach, bool look_at_limit,
                                         Rows& rows) const {
   const Axis& axis = m_hinges[index].axis;
-  const UnwrappedAngle& angle = index == 1 ? seen.angles.alpha : seen.angles.beta;
+  const auto angle = [&] { return index == 1 ? seen.angles.alpha : seen.angles.beta; };
   const Vec3& J_b = index == 1 ? seen.z : seen.y;
   Acting now = actingAngle(axis, angle, J_b, sign, [&]() -> const AngularReach& { return reach; });
   if (!look_at_limit) now.limit = false;

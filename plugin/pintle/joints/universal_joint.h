@@ -187,9 +187,9 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   };
 
   Observation observe(const PosePair& poses) const;
-  void remember(const Observation& seen, bool in_step);
+  void remember(Observation& seen, bool in_step);
   void constrain(const Observation& seen, Rows& rows) const;
-  void follow(const Observation& seen, Angles& angles) const;
+  void follow(const Observation& seen, bool turns_fast, Angles& angles) const;
   void addHingeRow(int index, const Observation& seen, const AngularReach& reach,
                    bool look_at_limit, Rows& rows) const;
   /// Whether beta stays within a quarter of a turn: only then is turned_over an error.

@@ -36,21 +36,21 @@ double meet(const Slope* slope, const AxisPart* part, double u_free, double K) {
     for (; i > 0 && ends[i - 1] > end; --i) ends[i] = ends[i - 1];
     ends[i] = end;
   };
-  for (int i = 0; i < Axis::parts; ++i) {
+  for (const Axis::Part i : Axis::each_part) {
     if (!part[i].on) continue;
     if (slope[i].upper < unbounded) insert(slope[i].begin());
     if (slope[i].lower > -unbounded) insert(slope[i].end());
   }
   const auto excess = [&](double u) {
     double impulse = 0;
-    for (int i = 0; i < Axis::parts; ++i)
+    for (const Axis::Part i : Axis::each_part)
       if (part[i].on) impulse += slope[i].at(u);
     return u - u_free - K * impulse;
   };
   // Parts only pull from u_free towards their targets. (A part of a large bound ends far beyond, where
   // nothing is left of the digits near here.)
   double lowest = u_free, highest = u_free;
-  for (int i = 0; i < Axis::parts; ++i) {
+  for (const Axis::Part i : Axis::each_part) {
     if (!part[i].on) continue;
     lowest = std::min(lowest, slope[i].target);
     highest = std::max(highest, slope[i].target);
@@ -77,12 +77,12 @@ bool solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state,
   if (m.limit) part[Axis::limit] = limitPart(axis, m, state.incoming);
   Slope slope[Axis::parts];
   bool given = false;
-  for (int i = 0; i < Axis::parts; ++i) {
+  for (const Axis::Part i : Axis::each_part) {
     slope[i] = Slope(part[i], double(m.K));
     given = given || (part[i].on && !part[i].rigid);
   }
   const double u = given ? meet(slope, part, double(m.free_velocity), double(m.K)) : 0;
-  for (int i = 0; i < Axis::parts; ++i) {
+  for (const Axis::Part i : Axis::each_part) {
     if (!part[i].on) continue;
     rows[i] = part[i].row;
     if (!part[i].rigid) rows[i].lower = rows[i].upper = Scalar(slope[i].at(u));

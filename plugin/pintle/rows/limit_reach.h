@@ -67,7 +67,7 @@ class AngularReach {
   explicit AngularReach(const StepMotion* motion, bool a_may_stop = false)
       : m_motion(motion),
         m_a_may_stop(a_may_stop),
-        m_max(motion != nullptr ? maxTurn(*motion) : infinity) {}
+        m_max2(motion != nullptr ? maxTurn2(*motion) : infinity * infinity) {}
 
   /// The turn of now's velocities, a rotation vector.
   Vec3 moved() const {
@@ -85,12 +85,14 @@ class AngularReach {
   /// About the unit vector h, or the other way (sign -1).
   Reach about(const Vec3& h, Scalar sign = 1) const { return {sign * h.dot(moved()), gained()}; }
   /// No less than the turn about any axis, either way, at twice the speed of now (Reach::reaches).
-  Scalar max() const { return m_max; }
+  Scalar max() const { return btSqrt(m_max2); }
+  /// Whether that is less than `turn`.
+  bool isLess(Scalar turn) const { return turn > 0 && turn * turn > m_max2; }
 
  private:
-  // 2 dt |w| + gained(), by (x + y)^2 <= 2 (x^2 + y^2) for both bodies and
+  // The square of 2 dt |w| + gained(), by (x + y)^2 <= 2 (x^2 + y^2) for both bodies and
   // (2 x + sqrt(2.5) y)^2 <= 6.5 (x^2 + y^2), and with z for what stops a 7.5 (x^2 + y^2 + z^2).
-  Scalar maxTurn(const StepMotion& motion) const {
+  Scalar maxTurn2(const StepMotion& motion) const {
     const btRigidBody &a = motion.pair.a(), &b = motion.pair.b();
     const LanesView w_a = lanes(a.getAngularVelocity());
     const Lanes w = lanes(b.getAngularVelocity()) - w_a;
@@ -98,17 +100,18 @@ class AngularReach {
     Lanes sum = w * w + motion.dt * motion.dt * gain2;
     if (m_a_may_stop) sum += w_a * w_a;
     const Scalar factor = m_a_may_stop ? Scalar(7.5) : Scalar(6.5);
-    return motion.dt * btSqrt(factor * (sum[2] + sum[0] + sum[1]));
+    return motion.dt * motion.dt * factor * (sum[2] + sum[0] + sum[1]);
   }
 
   const StepMotion* m_motion;
   bool m_a_may_stop;
-  Scalar m_max;
+  Scalar m_max2;
 };
 
-/// Of a coordinate (m) that moves along J, and by the curvature (m/s^2) beside. Whatever joints hold the bodies, the part
-/// along J of an acceleration a by forces is at most sqrt(J M^-1 J^T a^T M a).
-inline Reach linearReach(const StepMotion* motion, const equations::Jacobian<Scalar>& J,
+/// Of a coordinate (m) that moves by `moved` at the velocities of now, and by the curvature (m/s^2) beside. Whatever joints
+/// hold the bodies, the part along J of an acceleration a by forces is at most sqrt(J M^-1 J^T a^T M a). L of J is a unit
+/// vector; A_a2, A_b2: the squares of the lengths of its angular parts, which are no longer than their levers.
+inline Reach linearReach(const StepMotion* motion, Scalar moved, Scalar A_a2, Scalar A_b2,
                          Scalar curvature) {
   if (motion == nullptr) return {0, infinity};
   const BodyPair& pair = motion->pair;
@@ -118,12 +121,17 @@ inline Reach linearReach(const StepMotion* motion, const equations::Jacobian<Sca
   const LanesView T_a = lanes(a.getTotalTorque()), T_b = lanes(b.getTotalTorque());
   const Lanes aMa = F_a * F_a * pair.inv_mass_a() + F_b * F_b * pair.inv_mass_b() +
                     T_a * T_a * I_a + T_b * T_b * I_b;
-  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * J.A_a.dot(J.A_a) +
-                   I_b * J.A_b.dot(J.A_b);
-  const Scalar speed = J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) +
-                       J.A_b.dot(pair.w_b());
+  const Scalar K = pair.inv_mass_a() + pair.inv_mass_b() + I_a * A_a2 + I_b * A_b2;
   const Scalar max_acceleration = btSqrt(K * (aMa[0] + aMa[1] + aMa[2])) + btFabs(curvature);
-  return {motion->dt * speed, motion->dt * motion->dt * max_acceleration};
+  return {moved, motion->dt * motion->dt * max_acceleration};
+}
+inline Reach linearReach(const StepMotion* motion, const equations::Jacobian<Scalar>& J,
+                         Scalar curvature) {
+  if (motion == nullptr) return {0, infinity};
+  const BodyPair& pair = motion->pair;
+  const Scalar speed =
+      J.L.dot(pair.v_b() - pair.v_a()) - J.A_a.dot(pair.w_a()) + J.A_b.dot(pair.w_b());
+  return linearReach(motion, motion->dt * speed, J.A_a.dot(J.A_a), J.A_b.dot(J.A_b), curvature);
 }
 
 /// Whether anything acts along a coordinate in this step.
@@ -133,19 +141,20 @@ struct Acting {
   bool row = false;     ///< anything does: it needs a row
 };
 
-/// Of the coordinate sign * `angle`, which moves as the bodies turn about h. makeReach() is its
+/// Of the coordinate sign * makeAngle(), an UnwrappedAngle, which moves as the bodies turn about h. makeReach() is its
 /// AngularReach. Far from a limit no arc tangent is computed.
-template <class MakeReach>
-Acting actingAngle(const Axis& axis, const UnwrappedAngle& angle, const Vec3& h, Scalar sign,
+template <class MakeAngle, class MakeReach>
+Acting actingAngle(const Axis& axis, const MakeAngle& makeAngle, const Vec3& h, Scalar sign,
                    const MakeReach& makeReach) {
   Acting acting;
   const bool limited = axis.limited(), driven = axis.driven();
   if (!limited && !driven) return acting;
+  const UnwrappedAngle angle = makeAngle();
   bool broken = false;
   if (limited && !driven) {
     const Scalar distance = axis.distance(sign * angle.roughValue());
     broken = distance < -UnwrappedAngle::rough_error;
-    if (!broken && distance > makeReach().max() + UnwrappedAngle::rough_error) return acting;
+    if (!broken && makeReach().isLess(distance - UnwrappedAngle::rough_error)) return acting;
   }
   acting.position = sign * angle.value();
   acting.limit =

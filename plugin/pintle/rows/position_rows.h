@@ -40,7 +40,7 @@ inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Scal
                   rows);
 }
 inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Rows& rows) {
-  addConservingPositionRows(at, rows.gapInLever(at.r_a.dot(at.r_a), at.d.dot(at.d)), rows);
+  addConservingPositionRows(at, rows.gapInLever(at.r_a, at.d), rows);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -128,6 +128,10 @@ class Rows : public RowList {
   Reach slide(const equations::Jacobian<Scalar>& J, Scalar of_curvature) const {
     return linearReach(m_motion, J, of_curvature);
   }
+  /// The same of a point at these levers that moves by `moved` (below) along the coordinate.
+  Reach slide(Scalar moved, const Vec3& lever_a, const Vec3& lever_b, Scalar of_curvature) const {
+    return linearReach(m_motion, moved, lever_a.dot(lever_a), lever_b.dot(lever_b), of_curvature);
+  }
   /// How far something comes at the velocities of now, function(v) as of curvature.
   template <class Function>
   Vec3 moved(const Function& function) const {
@@ -141,9 +145,9 @@ class Rows : public RowList {
   /// Whether there is a step, and whether its velocities are those of the pose.
   bool inStep() const { return m_motion != nullptr; }
   bool inPlace() const { return m_motion != nullptr && m_motion->pair.inPlace(); }
-  /// The part of a gap that is in the lever of body a; these are the squares of their lengths (StepMotion::gapInLever).
-  Scalar gapInLever(Scalar lever2, Scalar gap2) const {
-    return m_motion != nullptr ? m_motion->gapInLever(lever2, gap2) : Scalar(0);
+  /// The part of a gap that is in the lever of body a (StepMotion::gapInLever).
+  Scalar gapInLever(const Vec3& lever, const Vec3& gap) const {
+    return m_motion != nullptr ? m_motion->gapInLever(lever, gap) : Scalar(0);
   }
 
   /// Says what C of the last row is made of. What is not said is RowShape::other, or RowShape::angle of an angular row.

@@ -25,6 +25,7 @@ class UnwrappedAngle {
 
   /// The angle is atan2(y, x) now. Taking the same one again changes nothing.
   void update(Scalar x, Scalar y) {
+    if (isAt(x, y)) return;
     y += Scalar(0);  // -0 is +0: half a turn is +pi, as atan2 has it
     const Scalar sine = m_x * y - m_y * x;
     // Both within a quarter of a turn of zero: the nearest way does not pass half a turn.
@@ -52,8 +53,8 @@ class UnwrappedAngle {
   /// The same, where the angle has changed by about `change` since the last look, which may be more
   /// than half a turn.
   void update(Scalar x, Scalar y, Scalar change) {
+    if (isAt(x, y)) return;  // looked already
     y += Scalar(0);
-    if (x == m_x && y == m_y) return;  // looked already
     const Scalar expected = value() + change, rest = arctangent(y, x);
     m_turns = std::round((expected - rest) / SIMD_2_PI);
     m_x = x;
@@ -61,6 +62,8 @@ class UnwrappedAngle {
     m_direction = change;
   }
 
+  /// Whether (x, y) is what it was last given.
+  bool isAt(Scalar x, Scalar y) const { return x == m_x && y == m_y; }
   /// Changes the turn to the one that brings the angle nearest to `middle`.
   void turnTowards(Scalar middle) { m_turns += std::round((middle - value()) / SIMD_2_PI); }
 
