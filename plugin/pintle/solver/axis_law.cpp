@@ -11,16 +11,20 @@ LawPiece AxisLaw::meet(double free, double K) const {
   if (isEquality()) return {true, m_part[0].target, m_part[0].softness, 0};
   double corner[2 * max_parts];
   int corners = 0;
+  const auto insert = [&](double u) {
+    int i = corners++;
+    for (; i > 0 && corner[i - 1] > u; --i) corner[i] = corner[i - 1];
+    corner[i] = u;
+  };
   for (int i = 0; i < m_parts; ++i) {
     const LawPart& part = m_part[i];
     if (part.softness > 0) {
-      if (part.upper < unbounded) corner[corners++] = part.target - part.softness * part.upper;
-      if (part.lower > -unbounded) corner[corners++] = part.target - part.softness * part.lower;
+      if (part.upper < unbounded) insert(part.target - part.softness * part.upper);
+      if (part.lower > -unbounded) insert(part.target - part.softness * part.lower);
     } else {
-      corner[corners++] = part.target;
+      insert(part.target);
     }
   }
-  std::sort(corner, corner + corners);
   // The impulse just before or after u.
   const auto sum = [&](double u, bool after) {
     double all = 0;

@@ -29,7 +29,13 @@ Matrix3d leverDerivative(const Vector3d& f, const Vector3d& r, double dt) {
   return -dt / 2 * crossMatrix(f) * crossMatrix(r);
 }
 
-Matrix3d clipped(const Matrix3d& m) { return withoutNegative(m); }
+Matrix3d clipped(const Matrix3d& m) {
+  const Matrix3d symmetric = (m + m.transpose()) / 2;
+  Eigen::SelfAdjointEigenSolver<Matrix3d> axes;
+  axes.computeDirect(symmetric);
+  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0).asDiagonal() *
+         axes.eigenvectors().transpose();
+}
 
 void GeometricDerivative::clip() { m_matrix = withoutNegative(m_matrix); }
 

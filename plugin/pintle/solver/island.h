@@ -33,6 +33,7 @@ struct IslandBody {
   btTransform start;           ///< pose
   double mass;                 ///< kg
   Matrix3d inertia;            ///< kg m^2
+  Matrix3d inverse_inertia;
   double scale[2];             ///< square roots of the mass, and of a mean of the inertia
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
   Vector6d v0;                 ///< at the start of the step

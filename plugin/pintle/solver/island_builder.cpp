@@ -70,6 +70,8 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   const Vector3d principal =
       inverse.unaryExpr([&](double i) { return i > 0 ? 1 / i : 1e12 / largest; });
   to.inertia = turns ? Matrix3d(R * principal.asDiagonal() * R.transpose()) : Matrix3d::Identity();
+  to.inverse_inertia = turns ? Matrix3d(R * principal.cwiseInverse().asDiagonal() * R.transpose())
+                             : Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
     to.locked[size_t(i)] = !(linear[i] > 0);
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
@@ -103,7 +105,7 @@ double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J
         any_turn = true;
     }
     K += L_1.dot(L_2) / body.mass;
-    if (any_turn) K += A_1.dot(body.inertia.inverse() * A_2);
+    if (any_turn) K += A_1.dot(body.inverse_inertia * A_2);
   }
   return K;
 }

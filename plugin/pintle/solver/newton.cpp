@@ -243,8 +243,18 @@ void Newton::findBoundedCorrection(std::vector<double>& x) {
 bool Newton::isConverged(double tolerance, double momentum) {
   m_work.next_pieces = m_work.pieces;
   choosePieces(m_work.now, m_work.pieces);
-  findResidual(m_work.now, m_work.residual);
-  return m_error <= tolerance && m_momentum2 <= momentum * momentum * m_scale2;
+  if (hasChangedSet())
+    findResidual(m_work.now, m_work.residual);  // else it is that of the last step
+  return isWithin(tolerance, momentum);
+}
+
+// work.simplified: the correction that is left at work.next, by the last factor. Returns its size; 0 if it is within the
+// tolerance.
+double Newton::findRest(double tolerance, double momentum) {
+  findResidual(m_work.next, m_work.simplified);
+  if (isWithin(tolerance, momentum)) return 0;
+  m_fronts.solve(m_work.simplified.data());
+  return velocityNorm(m_fronts, m_work.simplified);
 }
 
 bool Newton::hasChangedSet() const {
@@ -289,9 +299,7 @@ double Newton::advance() {
   double left = 0;
   for (double part = 1; part > short_step; part /= 2) {
     step(m_work.correction, part);
-    findResidual(m_work.next, m_work.simplified);
-    m_fronts.solve(m_work.simplified.data());
-    left = velocityNorm(m_fronts, m_work.simplified);
+    left = findRest(m_options.contact_tolerance, m_options.contact_momentum_tolerance);
     if (left <= length || length < tiny * std::sqrt(m_scale2)) break;
   }
   std::swap(m_work.now, m_work.next);
@@ -316,7 +324,7 @@ NewtonReport Newton::run() {
   Iterate& now = m_work.now;
   const int max_factors =
       m_tier == Tier::start ? m_options.max_first_tier_factors : m_options.max_newton_iterations;
-  std::vector<double>&x = m_work.correction, &y = m_work.simplified;
+  std::vector<double>& x = m_work.correction;
   bool fresh = false;  // the correction is known, by the last factor
   double length = 0;
   int tangents = 0, changes = 0;
@@ -336,9 +344,7 @@ NewtonReport Newton::run() {
     for (; part > (m_tier == Tier::gradient ? min_part : short_step); part /= 2) {
       step(x, part);
       if (m_bounded) keepBounded(m_work.next);
-      findResidual(m_work.next, y);
-      m_fronts.solve(y.data());
-      left = velocityNorm(m_fronts, y);
+      left = findRest(m_options.newton_tolerance, m_options.momentum_tolerance);
       accepted = left <= (1 - part / 4) * length || length < tiny * std::sqrt(m_scale2);
       if (accepted) break;
     }
@@ -361,12 +367,12 @@ NewtonReport Newton::run() {
     if (report.converged || report.steps >= m_options.max_newton_iterations) return report;
     const bool same = !hasChangedSet();
     changes = same ? 0 : changes + 1;
-    fresh = (same || m_bounded) && part == 1 && left <= m_options.contraction * length;
+    fresh = (same || m_bounded) && part == 1 && left > 0 && left <= m_options.contraction * length;
     if (changes > m_options.max_set_changes && !m_bounded) {
       m_bounded = true;
       fresh = false;
     }
-    if (fresh) x.swap(y);
+    if (fresh) x.swap(m_work.simplified);
   }
 }
 

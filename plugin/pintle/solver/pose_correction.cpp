@@ -31,6 +31,7 @@ void correctPoses(const Island& island, const Component& component, const Solver
     if (equality && piece.acts) open[r] += island.dt * (work.now.rows[r].u - piece.target);
     largest = std::fmax(largest, std::abs(open[r]));
   });
+  if (largest <= options.newton_tolerance / 2) return;  // nothing is open
   // What is left of Newton's iteration is small enough for its last factor.
   if ((held_early || largest > options.largest_residue) &&
       !Newton(island, component, Tier::start, options, fronts, work).factoriseMotion(acts))
