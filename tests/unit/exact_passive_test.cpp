@@ -18,6 +18,7 @@
 #include "physics_support.h"
 #include "support.h"
 
+namespace passive {
 namespace {
 
 using physics::rounding;
@@ -457,3 +458,4 @@ TEST(Passive, TheSameStepsGiveTheSameBits) {
 }
 
 }  // namespace
+}  // namespace passive

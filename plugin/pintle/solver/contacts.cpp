@@ -38,7 +38,7 @@ struct Group {
 // How a row moves a group.
 struct Touch {
   int group = -1, at = 0;  ///< `at`: of the body, among the group's
-  Vector6d J;
+  Vector6d J = Vector6d::Zero();
   VectorX answer;  ///< of the group's velocities, to an impulse of 1
 };
 
