@@ -330,6 +330,10 @@ void IslandBuilder::finish(std::vector<Component>& components) {
   }
   for (int& known : m_body_of)
     if (known >= 0) known = to[size_t(known)];
+  // A body whose joints have no rows is free.
+  components.erase(std::remove_if(components.begin(), components.end(),
+                                  [](const Component& c) { return c.joints == 0; }),
+                   components.end());
   m_island.bodies.swap(bodies);
   m_island.joints.swap(joints);
 }

@@ -320,6 +320,15 @@ bool Newton::factoriseMotion(const std::vector<char>& acts) {
 }
 
 NewtonReport Newton::run() {
+  NewtonReport report = iterate();
+  if (report.converged || report.steps == 0) return report;
+  choosePieces(m_work.now, m_work.pieces);
+  findResidual(m_work.now, m_work.residual);
+  report.converged = isWithin(m_options.newton_tolerance, m_options.stalled_momentum_tolerance);
+  return report;
+}
+
+NewtonReport Newton::iterate() {
   NewtonReport report;
   Iterate& now = m_work.now;
   const int max_factors =

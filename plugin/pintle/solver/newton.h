@@ -86,6 +86,7 @@ class Newton {
   void findResidual(const Iterate& at, std::vector<double>& x);
   void assemble(const Iterate& at);
   void step(const std::vector<double>& x, double part);
+  NewtonReport iterate();
   double findRest(double tolerance, double momentum);
   bool isWithin(double tolerance, double momentum) const {
     return m_error <= tolerance && m_momentum2 <= momentum * momentum * m_scale2;

@@ -11,6 +11,9 @@ struct SolverOptions {
   double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// Of the momentum: what is left of M (v - v*) = G^T lambda, against M v*.
   double momentum_tolerance = 1e-7;
+  /// The same where Newton's iteration gets no further. In single precision joints measure angles to 1e-7 rad, and where G bends
+  /// with them is known to a part of 1e-4.
+  double stalled_momentum_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-4;
   /// Newton steps of a tier. More than ten are rare. The first tier gives up sooner, since the second one follows.
   int max_newton_iterations = 30;
   int max_first_tier_factors = 8;
