@@ -4,9 +4,8 @@
 #include <pintle/joint_rows.h>
 #include <pintle/solver/joint_access.h>
 
-#include <Eigen/Dense>
-
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace pintle {
@@ -110,24 +109,31 @@ double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J
   return K;
 }
 
+// J M^-1 J^T less what the equalities hold of it, by Cholesky's factor of their own; those that repeat others are left out.
 double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const {
+  double L[max_stock_rows][max_stock_rows], y[max_stock_rows];
+  const IslandRow* equality[max_stock_rows];
+  double rest = inverseMass(joint, J, J);
   int n = 0;
-  for (int r = joint.first_row; r < int(m_island.rows.size()); ++r)
-    n += m_island.rows[size_t(r)].law.isEquality();
-  Eigen::MatrixXd K(n, n);
-  Eigen::VectorXd k(n);
-  int i = 0;
-  for (int r = joint.first_row; r < int(m_island.rows.size()); ++r) {
-    const IslandRow& row = m_island.rows[size_t(r)];
-    if (!row.law.isEquality()) continue;
-    int j = 0;
-    for (int s = joint.first_row; s < int(m_island.rows.size()); ++s)
-      if (m_island.rows[size_t(s)].law.isEquality())
-        K(i, j++) = inverseMass(joint, row.J, m_island.rows[size_t(s)].J);
-    k[i++] = inverseMass(joint, row.J, J);
+  for (size_t r = size_t(joint.first_row); r < m_island.rows.size(); ++r) {
+    const IslandRow& row = m_island.rows[r];
+    if (!row.law.isEquality() || n == max_stock_rows) continue;
+    double pivot = row.K;
+    for (int j = 0; j < n; ++j) {
+      double sum = inverseMass(joint, row.J, equality[j]->J);
+      for (int k = 0; k < j; ++k) sum -= L[n][k] * L[j][k];
+      L[n][j] = sum / L[j][j];
+      pivot -= L[n][j] * L[n][j];
+    }
+    if (!(pivot > 1e-9 * row.K)) continue;
+    L[n][n] = std::sqrt(pivot);
+    y[n] = inverseMass(joint, row.J, J);
+    for (int j = 0; j < n; ++j) y[n] -= L[n][j] * y[j];
+    y[n] /= L[n][n];
+    rest -= y[n] * y[n];
+    equality[n++] = &row;
   }
-  const double own = inverseMass(joint, J, J);
-  return n > 0 ? own - k.dot(K.completeOrthogonalDecomposition().solve(k)) : own;
+  return rest;
 }
 
 void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {

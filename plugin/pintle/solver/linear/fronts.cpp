@@ -1,6 +1,6 @@
 #include <pintle/solver/linear/fronts.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
