@@ -59,7 +59,7 @@ TEST(DiscreteGradient, MeanOfATurnIsTheMean) {
       const Eigen::AngleAxisd turn(t * angle, angle > 0 ? Vector3d(phi / angle) : Vector3d::UnitX());
       sum += turn * r / n;
     }
-    EXPECT_LT((pintle::meanOfTurn(phi, r) - sum).norm(), 1e-9) << angle;
+    EXPECT_LT((pintle::meanOfTurn(phi) * r - sum).norm(), 1e-9) << angle;
   }
 }
 

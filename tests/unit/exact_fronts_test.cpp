@@ -224,59 +224,46 @@ class Problem {
   std::vector<int> m_joint, m_place;
 };
 
+/// Compares with the dense solution of random numbers. Returns how many blocks of two bodies there are.
+int compareAny(const Graph& graph, int max_size, double softness, Random& random) {
+  Fronts fronts;
+  fronts.analyse(graph.bodies, graph.joints);
+  const auto joint_sizes = sizes(graph, 1, max_size, random);
+  fronts.setSizes(joint_sizes);
+  const Problem problem(fronts, graph, joint_sizes, softness, random);
+  problem.compare(graph.name);
+  return problem.coupled;
+}
+
 TEST(Fronts, SolvesTreesOfAnyJoints) {
   Random random(3);
-  for (const Graph& graph : trees())
-    for (int n = 0; n < support::trials(20); ++n) {
-      Fronts fronts;
-      fronts.analyse(graph.bodies, graph.joints);
-      const auto joint_sizes = sizes(graph, 1, 6, random);
-      fronts.setSizes(joint_sizes);
-      const Problem problem(fronts, graph, joint_sizes, 0, random);
-      problem.compare(graph.name);
-      // In a tree the bodies of every joint meet.
-      int pairs = 0;
-      for (const Fronts::Joint& joint : graph.joints) pairs += joint[0] >= 0 && joint[1] >= 0;
-      EXPECT_EQ(problem.coupled, 2 * pairs) << graph.name;
-    }
+  for (const Graph& graph : trees()) {
+    // In a tree the bodies of every joint meet.
+    int pairs = 0;
+    for (const Fronts::Joint& joint : graph.joints) pairs += joint[0] >= 0 && joint[1] >= 0;
+    for (int n = 0; n < support::trials(20); ++n)
+      EXPECT_EQ(compareAny(graph, 6, 0, random), 2 * pairs) << graph.name;
+  }
 }
 
 // Few enough rows for the bodies: more would contradict each other.
 TEST(Fronts, SolvesLoopsOfRigidJoints) {
   Random random(4);
   for (const Graph& graph : loops())
-    for (int n = 0; n < support::trials(20); ++n) {
-      Fronts fronts;
-      fronts.analyse(graph.bodies, graph.joints);
-      const auto joint_sizes = sizes(graph, 1, 2, random);
-      fronts.setSizes(joint_sizes);
-      Problem(fronts, graph, joint_sizes, 0, random).compare(graph.name);
-    }
+    for (int n = 0; n < support::trials(20); ++n) compareAny(graph, 2, 0, random);
 }
 
 TEST(Fronts, SolvesLoopsOfAnySoftJoints) {
   Random random(5);
   for (const Graph& graph : loops())
-    for (int n = 0; n < support::trials(20); ++n) {
-      Fronts fronts;
-      fronts.analyse(graph.bodies, graph.joints);
-      const auto joint_sizes = sizes(graph, 1, 6, random);
-      fronts.setSizes(joint_sizes);
-      Problem(fronts, graph, joint_sizes, 0.5, random).compare(graph.name);
-    }
+    for (int n = 0; n < support::trials(20); ++n) compareAny(graph, 6, 0.5, random);
 }
 
 // So many joints for the bodies that fronts are eliminated in panels.
 TEST(Fronts, SolvesWhereAllAreCoupledToAll) {
   Random random(6);
-  for (int n = 0; n < support::trials(20); ++n) {
-    const Graph graph = anyGraph(4 + n, 30 + n, random);
-    Fronts fronts;
-    fronts.analyse(graph.bodies, graph.joints);
-    const auto joint_sizes = sizes(graph, 1, 6, random);
-    fronts.setSizes(joint_sizes);
-    Problem(fronts, graph, joint_sizes, 0.5, random).compare(graph.name);
-  }
+  for (int n = 0; n < support::trials(20); ++n)
+    compareAny(anyGraph(4 + n, 30 + n, random), 6, 0.5, random);
 }
 
 // Limits come and go from step to step: a joint may even have no rows.

@@ -56,7 +56,7 @@ class Pair {
       body.v0 = body.v_free = Vector6d::Zero();
       m_island.bodies.push_back(body);
     }
-    m_island.joints.push_back({nullptr, nullptr, {0, 1}, 0, 1, 1});
+    m_island.joints.push_back({nullptr, nullptr, {0, 1}, 0, 1, 0, 1});
     m_island.rows.push_back(rowOf(kind, random));
     m_at.horizon = time_step;
     m_at.bodies.resize(2);
@@ -69,7 +69,7 @@ class Pair {
   void moveTo(const Velocities& v) {
     m_at.bodies[0].v = v.head<6>();
     m_at.bodies[1].v = v.tail<6>();
-    pintle::moveTo(m_island, {0, 2, 0, 1}, pintle::Tier::gradient, m_at);
+    pintle::moveTo(m_island, {0, 2, 0, 1, 1}, pintle::Tier::gradient, m_at);
   }
 
   /// -G^T lambda
@@ -84,8 +84,8 @@ class Pair {
   void addTo(GeometricDerivative& H, const Velocities& v) {
     moveTo(v);
     const pintle::IslandJoint& joint = m_island.joints[0];
-    H.add(m_island.rows[0], m_at.rows[0], m_lambda, pintle::bodyOf(joint, 0, {0, 2, 0, 1}, m_at),
-          pintle::bodyOf(joint, 1, {0, 2, 0, 1}, m_at), time_step);
+    H.add(m_island.rows[0], m_at.rows[0], m_lambda, pintle::bodyOf(joint, 0, {0, 2, 0, 1, 1}, m_at),
+          pintle::bodyOf(joint, 1, {0, 2, 0, 1, 1}, m_at), time_step);
   }
 
   Matrix derivative(const Velocities& v) {

@@ -346,28 +346,17 @@ void Joint::placeRows(int room) {
   m_solver_row_count = static_cast<signed char>(n);
 }
 
-// What acts along an axis in this step, part by part. `orthogonal` is its row after the elimination in `block`,
-// whose target is what the equalities' targets came to in it; both null: as it stands.
-inline void Joint::act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
-                       AxisRow (&parts)[Axis::parts]) {
-  AxisState& state = m_rows.axis(row.axis);
+// Without its velocity and gain.
+AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyPair& pair,
+                             Scalar fps, Scalar default_limit_erp) {
   const Axis& axis = *state.axis;
-  const Scalar sign = state.sign;
-  state.acted = true;
-  state.incoming = 0;
-  const BodyPair pair(m_rbA, m_rbB);
   AxisMotion motion;
   motion.position = row.position;
-  // All velocities of an axis are means over the step, and so is the target that comes of them.
-  motion.gain = step.gain(row);
-  motion.velocity = motion.gain + sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
-                                                      : velocity(row, pair.v_b() - pair.v_a(),
-                                                                 pair.w_a(), pair.w_b()));
   motion.max_speed = btMin(row.angular ? m_max_correction_speed : infinity, row.max_speed);
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
-  motion.fps = step.fps;
-  motion.limit_erp = m_limit_erp.orElse(step.limit_erp);
+  motion.fps = fps;
+  motion.limit_erp = m_limit_erp.orElse(default_limit_erp);
   motion.motor_cfm = m_motor_cfm.orElse(0);
   Parameter limit_cfm = m_limit_cfm;
   if (axis.own != nullptr) {
@@ -381,8 +370,27 @@ inline void Joint::act(Row& row, const BlockRow* orthogonal, const Block* block,
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
-                                         step.fps * motion.limit_erp);
+                                         fps * motion.limit_erp);
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
+  return motion;
+}
+
+// What acts along an axis in this step, part by part. `orthogonal` is its row after the elimination in `block`,
+// whose target is what the equalities' targets came to in it; both null: as it stands.
+inline void Joint::act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
+                       AxisRow (&parts)[Axis::parts]) {
+  AxisState& state = m_rows.axis(row.axis);
+  const Axis& axis = *state.axis;
+  const Scalar sign = state.sign;
+  state.acted = true;
+  state.incoming = 0;
+  const BodyPair pair(m_rbA, m_rbB);
+  AxisMotion motion = axisMotion(row, state, pair, step.fps, step.limit_erp);
+  // All velocities of an axis are means over the step, and so is the target that comes of them.
+  motion.gain = step.gain(row);
+  motion.velocity = motion.gain + sign * (row.angular ? row.A_b.dot(pair.w_b() - pair.w_a())
+                                                      : velocity(row, pair.v_b() - pair.v_a(),
+                                                                 pair.w_a(), pair.w_b()));
   const Scalar softest = row.limit ? btMax(motion.limit_cfm, motion.motor_cfm) : motion.motor_cfm;
   if (axis.isSoft(row.limit) || !(softest < diverging_cfm)) {
     // A copy of its own: the one here need not lie in memory for all that are rigid.

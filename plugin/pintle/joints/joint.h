@@ -249,6 +249,8 @@ class Joint : public btTypedConstraint {
   void forget();
   void forgetImpulses();
   void writeDelicate(btConstraintInfo2& info);
+  AxisMotion axisMotion(const Row& row, const AxisState& state, const BodyPair& pair, Scalar fps,
+                        Scalar default_limit_erp);
   void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
            AxisRow (&parts)[3]);
   void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[3]);

@@ -1,7 +1,5 @@
 #include <pintle/solver/contacts.h>
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +12,7 @@ using VectorX = Eigen::VectorXd;
 
 Vector6d sideOf(const RowJacobian& J, int side) {
   Vector6d x;
-  x << (side ? J.L_b : J.L_a), (side ? J.A_b : J.A_a);
+  x << J.L(side), J.A(side);
   return x;
 }
 
@@ -25,21 +23,23 @@ Vector6d unlocked(const IslandBody& body, Vector6d x) {
   return x;
 }
 
+// How a row moves a group.
+struct Touch {
+  int group = -1;
+  int at = 0;  ///< where the velocity of its body is among the group's
+  Vector6d J = Vector6d::Zero();
+  VectorX answer;  ///< of the group's velocities, to an impulse of 1
+};
+
 // The bodies of a part that contacts touch, or one body without joints; and how they answer impulses.
 struct Group {
   ContactPart* part = nullptr;
-  std::vector<int> bodies;                   ///< of the island
+  std::vector<int> bodies;  ///< of the island
+  std::vector<Touch*> touches;
   MatrixX response;                          ///< of their velocities, six each
   std::vector<std::vector<double>> columns;  ///< of all unknowns of the part
-  VectorX change;                            ///< of their velocities, by the contacts in this step
-  VectorX impulse;                           ///< on them, in this step
-};
-
-// How a row moves a group.
-struct Touch {
-  int group = -1, at = 0;  ///< `at`: of the body, among the group's
-  Vector6d J = Vector6d::Zero();
-  VectorX answer;  ///< of the group's velocities, to an impulse of 1
+  VectorX velocity;                          ///< of their bodies at the end of this Newton step
+  VectorX impulse;                           ///< of contacts on them in it
 };
 
 class Solve {
@@ -52,15 +52,19 @@ class Solve {
         m_options(options),
         m_velocities(velocities) {}
 
-  ContactReport run();
+  NewtonReport run();
 
  private:
   void group();
   void respond(Group& group);
-  void answer(const Group& group, int number);
+  void answer(Group& group);
+  void addExternal(int number, const Vector6d& impulse);
+  void predict(Group& group);
   double sweep();
+  double iterate();
+  void correct(Group& group);
   void bound(ContactRow& row) const;
-  Vector6d velocityOf(int body, size_t part) const;
+  const IslandBody& body(int number) const { return m_island.bodies[size_t(number)]; }
 
   const Island& m_island;
   std::vector<ContactPart>& m_parts;
@@ -70,7 +74,7 @@ class Solve {
   std::vector<Group> m_groups;        ///< the parts first
   std::vector<int> m_group_of, m_at;  ///< of each body
   std::vector<std::array<Touch, 2>> m_touch;
-  std::vector<double> m_K, m_u;  ///< of each row
+  std::vector<double> m_K;  ///< of each row
 };
 
 void Solve::group() {
@@ -84,11 +88,9 @@ void Solve::group() {
   }
   m_touch.resize(m_rows.size());
   m_K.assign(m_rows.size(), 0);
-  m_u.assign(m_rows.size(), 0);
   for (size_t r = 0; r < m_rows.size(); ++r)
     for (int side = 0; side < 2; ++side) {
       const int number = m_rows[r].body[size_t(side)];
-      m_touch[r][size_t(side)] = {};
       if (number < 0) continue;
       int& group = m_group_of[size_t(number)];
       if (group < 0) {
@@ -104,11 +106,15 @@ void Solve::group() {
       Touch& touch = m_touch[r][size_t(side)];
       touch.group = group;
       touch.at = 6 * at;
-      touch.J = unlocked(m_island.bodies[size_t(number)], sideOf(m_rows[r].J, side));
+      touch.J = unlocked(body(number), sideOf(m_rows[r].J, side));
+      to.touches.push_back(&touch);
     }
   for (Group& of : m_groups) {
-    of.change = of.impulse = VectorX::Zero(6 * Eigen::Index(of.bodies.size()));
-    if (of.part == nullptr) respond(of);
+    of.velocity.resize(6 * Eigen::Index(of.bodies.size()));
+    of.impulse.resize(of.velocity.size());
+    if (of.part != nullptr) continue;
+    respond(of);
+    answer(of);
   }
 }
 
@@ -117,18 +123,9 @@ void Solve::respond(Group& of) {
   const auto n = Eigen::Index(of.bodies.size());
   of.response = MatrixX::Zero(6 * n, 6 * n);
   if (of.part == nullptr) {
-    const IslandBody& body = m_island.bodies[size_t(of.bodies[0])];
-    Matrix3d inertia = body.inertia;
-    for (int k = 0; k < 3; ++k)
-      if (body.locked[size_t(3 + k)]) {
-        inertia.row(k).setZero();
-        inertia.col(k).setZero();
-        inertia(k, k) = 1;
-      }
-    for (int k = 0; k < 3; ++k) of.response(k, k) = 1 / body.mass;
-    of.response.bottomRightCorner<3, 3>() = inertia.inverse();
-    for (int k = 0; k < 6; ++k)
-      if (body.locked[size_t(k)]) of.response.row(k).setZero(), of.response.col(k).setZero();
+    const IslandBody& free = body(of.bodies[0]);
+    for (int k = 0; k < 3; ++k) of.response(k, k) = free.locked[size_t(k)] ? 0 : 1 / free.mass;
+    of.response.bottomRightCorner<3, 3>() = free.inverse_inertia;
     return;
   }
   const Fronts& fronts = *of.part->fronts;
@@ -136,26 +133,48 @@ void Solve::respond(Group& of) {
   of.columns.resize(size_t(6 * n));
   for (Eigen::Index i = 0; i < n; ++i)
     for (int k = 0; k < 6; ++k) {
-      const IslandBody& body = m_island.bodies[size_t(of.bodies[size_t(i)])];
+      const int number = of.bodies[size_t(i)];
       std::vector<double>& column = of.columns[size_t(6 * i + k)];
       column.assign(size_t(fronts.size()), 0.);
-      if (body.locked[size_t(k)]) continue;
-      column[size_t(fronts.body(of.bodies[size_t(i)] - first) + k)] = 1 / body.scale[k / 3];
+      if (body(number).locked[size_t(k)]) continue;
+      column[size_t(fronts.body(number - first) + k)] = 1 / body(number).scale[k / 3];
       fronts.solve(column.data());
       for (Eigen::Index j = 0; j < n; ++j) {
-        const IslandBody& other = m_island.bodies[size_t(of.bodies[size_t(j)])];
-        for (int l = 0; l < 6; ++l)
-          if (!other.locked[size_t(l)])
-            of.response(6 * j + l, 6 * i + k) =
-                column[size_t(fronts.body(of.bodies[size_t(j)] - first) + l)] / other.scale[l / 3];
+        const int other = of.bodies[size_t(j)];
+        of.response.block<6, 1>(6 * j, 6 * i + k) =
+            body(other).unscaled(&column[size_t(fronts.body(other - first))]);
       }
     }
 }
 
-void Solve::answer(const Group& of, int number) {
-  for (std::array<Touch, 2>& sides : m_touch)
-    for (Touch& touch : sides)
-      if (touch.group == number) touch.answer = of.response.middleCols<6>(touch.at) * touch.J;
+void Solve::answer(Group& of) {
+  for (Touch* const touch : of.touches)
+    touch->answer = of.response.middleCols<6>(touch->at) * touch->J;
+}
+
+// An impulse of contacts on a body: of a part for Newton's iteration, of one without joints at once.
+void Solve::addExternal(int number, const Vector6d& impulse) {
+  Group& of = m_groups[size_t(m_group_of[size_t(number)])];
+  if (of.part != nullptr)
+    of.part->work->external[size_t(number - of.part->component->first_body)] += impulse;
+  else
+    m_velocities[size_t(number)] += of.response * impulse;
+}
+
+// Velocities after the Newton step that is found, if the contacts' impulses stay.
+void Solve::predict(Group& of) {
+  of.impulse.setZero();
+  for (size_t i = 0; i < of.bodies.size(); ++i) {
+    const int number = of.bodies[i];
+    Vector6d& v = m_velocities[size_t(number)];
+    if (of.part != nullptr) {
+      const int local = number - of.part->component->first_body;
+      const Workspace& work = *of.part->work;
+      v = work.now.bodies[size_t(local)].v +
+          body(number).unscaled(&work.correction[size_t(of.part->fronts->body(local))]);
+    }
+    of.velocity.segment<6>(6 * Eigen::Index(i)) = v;
+  }
 }
 
 void Solve::bound(ContactRow& row) const {
@@ -172,10 +191,10 @@ double Solve::sweep() {
     const double K = m_K[r];
     if (!(K > 0)) continue;
     bound(row);
-    double u = m_u[r];
+    double u = 0;
     for (const Touch& touch : m_touch[r])
       if (touch.group >= 0)
-        u += touch.J.dot(m_groups[size_t(touch.group)].change.segment<6>(touch.at));
+        u += touch.J.dot(m_groups[size_t(touch.group)].velocity.segment<6>(touch.at));
     const double next = std::min(
         std::max(row.impulse - (u + row.softness * row.impulse - row.target) / (K + row.softness),
                  row.lower),
@@ -186,7 +205,7 @@ double Solve::sweep() {
     for (const Touch& touch : m_touch[r]) {
       if (touch.group < 0) continue;
       Group& of = m_groups[size_t(touch.group)];
-      of.change += change * touch.answer;
+      of.velocity += change * touch.answer;
       of.impulse.segment<6>(touch.at) += change * touch.J;
     }
     largest = std::max(largest, std::abs(K * change));
@@ -194,115 +213,88 @@ double Solve::sweep() {
   return largest;
 }
 
-ContactReport Solve::run() {
-  ContactReport report;
+// Contacts, until none changes. Returns how much the first pass changed, m/s.
+double Solve::iterate() {
+  for (size_t r = 0; r < m_rows.size(); ++r) {
+    m_K[r] = 0;
+    for (const Touch& touch : m_touch[r])
+      for (const Touch& other : m_touch[r])
+        if (touch.group >= 0 && touch.group == other.group)
+          m_K[r] += touch.J.dot(other.answer.segment<6>(touch.at));
+  }
+  double first = 0;
+  for (int i = 0; i < m_options.max_contact_sweeps; ++i) {
+    const double largest = sweep();
+    if (i == 0) first = largest;
+    if (largest * m_island.dt <= m_options.contact_tolerance / 10) break;
+  }
+  return first;
+}
+
+// What the contacts' impulses of this step do to its Newton step, and to the next ones.
+void Solve::correct(Group& of) {
+  for (size_t i = 0; i < of.bodies.size(); ++i)
+    addExternal(of.bodies[i], of.impulse.segment<6>(6 * Eigen::Index(i)));
+  if (of.part == nullptr) return;
+  std::vector<double>& x = of.part->work->correction;
+  for (Eigen::Index k = 0; k < of.impulse.size(); ++k) {
+    if (of.impulse[k] == 0) continue;
+    const std::vector<double>& column = of.columns[size_t(k)];
+    for (size_t i = 0; i < x.size(); ++i) x[i] += of.impulse[k] * column[i];
+  }
+}
+
+NewtonReport Solve::run() {
+  NewtonReport report;
   group();
-  std::vector<Newton> newtons;
-  newtons.reserve(m_parts.size());
-  std::vector<char> stale(m_parts.size(), true);
-  // What the last step's impulses, with which contacts begin, do.
   for (ContactPart& part : m_parts)
     part.work->external.assign(size_t(part.component->bodies), Vector6d::Zero());
-  const auto addExternal = [&](int number, const Vector6d& impulse) {
-    const int p = m_group_of[size_t(number)];
-    if (p < int(m_parts.size()))
-      m_parts[size_t(p)]
-          .work->external[size_t(number - m_parts[size_t(p)].component->first_body)] += impulse;
-    else
-      m_velocities[size_t(number)] += m_groups[size_t(p)].response * impulse;
-  };
+  // What the last step's impulses, with which contacts begin, do.
   for (size_t r = 0; r < m_rows.size(); ++r)
-    for (int side = 0; side < 2; ++side)
-      if (m_rows[r].body[size_t(side)] >= 0)
-        addExternal(m_rows[r].body[size_t(side)], m_rows[r].impulse * m_touch[r][size_t(side)].J);
+    for (size_t side = 0; side < 2; ++side)
+      if (m_rows[r].body[side] >= 0)
+        addExternal(m_rows[r].body[side], m_rows[r].impulse * m_touch[r][side].J);
+  std::vector<Newton> newtons;
+  newtons.reserve(m_parts.size());
   for (ContactPart& part : m_parts) {
     part.work->now.horizon = m_island.dt;
     newtons.emplace_back(m_island, *part.component, Tier::gradient, m_options, *part.fronts,
                          *part.work);
     newtons.back().begin();
   }
+  std::vector<char> stale(m_parts.size(), true);
   const double tolerance = m_options.contact_tolerance;
-  for (; report.steps < m_options.max_newton_iterations; ++report.steps) {
+  while (!report.converged && report.steps < m_options.max_newton_iterations) {
     for (size_t p = 0; p < m_parts.size(); ++p) {
       if (stale[p]) {
         ++report.factors;
         if (!newtons[p].factorise()) return report;
         respond(m_groups[p]);
-        answer(m_groups[p], int(p));
+        answer(m_groups[p]);
       }
       newtons[p].findCorrection();
     }
-    if (report.steps == 0)
-      for (size_t g = m_parts.size(); g < m_groups.size(); ++g) answer(m_groups[g], int(g));
-    // Velocities of the rows, if the contacts' impulses stay.
-    for (Group& of : m_groups) of.change.setZero(), of.impulse.setZero();
-    for (size_t r = 0; r < m_rows.size(); ++r) {
-      m_u[r] = m_K[r] = 0;
-      for (const Touch& touch : m_touch[r]) {
-        if (touch.group < 0) continue;
-        const Group& of = m_groups[size_t(touch.group)];
-        const int number = of.bodies[size_t(touch.at / 6)];
-        Vector6d v = of.part == nullptr ? m_velocities[size_t(number)] : Vector6d::Zero();
-        if (of.part != nullptr) {
-          const int local = number - of.part->component->first_body;
-          v = of.part->work->now.bodies[size_t(local)].v;
-          const double* const d = &of.part->work->correction[size_t(of.part->fronts->body(local))];
-          const IslandBody& body = m_island.bodies[size_t(number)];
-          for (int k = 0; k < 6; ++k)
-            if (!body.locked[size_t(k)]) v[k] += d[k] / body.scale[k / 3];
-        }
-        m_u[r] += touch.J.dot(v);
-        m_K[r] += touch.J.dot(touch.answer.segment<6>(touch.at));
-      }
-      const auto& touch = m_touch[r];
-      if (touch[0].group >= 0 && touch[0].group == touch[1].group)
-        m_K[r] += touch[0].J.dot(touch[1].answer.segment<6>(touch[0].at)) +
-                  touch[1].J.dot(touch[0].answer.segment<6>(touch[1].at));
-    }
-    double moved = 0;
-    for (int i = 0; i < m_options.max_contact_sweeps; ++i) {
-      const double largest = sweep();
-      if (i == 0) moved = largest;
-      if (largest * m_island.dt <= tolerance / 10) break;
-    }
-    bool done = moved * m_island.dt <= tolerance;
+    for (Group& of : m_groups) predict(of);
+    report.converged = iterate() * m_island.dt <= tolerance;
+    for (Group& of : m_groups) correct(of);
     report.error = 0;
     for (size_t p = 0; p < m_parts.size(); ++p) {
-      Group& of = m_groups[p];
-      std::vector<double>& x = m_parts[p].work->correction;
-      for (Eigen::Index k = 0; k < of.impulse.size(); ++k) {
-        if (of.impulse[k] == 0) continue;
-        const std::vector<double>& column = of.columns[size_t(k)];
-        for (size_t i = 0; i < x.size(); ++i) x[i] += of.impulse[k] * column[i];
-      }
-      for (size_t i = 0; i < of.bodies.size(); ++i)
-        addExternal(of.bodies[i], of.impulse.segment<6>(6 * Eigen::Index(i)));
       const double left = newtons[p].advance();
-      const bool converged =
-          newtons[p].isConverged(tolerance, m_options.contact_momentum_tolerance);
+      if (!newtons[p].isConverged(tolerance, m_options.contact_momentum_tolerance))
+        report.converged = false;
       stale[p] = !(left <= m_options.contraction) || newtons[p].hasChangedSet();
       report.error = std::max(report.error, newtons[p].error());
-      done = done && converged;
     }
-    for (size_t g = m_parts.size(); g < m_groups.size(); ++g)
-      addExternal(m_groups[g].bodies[0], m_groups[g].impulse);
-    if (done) {
-      ++report.steps;
-      report.converged = true;
-      break;
-    }
+    ++report.steps;
   }
-  for (const ContactPart& part : m_parts)
-    for (int i = 0; i < part.component->bodies; ++i)
-      m_velocities[size_t(part.component->first_body + i)] = part.work->now.bodies[size_t(i)].v;
   return report;
 }
 
 }  // namespace
 
-ContactReport solveAmongContacts(const Island& island, std::vector<ContactPart>& parts,
-                                 std::vector<ContactRow>& rows, const SolverOptions& options,
-                                 std::vector<Vector6d>& velocities) {
+NewtonReport solveAmongContacts(const Island& island, std::vector<ContactPart>& parts,
+                                std::vector<ContactRow>& rows, const SolverOptions& options,
+                                std::vector<Vector6d>& velocities) {
   return Solve(island, parts, rows, options, velocities).run();
 }
 

@@ -27,17 +27,11 @@ struct ContactPart {
   Workspace* work;  ///< `now`: where it begins
 };
 
-struct ContactReport {
-  bool converged = false;
-  int steps = 0, factors = 0;
-  double error = 0;  ///< m or rad: the largest left of a joint
-};
-
 /// Solves contacts with all components that they touch, by the discrete gradient. `velocities`: of all bodies of the island, m/s
 /// and rad/s: of those without joints they are found here.
-ContactReport solveAmongContacts(const Island& island, std::vector<ContactPart>& parts,
-                                 std::vector<ContactRow>& rows, const SolverOptions& options,
-                                 std::vector<Vector6d>& velocities);
+NewtonReport solveAmongContacts(const Island& island, std::vector<ContactPart>& parts,
+                                std::vector<ContactRow>& rows, const SolverOptions& options,
+                                std::vector<Vector6d>& velocities);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,7 +1,5 @@
 #include <pintle/solver/discrete_gradient.h>
 
-#include <cmath>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -11,15 +9,14 @@ Vector3d inDouble(const Vec3& v) { return v.cast<double>(); }
 // Levers of points, held along L.
 Gradient ofPoints(const Vector3d& L, const RowShape& start, const Displacement& a,
                   const Displacement& b) {
-  const Vector3d r_a = meanOfTurn(a.phi, inDouble(start.a)),
-                 r_b = meanOfTurn(b.phi, inDouble(start.b));
+  const Vector3d r_a = a.mean * inDouble(start.a), r_b = b.mean * inDouble(start.b);
   return {L, cross(r_a, L), cross(r_b, L)};
 }
 
 // |d_1| - |d_0| = (d_0 + d_1) . (d_1 - d_0) / (|d_0| + |d_1|). Row::position of a rod is its length less a constant.
 Gradient ofDistance(const RowOfStep& row, const Displacement& a, const Displacement& b) {
   const auto moved = [](const Displacement& by, const Vec3& start) {
-    return Vector3d(by.x + cross(by.phi, meanOfTurn(by.phi, inDouble(start))));
+    return Vector3d(by.x + cross(by.phi, Vector3d(by.mean * inDouble(start))));
   };
   const Vector3d d_0 = row.start_shape.length * inDouble(row.start.L);
   const Vector3d d_1 = d_0 + moved(b, row.start_shape.b) - moved(a, row.start_shape.a);
@@ -31,7 +28,7 @@ Gradient ofDistance(const RowOfStep& row, const Displacement& a, const Displacem
 // a_1 . b_1 - a_0 . b_0 = mean of a . change of b + mean of b . change of a
 Gradient ofDot(const RowOfStep& row, const Displacement& a, const Displacement& b) {
   const Vector3d a_0 = inDouble(row.start_shape.a), b_0 = inDouble(row.start_shape.b);
-  const Vector3d along_a = meanOfTurn(a.phi, a_0), along_b = meanOfTurn(b.phi, b_0);
+  const Vector3d along_a = a.mean * a_0, along_b = b.mean * b_0;
   const Vector3d mean_a = a_0 + cross(a.phi, along_a) / 2, mean_b = b_0 + cross(b.phi, along_b) / 2;
   return {Vector3d::Zero(), cross(mean_b, along_a), cross(along_b, mean_a)};
 }
@@ -62,15 +59,6 @@ Gradient ofAny(const RowOfStep& row, double change, const Displacement& a, const
 }
 
 }  // namespace
-
-Vector3d meanOfTurn(const Vector3d& phi, const Vector3d& r) {
-  const double t2 = phi.squaredNorm(), t = std::sqrt(t2);
-  const bool small = t < 1e-3;  // the next terms are t^4 / 720 and t^4 / 5040
-  const double once = small ? 0.5 - t2 / 24 : (1 - std::cos(t)) / t2;
-  const double twice = small ? 1. / 6 - t2 / 120 : (t - std::sin(t)) / (t2 * t);
-  const Vector3d turned = cross(phi, r);
-  return r + once * turned + twice * cross(phi, turned);
-}
 
 Gradient discreteGradient(const RowOfStep& row, double change, const Displacement& a,
                           const Displacement& b) {

@@ -9,15 +9,20 @@
 
 #include <pintle/rows/row.h>
 #include <pintle/rows/row_shape.h>
+#include <pintle/solver/turn.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-using Vector3d = Eigen::Matrix<double, 3, 1>;
-
 /// Of a body in a step: m, and the rotation vector in rad.
 struct Displacement {
   Vector3d x, phi;
+  Matrix3d mean;  ///< of its turn (turn.h)
+
+  Displacement(const Vector3d& by, const Vector3d& turn)
+      : Displacement(by, turn, meanOfTurn(turn)) {}
+  Displacement(const Vector3d& by, const Vector3d& turn, const Matrix3d& mean_of_turn)
+      : x(by), phi(turn), mean(mean_of_turn) {}
 };
 
 /// J as Row has it: [-L, -A_a, L, A_b].
@@ -28,10 +33,6 @@ struct Gradient {
     return L.dot(b.x - a.x) - A_a.dot(a.phi) + A_b.dot(b.phi);
   }
 };
-
-/// V(phi) r: the mean of what r is while its body turns by phi at a constant rate. V = 1 + (1 - cos t) / t^2 [phi]x +
-/// (t - sin t) / t^3 [phi]x^2, t = |phi|, is the left Jacobian of SO(3).
-Vector3d meanOfTurn(const Vector3d& phi, const Vector3d& r);
 
 /// A row at the start of a step and at its end.
 struct RowOfStep {

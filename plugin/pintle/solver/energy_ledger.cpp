@@ -2,25 +2,14 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-namespace {
-
-double kineticEnergy(const IslandBody& body, const Vector6d& v) {
-  return (body.mass * v.head<3>().squaredNorm() + v.tail<3>().dot(body.inertia * v.tail<3>())) / 2;
-}
-
-}  // namespace
 
 double kineticEnergyOfStart(const Island& island, const Component& component) {
   double sum = 0;
-  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
-    sum += kineticEnergy(island.bodies[size_t(i)], island.bodies[size_t(i)].v0);
-  return sum;
-}
-
-double kineticEnergy(const Island& island, const Component& component, const Iterate& at) {
-  double sum = 0;
-  for (int i = 0; i < component.bodies; ++i)
-    sum += kineticEnergy(island.bodies[size_t(component.first_body + i)], at.bodies[size_t(i)].v);
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(i)];
+    const auto w = body.v0.tail<3>();
+    sum += (body.mass * body.v0.head<3>().squaredNorm() + w.dot(body.inertia * w)) / 2;
+  }
   return sum;
 }
 
@@ -35,7 +24,6 @@ double workOfJoints(const Island& island, const Component& component, const Iter
              by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
             2;
   }
-  size_t r = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto mean = [&](int side) -> Vector6d {
@@ -44,7 +32,8 @@ double workOfJoints(const Island& island, const Component& component, const Iter
       return (at.bodies[size_t(body - component.first_body)].v + island.bodies[size_t(body)].v0) /
              2;
     };
-    for (int i = 0; i < joint.rows; ++i, ++r) {
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
       const AxisLaw& law = island.rows[size_t(joint.first_row + i)].law;
       if (!law.hasDrives()) continue;
       double impulse[AxisLaw::max_parts], driving = 0;

@@ -21,7 +21,6 @@ struct EnergyLedger {
   void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
 };
 
-double kineticEnergy(const Island& island, const Component& component, const Iterate& at);
 double kineticEnergyOfStart(const Island& island, const Component& component);
 /// J: what joints gave to the velocities of the iterate, without motors, springs and friction.
 double workOfJoints(const Island& island, const Component& component, const Iterate& at);

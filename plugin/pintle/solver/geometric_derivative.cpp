@@ -18,11 +18,6 @@ Matrix withoutNegative(const Matrix& m) {
          axes.eigenvectors().transpose();
 }
 
-// Where an arm of the body at the start points at the end.
-Vector3d atEnd(const BodyAtEnd& body, const Vector3d& r) {
-  return r + cross(body.turn.phi, Vector3d(body.turn.mean * r));
-}
-
 }  // namespace
 
 Matrix3d leverDerivative(const Vector3d& f, const Vector3d& r, double dt) {
@@ -62,7 +57,7 @@ void GeometricDerivative::addDistance(const IslandRow& row, double lambda, const
                                       const BodyAtEnd& b, double dt) {
   const Vector3d r_a = inDouble(row.shape.a), r_b = inDouble(row.shape.b);
   const Vector3d d_0 = double(row.shape.length) * inDouble(row.start.L);
-  const Vector3d end_a = atEnd(a, r_a), end_b = atEnd(b, r_b);
+  const Vector3d end_a = a.turn.turned(r_a), end_b = b.turn.turned(r_b);
   const Vector3d d_1 = d_0 + dt * (b.v - a.v).head<3>() + end_b - r_b - end_a + r_a;
   const double sum = d_0.norm() + d_1.norm();
   if (!(sum > 0) || !(d_1.squaredNorm() > 0)) return;
@@ -86,7 +81,7 @@ void GeometricDerivative::addDistance(const IslandRow& row, double lambda, const
 void GeometricDerivative::addDot(const IslandRow& row, double lambda, const BodyAtEnd& a,
                                  const BodyAtEnd& b, double dt) {
   const Vector3d a_0 = inDouble(row.shape.a), b_0 = inDouble(row.shape.b);
-  const Vector3d a_1 = atEnd(a, a_0), b_1 = atEnd(b, b_0);
+  const Vector3d a_1 = a.turn.turned(a_0), b_1 = b.turn.turned(b_0);
   const Matrix3d along_a = a.turn.part * crossMatrix(a.turn.mean * a_0),
                  along_b = b.turn.part * crossMatrix(b.turn.mean * b_0);
   const double h = lambda * dt;

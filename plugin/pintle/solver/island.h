@@ -33,17 +33,27 @@ struct IslandBody {
   btTransform start;           ///< pose
   double mass;                 ///< kg
   Matrix3d inertia;            ///< kg m^2
-  Matrix3d inverse_inertia;
+  Matrix3d inverse_inertia;    ///< where its factors let it turn
   double scale[2];             ///< square roots of the mass, and of a mean of the inertia
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
   Vector6d v0;                 ///< at the start of the step
   Vector6d v_free;             ///< v*: with the step's forces, without its impulses
+
+  /// From the unknowns of the linear equations, which are scaled, to velocities or to a motion.
+  Vector6d unscaled(const double* x) const {
+    Vector6d v;
+    for (size_t k = 0; k < 6; ++k) v[Eigen::Index(k)] = locked[k] ? 0 : x[k] / scale[k / 3];
+    return v;
+  }
 };
 
 /// d u / d(velocities): of body a and of body b, each linear and angular.
 struct RowJacobian {
   Vector3d L_a, A_a, L_b, A_b;
 
+  // Of body a (0) or b (1).
+  const Vector3d& L(int side) const { return side ? L_b : L_a; }
+  const Vector3d& A(int side) const { return side ? A_b : A_a; }
   double along(const Vector6d& a, const Vector6d& b) const {
     return L_a.dot(a.head<3>()) + A_a.dot(a.tail<3>()) + L_b.dot(b.head<3>()) +
            A_b.dot(b.tail<3>());
@@ -64,15 +74,16 @@ struct IslandRow {
   bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
   double K;  ///< J M^-1 J^T
   AxisLaw law;
-  double open;  ///< C of an equality, m or rad: what is to be closed by moving poses
+  double open = 0;  ///< C of an equality, m or rad: what is to be closed by moving poses
 };
 
 struct IslandJoint {
   btTypedConstraint* constraint;
-  const Joint* ours;        ///< null: a joint of Bullet's
+  Joint* ours;              ///< null: a joint of Bullet's
   std::array<int, 2> body;  ///< -1: one that does not move
   int first_row, rows;
-  int equalities;  ///< of its own rows
+  int row_of_component;  ///< where its rows begin among those of its component
+  int equalities;        ///< of its own rows
 };
 
 struct Island {
@@ -84,7 +95,8 @@ struct Island {
 
 /// Joints and bodies that hang together: ranges of an island's.
 struct Component {
-  int first_body, bodies, first_joint, joints;
+  int first_body = 0, bodies = 0, first_joint = 0, joints = 0;
+  int rows = 0;  ///< of all its joints
 };
 
 }  // namespace PINTLE_PRECISION

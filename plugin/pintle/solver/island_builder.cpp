@@ -4,6 +4,8 @@
 #include <pintle/joint_rows.h>
 #include <pintle/solver/joint_access.h>
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -21,6 +23,21 @@ Matrix3d inDouble(const btMatrix3x3& m) {
   return to;
 }
 
+// Of the inertia about the axes that the body's factors leave free; 0 about the others.
+Matrix3d inverseWhereFree(const IslandBody& body) {
+  Matrix3d free = body.inertia;
+  for (int i = 0; i < 3; ++i)
+    if (body.locked[size_t(3 + i)]) {
+      free.row(i).setZero();
+      free.col(i).setZero();
+      free(i, i) = 1;
+    }
+  Matrix3d inverse = free.inverse();
+  for (int i = 0; i < 3; ++i)
+    if (body.locked[size_t(3 + i)]) inverse(i, i) = 0;
+  return inverse;
+}
+
 // J of ours: [-L, -A_a, L, A_b], times the sign with which a coordinate moves along it.
 RowJacobian jacobian(const Row& row, double sign) {
   const Vector3d L = sign * row.L.cast<double>();
@@ -36,9 +53,8 @@ double bounded(Scalar impulse) {
 
 }  // namespace
 
-void IslandBuilder::begin(const btContactSolverInfo& info, const SolverOptions& options) {
+void IslandBuilder::begin(const btContactSolverInfo& info) {
   m_info = info;
-  m_options = options;
   m_island.dt = double(info.m_timeStep);
   m_island.bodies.clear();
   m_island.joints.clear();
@@ -58,7 +74,6 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.body = &rigid;
   to.solver_body = number;
   to.start = from.m_worldTransform;
-  // A factor between 0 and 1 makes a body as much heavier along its axis.
   const btVector3 &linear = rigid.getLinearFactor(), &angular = rigid.getAngularFactor();
   to.mass = 1 / double(rigid.getInvMass());
   const Matrix3d R = inDouble(to.start.getBasis());
@@ -69,12 +84,11 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   const Vector3d principal =
       inverse.unaryExpr([&](double i) { return i > 0 ? 1 / i : 1e12 / largest; });
   to.inertia = turns ? Matrix3d(R * principal.asDiagonal() * R.transpose()) : Matrix3d::Identity();
-  to.inverse_inertia = turns ? Matrix3d(R * principal.cwiseInverse().asDiagonal() * R.transpose())
-                             : Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
     to.locked[size_t(i)] = !(linear[i] > 0);
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
   }
+  to.inverse_inertia = inverseWhereFree(to);
   to.scale[0] = std::sqrt(to.mass);
   to.scale[1] = std::sqrt(to.inertia.trace() / 3);
   for (int i = 0; i < 3; ++i) {
@@ -93,18 +107,9 @@ double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J
   for (int side = 0; side < 2; ++side) {
     if (joint.body[size_t(side)] < 0) continue;
     const IslandBody& body = m_island.bodies[size_t(joint.body[size_t(side)])];
-    Vector3d L_1 = side ? J_1.L_b : J_1.L_a, A_1 = side ? J_1.A_b : J_1.A_a;
-    Vector3d L_2 = side ? J_2.L_b : J_2.L_a, A_2 = side ? J_2.A_b : J_2.A_a;
-    bool any_turn = false;
-    for (int i = 0; i < 3; ++i) {
-      if (body.locked[size_t(i)]) L_1[i] = 0;
-      if (body.locked[size_t(3 + i)])
-        A_1[i] = A_2[i] = 0;
-      else
-        any_turn = true;
-    }
-    K += L_1.dot(L_2) / body.mass;
-    if (any_turn) K += A_1.dot(body.inverse_inertia * A_2);
+    for (int i = 0; i < 3; ++i)
+      if (!body.locked[size_t(i)]) K += J_1.L(side)[i] * J_2.L(side)[i] / body.mass;
+    K += J_1.A(side).dot(body.inverse_inertia * J_2.A(side));
   }
   return K;
 }
@@ -142,100 +147,101 @@ void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {
   ++to.rows;
 }
 
-void IslandBuilder::addOurs(Joint& joint, IslandJoint& to) {
+void IslandBuilder::addOurs(IslandJoint& to) {
+  Joint& joint = *to.ours;
   const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
   std::array<RowShape, max_joint_rows> shapes;
   const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, shapes.data());
   to.equalities = rows.equalities();
-  const ImpulseSetting setting = JointAccess::setting(joint);
-  const double dt = m_island.dt;
-  const Vector6d zero = Vector6d::Zero();
-  const auto v_free = [&](int side) {
-    return to.body[size_t(side)] < 0 ? zero : m_island.bodies[size_t(to.body[size_t(side)])].v_free;
-  };
   for (int i = 0; i < rows.size(); ++i) {
-    const Row& from = rows[i];
     IslandRow row;
-    row.start = from;
+    row.start = rows[i];
     row.shape = shapes[size_t(i)];
     row.has_position = true;
     row.index = i;
-    row.sign = 1;
-    row.open = 0;
-    row.law.clear();
-    if (from.axis < 0) {
-      row.J = jacobian(from, 1);
-      row.K = inverseMass(to, row.J, row.J);
-      const auto soft = JointAccess::softness(joint, from.group, m_info);
-      const double position = double(from.position), bound = bounded(setting.max_impulse);
-      if (soft.cfm > 0 || bound < AxisLaw::unbounded) {
-        row.law.add(
-            {-double(soft.erp) * position / dt, double(soft.cfm) * row.K, -bound, bound, true});
-      } else {
-        row.law.add({0, 0, -bound, bound});
-        row.open = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp) * position;
-      }
-      addRow(to, row);
-      continue;
-    }
-    AxisState& state = JointAccess::axis(joint, from);
-    const Axis& axis = *state.axis;
-    const double sign = row.sign = state.sign;
-    row.J = jacobian(from, sign);
+    const bool is_axis = rows[i].axis >= 0;
+    if (is_axis) row.sign = JointAccess::axis(joint, rows[i]).sign;
+    row.J = jacobian(rows[i], row.sign);
     row.K = inverseMass(to, row.J, row.J);
-    const double velocity = row.J.along(v_free(0), v_free(1));
-    const AxisMotion motion =
-        JointAccess::motion(joint, from, state, pair, Scalar(velocity), m_info);
-    state.acted = true;
-    state.incoming = 0;
-    state.row = {-1, -1, -1};
-    double K_beside = -1;
-    const auto addPart = [&](const AxisPart& part, Axis::Part role) {
-      if (!part.on) return;
-      double softness = double(part.row.cfm);
-      if (softness > 0) {
-        if (K_beside < 0) K_beside = inverseMassBeside(to, row.J);
-        softness *= K_beside;
-      }
-      row.law.add({double(part.row.target), softness, bounded(part.row.lower),
-                   bounded(part.row.upper), true, role});
-    };
-    if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction);
-    if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion), Axis::motor);
-    if (axis.drive == Axis::Drive::rate) row.has_position = false;
-    if (from.limit && axis.limited()) {
-      const double q = double(from.position), low = double(axis.low), high = double(axis.high);
-      if (axis.hasLimitSpring() || motion.limit_cfm > 0) {
-        addPart(limitPart(axis, motion, state.incoming), Axis::limit);
-      } else if (axis.locked()) {
-        row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded, false, Axis::limit});
-        row.open = double(motion.limit_erp) * (q - low);
-      } else {
-        const double rebound = double(limitPart(axis, motion, state.incoming).row.target);
-        const double to_low = (low - q) / dt, to_high = (high - q) / dt;
-        const bool bounces =
-            axis.bias * axis.relaxation * btMax(motion.incoming, Scalar(std::abs(velocity))) > 0;
-        // Beyond a limit no further, and back by moving poses; inside up to it.
-        double up = std::fmin(to_low, 0), down = std::fmax(to_high, 0);
-        if (bounces && (to_low >= 0 || to_high <= 0 || motion.incoming > 0)) {
-          if (to_low >= 0 && velocity < 0)
-            up = std::fmax(0, std::fmin(rebound, -double(axis.bias * axis.relaxation) * velocity));
-          if (to_high <= 0 && velocity > 0)
-            down =
-                std::fmin(0, std::fmax(rebound, -double(axis.bias * axis.relaxation) * velocity));
-        }
-        row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
-        if (high < double(infinity))
-          row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
-        row.open = double(motion.limit_erp) * (q < low ? q - low : q > high ? q - high : 0);
-      }
-    }
+    if (is_axis)
+      setAxisLaw(to, pair, row);
+    else
+      setEqualityLaw(joint, row);
     addRow(to, row);
   }
 }
 
-void IslandBuilder::addStock(btTypedConstraint& joint, IslandJoint& to, const btSolverBody& a,
-                             const btSolverBody& b) {
+void IslandBuilder::setEqualityLaw(const Joint& joint, IslandRow& row) const {
+  const auto soft = JointAccess::softness(joint, row.start.group, m_info);
+  const double position = double(row.start.position),
+               bound = bounded(JointAccess::setting(joint).max_impulse);
+  if (soft.cfm > 0 || bound < AxisLaw::unbounded) {
+    row.law.add({-double(soft.erp) * position / m_island.dt, double(soft.cfm) * row.K, -bound,
+                 bound, true});
+    return;
+  }
+  row.law.add({0, 0, -bound, bound});
+  row.open = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp) * position;
+}
+
+void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
+  AxisState& state = JointAccess::axis(*of.ours, row.start);
+  const Axis& axis = *state.axis;
+  const auto v_free = [&](int side) -> Vector6d {
+    const int body = of.body[size_t(side)];
+    return body < 0 ? Vector6d(Vector6d::Zero()) : m_island.bodies[size_t(body)].v_free;
+  };
+  const AxisMotion motion = JointAccess::motion(*of.ours, row.start, state, pair,
+                                                Scalar(row.J.along(v_free(0), v_free(1))), m_info);
+  state.acted = true;
+  state.incoming = 0;
+  state.row = {-1, -1, -1};
+  double K_beside = -1;
+  const auto addPart = [&](const AxisPart& part, Axis::Part role) {
+    if (!part.on) return;
+    double softness = double(part.row.cfm);
+    if (softness > 0) {
+      if (K_beside < 0) K_beside = inverseMassBeside(of, row.J);
+      softness *= K_beside;
+    }
+    row.law.add({double(part.row.target), softness, bounded(part.row.lower),
+                 bounded(part.row.upper), true, role});
+  };
+  if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction);
+  if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion), Axis::motor);
+  if (axis.drive == Axis::Drive::rate) row.has_position = false;
+  if (!row.start.limit || !axis.limited()) return;
+  if (axis.hasLimitSpring() || motion.limit_cfm > 0)
+    addPart(limitPart(axis, motion, state.incoming), Axis::limit);
+  else
+    addRigidLimit(axis, motion, state, row);
+}
+
+// Beyond a limit no further, and back by moving poses; inside up to it.
+void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
+                                  IslandRow& row) const {
+  const double q = double(row.start.position), low = double(axis.low), high = double(axis.high);
+  if (axis.locked()) {
+    row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded, false, Axis::limit});
+    row.open = double(motion.limit_erp) * (q - low);
+    return;
+  }
+  const double rebound = double(limitPart(axis, motion, state.incoming).row.target);
+  const double velocity = double(motion.velocity), dt = m_island.dt;
+  const double to_low = (low - q) / dt, to_high = (high - q) / dt;
+  const double bounce = double(axis.bias * axis.relaxation);
+  double up = std::fmin(to_low, 0), down = std::fmax(to_high, 0);
+  if (bounce > 0 && to_low >= 0 && velocity < 0)
+    up = std::fmax(0, std::fmin(rebound, -bounce * velocity));
+  if (bounce > 0 && to_high <= 0 && velocity > 0)
+    down = std::fmin(0, std::fmax(rebound, -bounce * velocity));
+  row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
+  if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
+  row.open = double(motion.limit_erp) * (q < low ? q - low : q > high ? q - high : 0);
+}
+
+void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {
+  btTypedConstraint& joint = *to.constraint;
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
   const int count = btMin(size.m_numConstraintRows, max_stock_rows);
@@ -258,8 +264,6 @@ void IslandBuilder::addStock(btTypedConstraint& joint, IslandJoint& to, const bt
              -pintle::inDouble(from.m_contactNormal2),
              -pintle::inDouble(from.m_relpos2CrossNormal)};
     row.K = inverseMass(to, row.J, row.J);
-    row.open = 0;
-    row.law.clear();
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor.
     const bool driven =
@@ -277,19 +281,18 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   to.constraint = &joint;
   to.body = {body(bodies, solver_body_a), body(bodies, solver_body_b)};
   to.first_row = int(m_island.rows.size());
-  Joint* const ours = JointAccess::ours(joint);
-  to.ours = ours;
-  if (ours != nullptr)
-    addOurs(*ours, to);
+  to.ours = JointAccess::ours(joint);
+  if (to.ours != nullptr)
+    addOurs(to);
   else
-    addStock(joint, to, bodies[solver_body_a], bodies[solver_body_b]);
+    addStock(to, bodies[solver_body_a], bodies[solver_body_b]);
   if (to.rows > 0) m_island.joints.push_back(to);
 }
 
 void IslandBuilder::finish(std::vector<Component>& components) {
   // Union of bodies that a joint connects.
   const size_t n = m_island.bodies.size();
-  std::vector<int> root(n), number(n, -1), order(m_island.joints.size()), of_joint(order.size());
+  std::vector<int> root(n), number(n, -1), to(n);
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int i) {
     while (root[size_t(i)] != i) i = root[size_t(i)] = root[size_t(root[size_t(i)])];
@@ -299,38 +302,40 @@ void IslandBuilder::finish(std::vector<Component>& components) {
     if (joint.body[0] >= 0 && joint.body[1] >= 0)
       root[size_t(find(joint.body[0]))] = find(joint.body[1]);
   components.clear();
-  std::vector<int> to(n);
+  const auto numberOf = [&](int body) -> int& { return number[size_t(find(body))]; };
+  const auto numberOfJoint = [&](const IslandJoint& joint) {
+    return size_t(numberOf(joint.body[0] >= 0 ? joint.body[0] : joint.body[1]));
+  };
   for (size_t i = 0; i < n; ++i) {
-    int& known = number[size_t(find(int(i)))];
+    int& known = numberOf(int(i));
     if (known < 0) {
       known = int(components.size());
-      components.push_back({0, 0, 0, 0});
+      components.emplace_back();
     }
     ++components[size_t(known)].bodies;
   }
-  for (const IslandJoint& joint : m_island.joints)
-    ++components[size_t(number[size_t(find(joint.body[0] >= 0 ? joint.body[0] : joint.body[1]))])]
-          .joints;
+  for (const IslandJoint& joint : m_island.joints) ++components[numberOfJoint(joint)].joints;
   int first_body = 0, first_joint = 0;
-  std::vector<int> next_body, next_joint;
   for (Component& c : components) {
     c.first_body = first_body;
     c.first_joint = first_joint;
     first_body += c.bodies;
     first_joint += c.joints;
-    next_body.push_back(c.first_body);
-    next_joint.push_back(c.first_joint);
+    c.bodies = c.joints = 0;  // and counted again, as they come to their places
   }
   std::vector<IslandBody> bodies(n);
   for (size_t i = 0; i < n; ++i) {
-    to[i] = next_body[size_t(number[size_t(find(int(i)))])]++;
+    Component& c = components[size_t(numberOf(int(i)))];
+    to[i] = c.first_body + c.bodies++;
     bodies[size_t(to[i])] = m_island.bodies[i];
   }
   std::vector<IslandJoint> joints(m_island.joints.size());
   for (const IslandJoint& joint : m_island.joints) {
-    const int any = joint.body[0] >= 0 ? joint.body[0] : joint.body[1];
-    IslandJoint& at = joints[size_t(next_joint[size_t(number[size_t(find(any))])]++)];
+    Component& c = components[numberOfJoint(joint)];
+    IslandJoint& at = joints[size_t(c.first_joint + c.joints++)];
     at = joint;
+    at.row_of_component = c.rows;
+    c.rows += joint.rows;
     for (int& body : at.body)
       if (body >= 0) body = to[size_t(body)];
   }

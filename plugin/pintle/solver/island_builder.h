@@ -2,7 +2,6 @@
 #pragma once
 
 #include <pintle/solver/island.h>
-#include <pintle/solver/solver_options.h>
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
@@ -17,7 +16,7 @@ class IslandBuilder {
  public:
   explicit IslandBuilder(Island& island) : m_island(island) {}
 
-  void begin(const btContactSolverInfo& info, const SolverOptions& options);
+  void begin(const btContactSolverInfo& info);
   /// A joint, with the numbers of its bodies among Bullet's. Bodies that do not move are left out.
   void add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
            int solver_body_b);
@@ -27,9 +26,12 @@ class IslandBuilder {
   int body(const SolverBodies& bodies, int solver_body);
 
  private:
-  void addOurs(Joint& joint, IslandJoint& to);
-  void addStock(btTypedConstraint& joint, IslandJoint& to, const btSolverBody& a,
-                const btSolverBody& b);
+  void addOurs(IslandJoint& to);
+  void setEqualityLaw(const Joint& joint, IslandRow& row) const;
+  void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
+  void addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
+                     IslandRow& row) const;
+  void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   void addRow(IslandJoint& to, const IslandRow& row);
   /// J_1 M^-1 J_2^T
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
@@ -39,7 +41,6 @@ class IslandBuilder {
 
   Island& m_island;
   btContactSolverInfo m_info;
-  SolverOptions m_options;
   std::vector<int> m_body_of;  ///< of Bullet's bodies
 };
 

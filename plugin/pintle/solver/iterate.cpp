@@ -75,88 +75,71 @@ bool findAtEnd(const IslandRow& row, const Rows& end, int equalities_at_start, R
   return any;
 }
 
-// Where an arm of a body points when the step ends, and its mean.
-struct Arm {
-  Vector3d end, mean;
-
-  Arm(const BodyAtEnd& body, const Vec3& start) : mean(body.turn.mean * inDouble(start)) {
-    end = inDouble(start) + cross(body.turn.phi, mean);
-  }
-};
-
-// Rows that are made of arms of the bodies, in closed form, without asking the joint.
-void moveArms(const IslandRow& row, Tier tier, double horizon, const BodyAtEnd& a,
-              const BodyAtEnd& b, RowAtEnd& to) {
-  const Arm arm_a(a, row.shape.a), arm_b(b, row.shape.b);
+// J and u of rows that are made of arms of the bodies, in closed form, without asking the joint.
+void moveArms(const IslandRow& row, double horizon, const BodyAtEnd& a, const BodyAtEnd& b,
+              RowAtEnd& to) {
+  const Vector3d r_a = inDouble(row.shape.a), r_b = inDouble(row.shape.b);
+  const Vector3d end_a = a.turn.turned(r_a), end_b = b.turn.turned(r_b);
   const auto turnsBy = [&](const Vector3d& A_a, const Vector3d& A_b) {
     to.J.A_a = a.turn.slope.transpose() * A_a;
     to.J.A_b = b.turn.slope.transpose() * A_b;
   };
-  const auto actsAlong = [&](const Vector3d& L, const Vector3d& A_a, const Vector3d& A_b) {
-    to.G = {-L, a.turn.part * A_a, L, b.turn.part * A_b};
-  };
   if (row.shape.kind == RowShape::dot) {
-    const Vector3d a_0 = inDouble(row.shape.a), b_0 = inDouble(row.shape.b);
     to.J.L_a = to.J.L_b = Vector3d::Zero();
-    turnsBy(cross(arm_a.end, arm_b.end), cross(arm_b.end, arm_a.end));
-    actsAlong(Vector3d::Zero(), cross(arm_a.mean, Vector3d((b_0 + arm_b.end) / 2)),
-              cross(arm_b.mean, Vector3d((a_0 + arm_a.end) / 2)));
-    to.u = to.G.along(a.v, b.v);
-  } else {
-    const Vector3d n_0 = inDouble(row.start.L);
-    const Vector3d move = horizon * (b.v - a.v).head<3>() + cross(b.turn.phi, arm_b.mean) -
-                          cross(a.turn.phi, arm_a.mean);
-    Vector3d n_1 = n_0, n = n_0;
-    if (row.shape.kind == RowShape::distance) {
-      const Vector3d d_0 = double(row.shape.length) * n_0, d_1 = d_0 + move;
-      const double length = d_1.norm(), sum = d_0.norm() + length;
-      if (length > 0) n_1 = d_1 / length;
-      if (sum > 0) n = (d_0 + d_1) / sum;
-    }
-    to.J.L_a = -n_1;
-    to.J.L_b = n_1;
-    turnsBy(-cross(arm_a.end, n_1), cross(arm_b.end, n_1));
-    actsAlong(n, -cross(arm_a.mean, n), cross(arm_b.mean, n));
-    to.u = n.dot(move) / horizon;
+    turnsBy(cross(end_a, end_b), cross(end_b, end_a));
+    to.u = ((r_a + end_a).dot(end_b - r_b) + (r_b + end_b).dot(end_a - r_a)) / (2 * horizon);
+    return;
   }
-  if (tier == Tier::start) to.G = row.J;
+  const Vector3d move = horizon * (b.v - a.v).head<3>() + end_b - r_b - end_a + r_a;
+  Vector3d n = inDouble(row.start.L), mean = n;
+  if (row.shape.kind == RowShape::distance) {
+    const Vector3d d_0 = double(row.shape.length) * n, d_1 = d_0 + move;
+    const double length = d_1.norm(), sum = d_0.norm() + length;
+    if (length > 0) n = d_1 / length;
+    if (sum > 0) mean = (d_0 + d_1) / sum;
+  }
+  to.J.L_a = -n;
+  to.J.L_b = n;
+  turnsBy(-cross(end_a, n), cross(end_b, n));
+  to.u = mean.dot(move) / horizon;
 }
 
 void moveRows(const Island& island, const IslandJoint& joint, const Component& component, Tier tier,
-              Iterate& at, int first) {
+              Iterate& at) {
   const BodyAtEnd &a = bodyOf(joint, 0, component, at), &b = bodyOf(joint, 1, component, at);
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   bool asked = false;
+  const Displacement by_a(at.horizon * a.v.head<3>(), a.turn.phi, a.turn.mean),
+      by_b(at.horizon * b.v.head<3>(), b.turn.phi, b.turn.mean);
   for (int i = 0; i < joint.rows; ++i) {
     const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-    RowAtEnd& to = at.rows[size_t(first + i)];
+    RowAtEnd& to = at.rows[size_t(joint.row_of_component + i)];
+    Row now = row.start;
+    double change = 0;
     if (!row.has_position || !(at.horizon > 0)) {
       holdVelocity(row, a, b, to);
       continue;
     }
     if (row.isOfArms()) {
-      moveArms(row, tier, at.horizon, a, b, to);
-      continue;
+      moveArms(row, at.horizon, a, b, to);
+    } else {
+      if (!asked) joint.ours->addRows(PosePair(poseOf(joint, 0, a), poseOf(joint, 1, b)), end);
+      asked = true;
+      if (!findAtEnd(row, end, joint.equalities, now)) {
+        holdVelocity(row, a, b, to);
+        continue;
+      }
+      change = double(now.position) - double(row.start.position);
+      to.J = byVelocity(now, row.sign, a, b);
+      to.u = change / at.horizon;
     }
-    if (!asked) joint.ours->addRows(PosePair(poseOf(joint, 0, a), poseOf(joint, 1, b)), end);
-    asked = true;
-    Row now;
-    if (!findAtEnd(row, end, joint.equalities, now)) {
-      holdVelocity(row, a, b, to);
-      continue;
-    }
-    const double change = double(now.position) - double(row.start.position);
-    to.J = byVelocity(now, row.sign, a, b);
-    to.u = change / at.horizon;
-    if (tier == Tier::start) {
+    if (tier == Tier::start)
       to.G = row.J;
-      continue;
-    }
-    const Displacement by_a{at.horizon * a.v.head<3>(), a.turn.phi},
-        by_b{at.horizon * b.v.head<3>(), b.turn.phi};
-    const RowOfStep of{row.start, now, row.shape, row.shape};
-    to.G = byVelocity(discreteGradient(of, row.sign * change, by_a, by_b), row.sign, a, b);
+    else
+      to.G = byVelocity(
+          discreteGradient({row.start, now, row.shape, row.shape}, row.sign * change, by_a, by_b),
+          row.sign, a, b);
   }
 }
 
@@ -171,12 +154,8 @@ const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& com
 void moveTo(const Island& island, const Component& component, Tier tier, Iterate& at) {
   for (int i = 0; at.horizon > 0 && i < component.bodies; ++i)
     moveBody(island.bodies[size_t(component.first_body + i)], at.horizon, at.bodies[size_t(i)]);
-  int first = 0;
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    moveRows(island, joint, component, tier, at, first);
-    first += joint.rows;
-  }
+  for (int c = 0; c < component.joints; ++c)
+    moveRows(island, island.joints[size_t(component.first_joint + c)], component, tier, at);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -1,6 +1,7 @@
 // Purpose: what a solver asks a joint for beside its rows, and what it tells it of a step.
 #pragma once
 
+#include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
 #include <pintle/rows/axis_part.h>
 #include <pintle/rows/row.h>
@@ -43,15 +44,15 @@ struct JointAccess {
   }
 
   static AxisState& axis(Joint& joint, const Row& row) { return joint.m_rows.axis(row.axis); }
-  /// What its axis is asked in this step. `velocity`: of the coordinate.
-  static AxisMotion motion(const Joint& joint, const Row& row, const AxisState& state,
-                           const BodyPair& pair, Scalar velocity, const btContactSolverInfo& info);
-
-  /// The impulses of the parts of an axis, along the coordinate.
-  static void setImpulse(AxisState& state, Axis::Part part, Scalar impulse) {
-    state.impulse[part] = impulse;
+  /// What its axis is asked in this step. `velocity`: of the coordinate, its mean over the step.
+  static AxisMotion motion(Joint& joint, const Row& row, const AxisState& state,
+                           const BodyPair& pair, Scalar velocity, const btContactSolverInfo& info) {
+    AxisMotion motion =
+        joint.axisMotion(row, state, pair, 1 / info.m_timeStep, joint.m_erp.orElse(info.m_erp));
+    motion.gain = 0;
+    motion.velocity = velocity;
+    return motion;
   }
-  static Scalar maxCorrectionSpeed(const Joint& joint) { return joint.m_max_correction_speed; }
 };
 
 }  // namespace PINTLE_PRECISION

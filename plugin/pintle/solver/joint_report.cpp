@@ -6,29 +6,21 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-template <class Visit>
-void forEachJoint(const Component& component, Island& island, const Visit& visit) {
-  size_t row = 0;
-  for (int c = 0; c < component.joints; ++c) {
-    IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    visit(joint, row);
-    row += size_t(joint.rows);
-  }
-}
-
 btVector3 toBullet(const Vector3d& v) { return {Scalar(v[0]), Scalar(v[1]), Scalar(v[2])}; }
 
 }  // namespace
 
 bool breakOverloaded(Island& island, const Component& component, const Iterate& at) {
   bool any = false;
-  forEachJoint(component, island, [&](IslandJoint& joint, size_t first) {
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const double threshold = double(joint.constraint->getBreakingImpulseThreshold());
-    if (!(threshold < double(infinity)) || !joint.constraint->isEnabled()) return;
+    if (!(threshold < double(infinity)) || !joint.constraint->isEnabled()) continue;
     bool overloaded = false;
     for (int i = 0; i < joint.rows; ++i)
-      overloaded = overloaded || std::abs(at.lambda[first + size_t(i)]) >= threshold;
-    if (!overloaded) return;
+      overloaded =
+          overloaded || std::abs(at.lambda[size_t(joint.row_of_component + i)]) >= threshold;
+    if (!overloaded) continue;
     any = true;
     joint.constraint->setEnabled(false);
     for (int i = 0; i < joint.rows; ++i) {
@@ -37,19 +29,19 @@ bool breakOverloaded(Island& island, const Component& component, const Iterate& 
       row.law.add({0, 0, 0, 0});
       row.open = 0;
     }
-  });
+  }
   return any;
 }
 
 void report(const Island& island, const Component& component, const Iterate& at) {
-  forEachJoint(component, const_cast<Island&>(island), [&](IslandJoint& joint, size_t first) {
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     btTypedConstraint& constraint = *joint.constraint;
-    Joint* const ours = JointAccess::ours(constraint);
     btJointFeedback* const feedback = constraint.getJointFeedback();
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const RowAtEnd& end = at.rows[first + size_t(i)];
-      const double lambda = at.lambda[first + size_t(i)];
+      const RowAtEnd& end = at.rows[size_t(joint.row_of_component + i)];
+      const double lambda = at.lambda[size_t(joint.row_of_component + i)];
       // Bullet's sign is the other one, and coordinates may fall along their rows.
       constraint.internalSetAppliedImpulse(Scalar(-row.sign * lambda));
       if (feedback != nullptr) {
@@ -59,15 +51,15 @@ void report(const Island& island, const Component& component, const Iterate& at)
         feedback->m_appliedForceBodyB += toBullet(force * end.G.L_b);
         feedback->m_appliedTorqueBodyB += toBullet(force * end.G.A_b);
       }
-      if (ours == nullptr || row.start.axis < 0) continue;
-      AxisState& state = JointAccess::axis(*ours, row.start);
+      if (joint.ours == nullptr || row.start.axis < 0) continue;
+      AxisState& state = JointAccess::axis(*joint.ours, row.start);
       double impulse[AxisLaw::max_parts];
       row.law.split(end.u, lambda, impulse);
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)
         state.impulse[size_t(row.law.part(k).role)] += Scalar(impulse[k]);
     }
-  });
+  }
 }
 
 }  // namespace PINTLE_PRECISION

@@ -27,6 +27,19 @@ double velocityNorm(const Fronts& fronts, const std::vector<double>& x) {
 
 }  // namespace
 
+// Of `now`: the piece of its law that each row is nearest to.
+void Newton::choosePieces() {
+  const Iterate& now = m_work.now;
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& of = joint(c);
+    for (int i = 0; i < of.rows; ++i) {
+      const auto r = size_t(of.row_of_component + i);
+      const double K = row(of, i).K;
+      m_work.pieces[r] = row(of, i).law.meet(now.rows[r].u - K * now.lambda[r], K);
+    }
+  }
+}
+
 // x = -F, scaled, with the present pieces.
 void Newton::findResidual(const Iterate& at, std::vector<double>& x) {
   x.assign(size_t(m_fronts.size()), 0.);
@@ -48,22 +61,22 @@ void Newton::findResidual(const Iterate& at, std::vector<double>& x) {
   for (int c = 0; c < m_component.joints; ++c) {
     const IslandJoint& of = joint(c);
     for (int i = 0; i < of.rows; ++i) {
-      const auto r = size_t(m_first[size_t(c)] + i);
-      const RowAtEnd& row = at.rows[r];
+      const auto r = size_t(of.row_of_component + i);
+      const RowAtEnd& end = at.rows[r];
       const double lambda = at.lambda[r];
       for (int side = 0; side < 2; ++side) {
         if (of.body[size_t(side)] < 0) continue;
         double* const to =
             &x[size_t(m_fronts.body(of.body[size_t(side)] - m_component.first_body))];
         Eigen::Map<Vector3d> linear(to), angular(to + 3);
-        linear += lambda * (side ? row.G.L_b : row.G.L_a);
-        angular += lambda * (side ? row.G.A_b : row.G.A_a);
+        linear += lambda * end.G.L(side);
+        angular += lambda * end.G.A(side);
       }
       const LawPiece& piece = m_work.pieces[r];
-      const double K = m_rows[r]->K, root = std::sqrt(K);
+      const double K = row(of, i).K, root = std::sqrt(K);
       const double softness = std::max(piece.softness, leastSoftness(c) * K);
       const double left =
-          piece.acts ? row.u + softness * lambda - piece.target : K * (lambda - piece.impulse);
+          piece.acts ? end.u + softness * lambda - piece.target : K * (lambda - piece.impulse);
       x[size_t(m_fronts.joint(c) + i)] = -left / root;
       if (piece.acts) m_error = std::max(m_error, std::abs(left) * m_island.dt);
     }
@@ -97,13 +110,13 @@ void Newton::assemble(const Iterate& at) {
     const IslandJoint& of = joint(c);
     const Fronts::Block own = m_fronts.jointBlock(c);
     for (int i = 0; i < of.rows; ++i) {
-      const auto r = size_t(m_first[size_t(c)] + i);
+      const auto r = size_t(of.row_of_component + i);
       const LawPiece& piece = m_work.pieces[r];
       double& diagonal = own.at[i * own.stride + i];
       if (!piece.acts)
         diagonal = 1;
       else
-        diagonal = std::max(piece.softness / m_rows[r]->K, leastSoftness(c));
+        diagonal = std::max(piece.softness / row(of, i).K, leastSoftness(c));
     }
     for (int side = 0; side < 2; ++side) {
       if (of.body[size_t(side)] < 0) continue;
@@ -111,19 +124,16 @@ void Newton::assemble(const Iterate& at) {
       const Fronts::Block J = m_fronts.jointBodyBlock(c, side),
                           G = m_fronts.bodyJointBlock(c, side);
       for (int i = 0; i < of.rows; ++i) {
-        const auto r = size_t(m_first[size_t(c)] + i);
-        const RowAtEnd& row = at.rows[r];
-        const double root = std::sqrt(m_rows[r]->K);
+        const auto r = size_t(of.row_of_component + i);
+        const RowAtEnd& end = at.rows[r];
+        const double root = std::sqrt(row(of, i).K);
         const bool acts = m_work.pieces[r].acts;
         for (int k = 0; k < 6; ++k) {
           if (with.locked[size_t(k)]) continue;
           const double scale = 1 / (root * with.scale[k / 3]);
-          const Vector3d &along = k < 3 ? (side ? row.J.L_b : row.J.L_a)
-                                        : (side ? row.J.A_b : row.J.A_a),
-                         &by = k < 3 ? (side ? row.G.L_b : row.G.L_a)
-                                     : (side ? row.G.A_b : row.G.A_a);
-          if (acts) J.at[i * J.stride + k] += scale * along[k % 3];
-          G.at[k * G.stride + i] -= scale * by[k % 3];
+          if (acts)
+            J.at[i * J.stride + k] += scale * (k < 3 ? end.J.L(side) : end.J.A(side))[k % 3];
+          G.at[k * G.stride + i] -= scale * (k < 3 ? end.G.L(side) : end.G.A(side))[k % 3];
         }
       }
     }
@@ -131,8 +141,8 @@ void Newton::assemble(const Iterate& at) {
     GeometricDerivative H;
     const BodyAtEnd &a = bodyOf(of, 0, m_component, at), &b = bodyOf(of, 1, m_component, at);
     for (int i = 0; i < of.rows; ++i) {
-      const auto r = size_t(m_first[size_t(c)] + i);
-      H.add(*m_rows[r], at.rows[r], at.lambda[r], a, b, dt);
+      const auto r = size_t(of.row_of_component + i);
+      H.add(row(of, i), at.rows[r], at.lambda[r], a, b, dt);
     }
     if (!m_exact) H.clip();
     for (int side = 0; side < 2; ++side) {
@@ -168,73 +178,74 @@ void Newton::assemble(const Iterate& at) {
 void Newton::step(const std::vector<double>& x, double part) {
   const Iterate& from = m_work.now;
   Iterate& to = m_work.next;
-  for (int i = 0; i < m_component.bodies; ++i) {
-    const IslandBody& of = body(i);
-    const double* const d = &x[size_t(m_fronts.body(i))];
-    Vector6d& v = to.bodies[size_t(i)].v;
-    v = from.bodies[size_t(i)].v;
-    for (int k = 0; k < 6; ++k)
-      if (!of.locked[size_t(k)]) v[k] += part * d[k] / of.scale[k / 3];
-  }
-  for (int c = 0; c < m_component.joints; ++c)
-    for (int i = 0; i < joint(c).rows; ++i) {
-      const auto r = size_t(m_first[size_t(c)] + i);
+  for (int i = 0; i < m_component.bodies; ++i)
+    to.bodies[size_t(i)].v =
+        from.bodies[size_t(i)].v + part * body(i).unscaled(&x[size_t(m_fronts.body(i))]);
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& of = joint(c);
+    for (int i = 0; i < of.rows; ++i) {
+      const auto r = size_t(of.row_of_component + i);
       to.lambda[r] =
-          from.lambda[r] + part * x[size_t(m_fronts.joint(c) + i)] / std::sqrt(m_rows[r]->K);
+          from.lambda[r] + part * x[size_t(m_fronts.joint(c) + i)] / std::sqrt(row(of, i).K);
     }
+  }
   moveTo(m_island, m_component, m_tier, to);
 }
 
 // J times the change of velocities that is in x.
 double Newton::along(const RowJacobian& J, int c, const std::vector<double>& x) const {
-  double sum = 0;
-  for (int side = 0; side < 2; ++side) {
+  const auto change = [&](int side) -> Vector6d {
     const int number = joint(c).body[size_t(side)];
-    if (number < 0) continue;
-    const IslandBody& of = m_island.bodies[size_t(number)];
-    const double* const d = &x[size_t(m_fronts.body(number - m_component.first_body))];
-    const Vector3d &L = side ? J.L_b : J.L_a, &A = side ? J.A_b : J.A_a;
-    for (int k = 0; k < 3; ++k) {
-      if (!of.locked[size_t(k)]) sum += L[k] * d[k] / of.scale[0];
-      if (!of.locked[size_t(3 + k)]) sum += A[k] * d[3 + k] / of.scale[1];
-    }
-  }
-  return sum;
+    if (number < 0) return Vector6d::Zero();
+    return m_island.bodies[size_t(number)].unscaled(
+        &x[size_t(m_fronts.body(number - m_component.first_body))]);
+  };
+  return J.along(change(0), change(1));
 }
 
 // Rows with bounds keep their impulses.
 void Newton::keepBounded(const Iterate& at) {
-  for (size_t r = 0; r < m_rows.size(); ++r)
-    if (!m_rows[r]->law.isEquality()) m_work.pieces[r] = {false, 0, 0, at.lambda[r]};
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& of = joint(c);
+    for (int i = 0; i < of.rows; ++i) {
+      const auto r = size_t(of.row_of_component + i);
+      if (!row(of, i).law.isEquality()) m_work.pieces[r] = {false, 0, 0, at.lambda[r]};
+    }
+  }
 }
 
 // x: the correction by equalities alone, with the last factor, becomes that with all rows with bounds on their laws.
 void Newton::findBoundedCorrection(std::vector<double>& x) {
+  struct Place {
+    int joint, index;
+    const RowAtEnd& end;
+  };
   std::vector<BoundedRow> rows;
-  std::vector<std::pair<int, int>> place;  // joint, and row of all
-  for (int c = 0; c < m_component.joints; ++c)
-    for (int i = 0; i < joint(c).rows; ++i) {
-      const int r = m_first[size_t(c)] + i;
-      if (m_rows[size_t(r)]->law.isEquality()) continue;
-      const RowAtEnd& row = m_work.now.rows[size_t(r)];
-      rows.push_back(
-          {&m_rows[size_t(r)]->law, row.u + along(row.J, c, x), m_work.now.lambda[size_t(r)]});
-      place.push_back({c, r});
+  std::vector<Place> place;
+  std::vector<double> before;
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& of = joint(c);
+    for (int i = 0; i < of.rows; ++i) {
+      const AxisLaw& law = row(of, i).law;
+      if (law.isEquality()) continue;
+      const auto r = size_t(of.row_of_component + i);
+      const RowAtEnd& end = m_work.now.rows[r];
+      before.push_back(m_work.now.lambda[r]);
+      rows.push_back({&law, end.u + along(end.J, c, x), before.back()});
+      place.push_back({c, i, end});
     }
+  }
   const size_t n = rows.size();
   std::vector<std::vector<double>> response(n);
   std::vector<double> W(n * n);
   for (size_t k = 0; k < n; ++k) {
-    const auto [c, r] = place[k];
+    const int c = place[k].joint, i = place[k].index;
     response[k].assign(x.size(), 0.);
-    response[k][size_t(m_fronts.joint(c) + r - m_first[size_t(c)])] =
-        std::sqrt(m_rows[size_t(r)]->K);
+    response[k][size_t(m_fronts.joint(c) + i)] = std::sqrt(row(joint(c), i).K);
     m_fronts.solve(response[k].data());
     for (size_t j = 0; j < n; ++j)
-      W[j * n + k] = along(m_work.now.rows[size_t(place[j].second)].J, place[j].first, response[k]);
+      W[j * n + k] = along(place[j].end.J, place[j].joint, response[k]);
   }
-  std::vector<double> before(n);
-  for (size_t k = 0; k < n; ++k) before[k] = rows[k].lambda;
   solveBounded(rows, W, m_options.newton_tolerance / m_island.dt / 10, m_options.max_sweeps);
   for (size_t k = 0; k < n; ++k)
     for (size_t i = 0; i < x.size(); ++i) x[i] += (rows[k].lambda - before[k]) * response[k][i];
@@ -242,7 +253,7 @@ void Newton::findBoundedCorrection(std::vector<double>& x) {
 
 bool Newton::isConverged(double tolerance, double momentum) {
   m_work.next_pieces = m_work.pieces;
-  choosePieces(m_work.now, m_work.pieces);
+  choosePieces();
   if (hasChangedSet())
     findResidual(m_work.now, m_work.residual);  // else it is that of the last step
   return isWithin(tolerance, momentum);
@@ -258,7 +269,7 @@ double Newton::findRest(double tolerance, double momentum) {
 }
 
 bool Newton::hasChangedSet() const {
-  for (size_t i = 0; i < m_rows.size(); ++i) {
+  for (size_t i = 0; i < m_work.pieces.size(); ++i) {
     const LawPiece &before = m_work.next_pieces[i], &after = m_work.pieces[i];
     if (before.acts != after.acts || before.target != after.target ||
         before.softness != after.softness || before.impulse != after.impulse)
@@ -271,9 +282,9 @@ void Newton::begin() {
   Iterate& now = m_work.now;
   m_work.next.horizon = now.horizon;
   m_work.next.bodies.resize(now.bodies.size());
-  m_work.next.lambda.resize(m_rows.size());
-  m_work.next.rows.resize(m_rows.size());
-  now.rows.resize(m_rows.size());
+  m_work.next.lambda.resize(m_work.pieces.size());
+  m_work.next.rows.resize(m_work.pieces.size());
+  now.rows.resize(m_work.pieces.size());
   m_scale2 = 1e-18;
   for (int i = 0; i < m_component.bodies; ++i) {
     const IslandBody& of = body(i);
@@ -281,7 +292,7 @@ void Newton::begin() {
                 of.v_free.tail<3>().dot(of.inertia * of.v_free.tail<3>());
   }
   moveTo(m_island, m_component, m_tier, now);
-  choosePieces(now, m_work.pieces);
+  choosePieces();
 }
 
 bool Newton::factorise() {
@@ -310,7 +321,7 @@ bool Newton::factoriseMotion(const std::vector<char>& acts) {
   Iterate& at = m_work.now;
   at.horizon = m_island.dt;
   moveTo(m_island, m_component, Tier::start, at);
-  for (size_t r = 0; r < m_rows.size(); ++r) {
+  for (size_t r = 0; r < m_work.pieces.size(); ++r) {
     at.rows[r].G = at.rows[r].J;
     m_work.pieces[r] = {acts[r] != 0, 0, 0, 0};
   }
@@ -322,7 +333,7 @@ bool Newton::factoriseMotion(const std::vector<char>& acts) {
 NewtonReport Newton::run() {
   NewtonReport report = iterate();
   if (report.converged || report.steps == 0) return report;
-  choosePieces(m_work.now, m_work.pieces);
+  choosePieces();
   findResidual(m_work.now, m_work.residual);
   report.converged = isWithin(m_options.newton_tolerance, m_options.stalled_momentum_tolerance);
   return report;

@@ -36,13 +36,7 @@ class Newton {
         m_options(options),
         m_fronts(fronts),
         m_work(work) {
-    m_first.resize(size_t(m_component.joints));
-    for (int c = 0; c < m_component.joints; ++c) {
-      m_first[size_t(c)] = int(m_rows.size());
-      for (int i = 0; i < joint(c).rows; ++i)
-        m_rows.push_back(&m_island.rows[size_t(joint(c).first_row + i)]);
-    }
-    m_work.pieces.resize(m_rows.size());
+    m_work.pieces.resize(size_t(component.rows));
   }
 
   /// Solves the component from `work.now` (velocities and impulses) to there.
@@ -73,16 +67,15 @@ class Newton {
     return m_island.joints[size_t(m_component.first_joint + c)];
   }
 
+  const IslandRow& row(const IslandJoint& of, int i) const {
+    return m_island.rows[size_t(of.first_row + i)];
+  }
+
   /// Of the rows of a joint, relative to K: those of loops may repeat each other.
   double leastSoftness(int c) const {
     return m_fronts.isInLoop(c) ? m_options.dependent_softness : 0;
   }
-  void choosePieces(const Iterate& at, std::vector<LawPiece>& pieces) const {
-    for (size_t i = 0; i < pieces.size(); ++i) {
-      const IslandRow& row = *m_rows[i];
-      pieces[i] = row.law.meet(at.rows[i].u - row.K * at.lambda[i], row.K);
-    }
-  }
+  void choosePieces();
   void findResidual(const Iterate& at, std::vector<double>& x);
   void assemble(const Iterate& at);
   void step(const std::vector<double>& x, double part);
@@ -101,8 +94,6 @@ class Newton {
   const SolverOptions& m_options;
   Fronts& m_fronts;
   Workspace& m_work;
-  std::vector<const IslandRow*> m_rows;
-  std::vector<int> m_first;  ///< of each joint's rows
   double m_momentum2 = 0, m_scale2 = 0, m_error = 0;
   bool m_exact = true;
   bool m_bounded = false;  ///< the active set is found by projected Gauss-Seidel

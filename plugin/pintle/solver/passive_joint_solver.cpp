@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace pintle {
@@ -26,7 +27,6 @@ struct Memory {
   std::vector<int> rows;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
-  unsigned last_use = 0;
 };
 
 }  // namespace
@@ -41,7 +41,6 @@ struct PassiveJointSolver::State {
   std::vector<PoseChange> pose_changes;
   std::vector<Vector6d> velocities;  ///< with which bodies end the step
   std::vector<ContactRow> contacts;
-  unsigned uses = 0;
 
   Memory& remember(const Component& component);
   void warmStart(const Component& component, Memory& kept);
@@ -49,11 +48,13 @@ struct PassiveJointSolver::State {
   void begin(const Component& component, Memory& kept);
   void solve(const Component& component);
   void finish(const Component& component, Memory& kept);
-  bool isTouched(const Component& component) const;
+  void beginVelocities();
+  std::vector<char> findTouched() const;
+  void count(const NewtonReport& done, int components);
   Memory& memoryOf(const Component& component) {
     return *memory[island.joints[size_t(component.first_joint)].constraint];
   }
-  void solveAmongContacts();
+  void solveAmongContacts(const std::vector<char>& touched);
   void solveAll();
 };
 
@@ -91,7 +92,6 @@ Memory& PassiveJointSolver::State::remember(const Component& component) {
     sizes[size_t(c)] = joints[c].rows;
   }
   if (!same_sizes) slot->fronts.setSizes(sizes);
-  slot->last_use = uses;
   return *slot;
 }
 
@@ -112,17 +112,16 @@ void PassiveJointSolver::State::warmStart(const Component& component, Memory& ke
 void PassiveJointSolver::State::findStiffness(const Component& component, Memory& kept) {
   std::vector<Matrix3d>& stiffness = kept.work.stiffness;
   stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
-  size_t r = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i, ++r) {
+    for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.has_position ||
           (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
         continue;
       for (int side = 0; side < 2; ++side) {
         if (joint.body[size_t(side)] < 0) continue;
-        const Vector3d f = kept.work.now.lambda[r] * (side ? row.J.L_b : row.J.L_a);
+        const Vector3d f = kept.work.now.lambda[size_t(joint.row_of_component + i)] * row.J.L(side);
         stiffness[size_t(joint.body[size_t(side)] - component.first_body)] +=
             leverDerivative(f, inDouble(side ? row.shape.b : row.shape.a), island.dt);
       }
@@ -148,9 +147,7 @@ void PassiveJointSolver::State::solve(const Component& component) {
   const auto attempt = [&](Tier tier, double horizon) {
     work.now.horizon = horizon;
     const NewtonReport done = Newton(island, component, tier, options, kept.fronts, work).run();
-    report.newton_steps += done.steps;
-    report.factors += done.factors;
-    report.error = std::max(report.error, done.error);
+    count(done, 1);
     return done.converged;
   };
   // As far into the step as Newton's iteration finds a solution, each from the last one: from the velocities alone, whose problem
@@ -209,42 +206,54 @@ void PassiveJointSolver::State::finish(const Component& component, Memory& kept)
 }
 
 // Contacts take energy, and so does the discrete gradient: it alone acts among them.
-void PassiveJointSolver::State::solveAmongContacts() {
-  std::vector<ContactRow>& rows = contacts;
+void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touched) {
   std::vector<ContactPart> parts;
-  std::vector<Memory*> memories;
-  for (const Component& component : components) {
-    if (!isTouched(component)) continue;
-    Memory& kept = memoryOf(component);
-    begin(component, kept);
-    parts.push_back({&component, &kept.fronts, &kept.work});
-    memories.push_back(&kept);
+  for (size_t c = 0; c < components.size(); ++c) {
+    if (!touched[c]) continue;
+    Memory& kept = memoryOf(components[c]);
+    begin(components[c], kept);
+    kept.work_done = 0;
+    parts.push_back({&components[c], &kept.fronts, &kept.work});
   }
-  for (size_t i = 0; i < island.bodies.size(); ++i) velocities[i] = island.bodies[i].v_free;
-  const ContactReport done = pintle::solveAmongContacts(island, parts, rows, options, velocities);
-  report.newton_steps += done.steps * int(parts.size());
-  report.factors += done.factors;
-  report.second_tier += int(parts.size());
-  report.not_converged += done.converged ? 0 : int(parts.size());
-  report.error = std::max(report.error, done.error);
-  for (Memory* const kept : memories) kept->work_done = 0;
+  beginVelocities();
+  const NewtonReport done =
+      pintle::solveAmongContacts(island, parts, contacts, options, velocities);
+  const int count_of_parts = int(parts.size());
+  count(done, count_of_parts);
+  report.second_tier += count_of_parts;
+  if (!done.converged) report.not_converged += count_of_parts;
 }
 
-bool PassiveJointSolver::State::isTouched(const Component& component) const {
-  const auto isOf = [&](int body) {
-    return body >= component.first_body && body < component.first_body + component.bodies;
-  };
-  return std::any_of(contacts.begin(), contacts.end(),
-                     [&](const ContactRow& row) { return isOf(row.body[0]) || isOf(row.body[1]); });
+void PassiveJointSolver::State::beginVelocities() {
+  velocities.clear();
+  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+}
+
+// `of`: so many components, solved together.
+void PassiveJointSolver::State::count(const NewtonReport& done, int of) {
+  report.newton_steps += done.steps * of;
+  report.factors += done.factors;
+  report.error = std::max(report.error, done.error);
+}
+
+// Of each component: whether a contact is on one of its bodies.
+std::vector<char> PassiveJointSolver::State::findTouched() const {
+  std::vector<char> body(island.bodies.size(), false), touched;
+  for (const ContactRow& row : contacts)
+    for (const int i : row.body)
+      if (i >= 0) body[size_t(i)] = true;
+  for (const Component& component : components) {
+    const auto first = body.begin() + component.first_body, last = first + component.bodies;
+    touched.push_back(std::find(first, last, true) != last);
+  }
+  return touched;
 }
 
 // A joint breaks at what it bears when all else is solved, and the step is then solved without it.
 void PassiveJointSolver::State::solveAll() {
-  velocities.clear();
-  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
-  std::vector<char> touched;
+  beginVelocities();
+  const std::vector<char> touched = findTouched();
   for (const Component& component : components) {
-    touched.push_back(isTouched(component));
     Memory& kept = remember(component);
     kept.ledger.begin(kineticEnergyOfStart(island, component), island.dt);
   }
@@ -257,7 +266,7 @@ void PassiveJointSolver::State::solveAll() {
     while (breaks(c));
   }
   for (bool again = !contacts.empty(); again;) {
-    solveAmongContacts();
+    solveAmongContacts(touched);
     again = false;
     for (size_t c = 0; c < components.size(); ++c) again = (touched[c] && breaks(c)) || again;
   }
@@ -274,17 +283,14 @@ PassiveJointSolver::~PassiveJointSolver() = default;
 SolverOptions& PassiveJointSolver::options() { return m_state->options; }
 const StepReport& PassiveJointSolver::lastStep() const { return m_state->report; }
 
-void PassiveJointSolver::prepareSolve(int, int) {
-  ++m_state->uses;
-  m_state->report = {};
-}
+void PassiveJointSolver::prepareSolve(int, int) { m_state->report = {}; }
 
 void PassiveJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
                                        const btContactSolverInfo& info) {
   m_tmpConstraintSizesPool.resizeNoInitialize(0);
   m_tmpSolverNonContactConstraintPool.resizeNoInitialize(0);
   State& state = *m_state;
-  state.builder.begin(info, state.options);
+  state.builder.begin(info);
   for (int i = 0; i < numConstraints; ++i) {
     btTypedConstraint& constraint = *constraints[i];
     constraint.buildJacobian();
@@ -301,7 +307,7 @@ void PassiveJointSolver::convertJoints(btTypedConstraint** constraints, int numC
   state.builder.finish(state.components);
 }
 
-void PassiveJointSolver::addContacts(btConstraintArray& pool, const btConstraintArray* normals) {
+void PassiveJointSolver::addContacts(btConstraintArray& pool, bool are_friction) {
   State& state = *m_state;
   const Vector6d zero = Vector6d::Zero();
   for (int i = 0; i < pool.size(); ++i) {
@@ -322,7 +328,7 @@ void PassiveJointSolver::addContacts(btConstraintArray& pool, const btConstraint
     row.softness = inverse_K > 0 ? double(from.m_cfm) / inverse_K : 0;
     row.lower = double(from.m_lowerLimit);
     row.upper = double(from.m_upperLimit);
-    row.normal = normals != nullptr ? from.m_frictionIndex : -1;
+    row.normal = are_friction ? from.m_frictionIndex : -1;
     row.friction = double(from.m_friction);
     row.impulse = double(from.m_appliedImpulse);
     row.from = &from;
@@ -342,9 +348,9 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
   solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifolds, numManifolds,
                                                 constraints, numConstraints, info, drawer);
   state.contacts.clear();
-  addContacts(m_tmpSolverContactConstraintPool, nullptr);
-  addContacts(m_tmpSolverContactFrictionConstraintPool, &m_tmpSolverContactConstraintPool);
-  addContacts(m_tmpSolverContactRollingFrictionConstraintPool, &m_tmpSolverContactConstraintPool);
+  addContacts(m_tmpSolverContactConstraintPool, false);
+  addContacts(m_tmpSolverContactFrictionConstraintPool, true);
+  addContacts(m_tmpSolverContactRollingFrictionConstraintPool, true);
   state.pose_changes.assign(state.island.bodies.size(), PoseChange::Zero());
   state.report.components += int(state.components.size());
   state.solveAll();

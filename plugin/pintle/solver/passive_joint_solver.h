@@ -49,8 +49,8 @@ class PassiveJointSolver : public btSequentialImpulseConstraintSolver {
 
  private:
   struct State;
-  /// Rows of friction are bounded by those of `normals`.
-  void addContacts(btConstraintArray& pool, const btConstraintArray* normals);
+  /// Friction is bounded by the contacts, which come first.
+  void addContacts(btConstraintArray& pool, bool are_friction);
 
   std::unique_ptr<State> m_state;
 };

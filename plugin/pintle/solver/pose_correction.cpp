@@ -13,16 +13,15 @@ void correctPoses(const Island& island, const Component& component, const Solver
   std::vector<double> open(work.pieces.size(), 0.);
   std::vector<char> acts(work.pieces.size(), false);
   double largest = 0;
-  size_t r = 0;
   const auto forEachRow = [&](const auto& visit) {
-    r = 0;
     for (int c = 0; c < component.joints; ++c) {
       const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-      for (int i = 0; i < joint.rows; ++i, ++r)
-        visit(fronts.joint(c) + i, island.rows[size_t(joint.first_row + i)]);
+      for (int i = 0; i < joint.rows; ++i)
+        visit(fronts.joint(c) + i, size_t(joint.row_of_component + i),
+              island.rows[size_t(joint.first_row + i)]);
     }
   };
-  forEachRow([&](int, const IslandRow& row) {
+  forEachRow([&](int, size_t r, const IslandRow& row) {
     const LawPiece& piece = work.pieces[r];
     const bool equality = row.law.isEquality() && !(piece.softness > 0);
     acts[r] = equality || row.open != 0;
@@ -37,16 +36,13 @@ void correctPoses(const Island& island, const Component& component, const Solver
       !Newton(island, component, Tier::start, options, fronts, work).factoriseMotion(acts))
     return;
   std::vector<double> x(size_t(fronts.size()), 0.);
-  forEachRow([&](int at, const IslandRow& row) {
+  forEachRow([&](int at, size_t r, const IslandRow& row) {
     if (work.pieces[r].acts) x[size_t(at)] = -open[r] / std::sqrt(row.K);
   });
   fronts.solve(x.data());
-  for (int i = 0; i < component.bodies; ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    PoseChange& change = changes[size_t(component.first_body + i)];
-    for (int k = 0; k < 6; ++k)
-      change[k] = body.locked[size_t(k)] ? 0 : x[size_t(fronts.body(i) + k)] / body.scale[k / 3];
-  }
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
+    changes[size_t(i)] =
+        island.bodies[size_t(i)].unscaled(&x[size_t(fronts.body(i - component.first_body))]);
 }
 
 }  // namespace PINTLE_PRECISION

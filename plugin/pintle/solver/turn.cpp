@@ -30,6 +30,12 @@ struct MeanFactors {
 
 }  // namespace
 
+Matrix3d meanOfTurn(const Vector3d& phi) {
+  const Matrix3d X = crossMatrix(phi);
+  const MeanFactors factors(phi.squaredNorm());
+  return Matrix3d::Identity() + factors.once * X + factors.twice * X * X;
+}
+
 Turn::Turn(const Vector3d& w, double dt) {
   const Vector3d asked = dt * w;
   const double length = asked.norm();
@@ -43,9 +49,7 @@ Turn::Turn(const Vector3d& w, double dt) {
     part_slope = (rate - part) / length * (asked / length);
   }
   phi = part * asked;
-  const Matrix3d X = crossMatrix(phi), X2 = X * X;
-  const MeanFactors factors(phi.squaredNorm());
-  mean += factors.once * X + factors.twice * X2;
+  mean = meanOfTurn(phi);
   slope = length > max_turn ? Matrix3d(mean * phiSlope()) : mean;
 }
 

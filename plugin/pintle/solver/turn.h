@@ -16,6 +16,10 @@ inline Matrix3d crossMatrix(const Vector3d& a) {
   return m;
 }
 
+/// V(phi): the mean of what r is while its body turns by phi at a constant rate is V r. V = 1 + (1 - cos t) / t^2 [phi]x +
+/// (t - sin t) / t^3 [phi]x^2, t = |phi|, is the left Jacobian of SO(3).
+Matrix3d meanOfTurn(const Vector3d& phi);
+
 struct Turn {
   Vector3d phi = Vector3d::Zero();         ///< rad: the rotation vector of the step
   double part = 1;                         ///< phi = part dt w
@@ -27,6 +31,8 @@ struct Turn {
   Turn() = default;
   Turn(const Vector3d& w, double dt);
 
+  /// Where an arm r of the body points in the end.
+  Vector3d turned(const Vector3d& r) const { return r + cross(phi, Vector3d(mean * r)); }
   Matrix3d rotation() const { return Matrix3d::Identity() + crossMatrix(phi) * mean; }
   /// d(part V(phi) r) / d(dt w)
   Matrix3d meanSlope(const Vector3d& r) const;
