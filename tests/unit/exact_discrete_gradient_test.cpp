@@ -51,12 +51,14 @@ struct Step {
 TEST(DiscreteGradient, MeanOfATurnIsTheMean) {
   Random random(1);
   for (const double angle : {0., 1e-5, 0.999e-3, 1.001e-3, 0.1, 1., 3.}) {
-    const Vector3d phi = angle * inDouble(random.unit()).normalized(), r = inDouble(random.vector(1));
+    const Vector3d phi = angle * inDouble(random.unit()).normalized(),
+                   r = inDouble(random.vector(1));
     Vector3d sum = Vector3d::Zero();
     constexpr int n = 20000;
     for (int i = 0; i < n; ++i) {
       const double t = (i + 0.5) / n;
-      const Eigen::AngleAxisd turn(t * angle, angle > 0 ? Vector3d(phi / angle) : Vector3d::UnitX());
+      const Eigen::AngleAxisd turn(t * angle,
+                                   angle > 0 ? Vector3d(phi / angle) : Vector3d::UnitX());
       sum += turn * r / n;
     }
     EXPECT_LT((pintle::meanOfTurn(phi) * r - sum).norm(), 1e-9) << angle;
@@ -85,12 +87,12 @@ TEST_P(EveryRow, TellsHowFarTheStepMovesIt) {
     joint->addRows(pintle::PosePair(step_a.end, step_b.end), end.rows);
     ASSERT_EQ(end.rows.equalities(), start.rows.equalities());
     for (int i = 0; i < start.rows.equalities(); ++i) {
-      const double change =
-          double(end.rows[i].position) - double(start.rows[i].position);
+      const double change = double(end.rows[i].position) - double(start.rows[i].position);
       const RowShape::Kind kind = start.shapes[size_t(i)].kind;
       ASSERT_EQ(kind, end.shapes[size_t(i)].kind);
       ++seen[kind];
-      const bool closed = kind == RowShape::point || kind == RowShape::distance || kind == RowShape::dot;
+      const bool closed =
+          kind == RowShape::point || kind == RowShape::distance || kind == RowShape::dot;
       const Gradient G = pintle::discreteGradient(
           {start.rows[i], end.rows[i], start.shapes[size_t(i)], end.shapes[size_t(i)]},
           closed ? 1e9 : change, step_a.by, step_b.by);

@@ -141,6 +141,13 @@ double largestError(const pintle::Joint& joint) {
   return largest;
 }
 
+// Joints of which rows repeat or contradict each other, lose their grip, or jump: they need not hold, only be passive.
+bool worksAgainstItself(const kinds::Kind& kind) {
+  for (const char* const name : {"TwoPointHinge", "CrossProduct", "SingleRowLock"})
+    if (kind.name.rfind(name, 0) == 0) return true;
+  return kind.name == "ConstantVelocityJointDocument";
+}
+
 class PassiveChain : public testing::TestWithParam<kinds::Kind> {};
 
 TEST_P(PassiveChain, HoldsAndGainsNothing) {
@@ -181,22 +188,10 @@ TEST_P(PassiveChain, HoldsAndGainsNothing) {
     ASSERT_TRUE(support::is_finite(*last)) << GetParam() << ", run " << run;
     mean += worst / runs;
   }
-  EXPECT_LE(mean, rounding(2e-5, 1e-6)) << GetParam();
+  EXPECT_LE(mean, worksAgainstItself(GetParam()) ? 0.05 : rounding(2e-5, 1e-6)) << GetParam();
 }
 
-// Left out: joints of which rows repeat each other or lose their grip, which the factor of a tree does not bear yet; and the constant velocity joint
-// in the document's form, whose rows jump.
-std::vector<kinds::Kind> tested() {
-  std::vector<kinds::Kind> list = kinds::all();
-  const auto isLeftOut = [](const kinds::Kind& kind) {
-    return kind.name.rfind("TwoPointHinge", 0) == 0 || kind.name.rfind("CrossProduct", 0) == 0 ||
-           kind.name.rfind("SingleRowLock", 0) == 0 || kind.name == "ConstantVelocityJointDocument";
-  };
-  list.erase(std::remove_if(list.begin(), list.end(), isLeftOut), list.end());
-  return list;
-}
-
-INSTANTIATE_TEST_SUITE_P(All, PassiveChain, testing::ValuesIn(tested()),
+INSTANTIATE_TEST_SUITE_P(All, PassiveChain, testing::ValuesIn(kinds::all()),
                          [](const testing::TestParamInfo<kinds::Kind>& kind) {
                            return kind.param.name;
                          });
@@ -288,7 +283,7 @@ void expectCalmBridges(double most) {
   books.add(0, vec(200, 200, 1), at(vec(0, 0, -1)), true);
   btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, -50)));
   std::vector<btRigidBody*> crates;
-  constexpr int bridges = 4;
+  constexpr int bridges = 5;
   for (int n = 0; n < bridges; ++n) {
     const btVector3 begin = vec(14 * n, 0, 5);
     btVector3 end = begin;
@@ -312,7 +307,7 @@ void expectCalmBridges(double most) {
     }
     join(*last, post);
     crates.push_back(&books.add(50, vec(0.3, 0.3, 0.3),
-                                at((begin + end) / 2 + vec(0.2 * (n - 2), 0, 0.5)), true));
+                                at((begin + end) / 2 + vec(0.2 * (n - 3), 0, 0.5)), true));
   }
   books.begin();
   for (int i = 0; i < 360; ++i) books.step();

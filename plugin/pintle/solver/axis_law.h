@@ -34,6 +34,22 @@ class AxisLaw {
 
   void clear() { m_parts = 0; }
   void add(const LawPart& part) { m_part[m_parts++] = part; }
+  /// Changes the target of a law of one part.
+  void aim(double target) { m_part[0].target = target; }
+  /// Stops give back nothing of the speed with which they are met. Returns whether they did.
+  bool stopRebound() {
+    bool any = false;
+    for (int i = 0; i < m_parts; ++i) {
+      LawPart& part = m_part[i];
+      const bool is_lower = part.lower == 0 && part.upper == unbounded,
+                 is_upper = part.upper == 0 && part.lower == -unbounded;
+      if (part.drives || !((is_lower && part.target > 0) || (is_upper && part.target < 0)))
+        continue;
+      part.target = 0;
+      any = true;
+    }
+    return any;
+  }
   int parts() const { return m_parts; }
   const LawPart& part(int i) const { return m_part[i]; }
   bool isEquality() const {

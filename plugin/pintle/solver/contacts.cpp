@@ -63,7 +63,6 @@ class Solve {
   double sweep();
   double iterate();
   void correct(Group& group);
-  void bound(ContactRow& row) const;
   const IslandBody& body(int number) const { return m_island.bodies[size_t(number)]; }
 
   const Island& m_island;
@@ -177,12 +176,6 @@ void Solve::predict(Group& of) {
   }
 }
 
-void Solve::bound(ContactRow& row) const {
-  if (row.normal < 0) return;
-  row.upper = row.friction * m_rows[size_t(row.normal)].impulse;
-  row.lower = -row.upper;
-}
-
 // One pass over all rows. Returns the largest change, m/s.
 double Solve::sweep() {
   double largest = 0;
@@ -190,15 +183,12 @@ double Solve::sweep() {
     ContactRow& row = m_rows[r];
     const double K = m_K[r];
     if (!(K > 0)) continue;
-    bound(row);
+    boundFriction(m_rows, row);
     double u = 0;
     for (const Touch& touch : m_touch[r])
       if (touch.group >= 0)
         u += touch.J.dot(m_groups[size_t(touch.group)].velocity.segment<6>(touch.at));
-    const double next = std::min(
-        std::max(row.impulse - (u + row.softness * row.impulse - row.target) / (K + row.softness),
-                 row.lower),
-        row.upper);
+    const double next = row.meet(u, K);
     const double change = next - row.impulse;
     if (change == 0) continue;
     row.impulse = next;
@@ -260,6 +250,7 @@ NewtonReport Solve::run() {
     part.work->now.horizon = m_island.dt;
     newtons.emplace_back(m_island, *part.component, Tier::gradient, m_options, *part.fronts,
                          *part.work);
+    newtons.back().clipTangent();
     newtons.back().begin();
   }
   std::vector<char> stale(m_parts.size(), true);

@@ -6,6 +6,8 @@
 
 #include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -18,7 +20,19 @@ struct ContactRow {
   double friction;  ///< of friction: its coefficient
   double impulse;   ///< N s
   btSolverConstraint* from;
+
+  /// Its impulse at which it is satisfied, where it has the velocity u now.
+  double meet(double u, double K) const {
+    return std::min(std::max(impulse - (u + softness * impulse - target) / (K + softness), lower),
+                    upper);
+  }
 };
+/// Friction by its contact's impulse.
+inline void boundFriction(const std::vector<ContactRow>& rows, ContactRow& row) {
+  if (row.normal < 0) return;
+  row.upper = row.friction * rows[size_t(row.normal)].impulse;
+  row.lower = -row.upper;
+}
 
 /// A component among contacts.
 struct ContactPart {

@@ -3,27 +3,29 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-double kineticEnergyOfStart(const Island& island, const Component& component) {
-  double sum = 0;
+void EnergyLedger::begin(const Island& island, const Component& component, double share) {
+  double before = 0;
+  with_forces = 0;
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(i)];
-    const auto w = body.v0.tail<3>();
-    sum += (body.mass * body.v0.head<3>().squaredNorm() + w.dot(body.inertia * w)) / 2;
+    const auto of = [&](const Vector6d& v) {
+      const auto w = v.tail<3>();
+      return (body.mass * v.head<3>().squaredNorm() + w.dot(body.inertia * w)) / 2;
+    };
+    before += of(body.v0);
+    with_forces += of(body.v_free);
   }
-  return sum;
+  // It is forgotten within a second or so.
+  peak = std::fmax(peak * std::fmax(1 - island.dt, 0), before);
+  given = std::fmin(given, share * peak);
 }
 
-// An impulse p works by p . (v0 + v1) / 2, v0 and v1 the velocities before and after the step: that of all joints is what the
-// bodies have gained but for their forces.
-double workOfJoints(const Island& island, const Component& component, const Iterate& at) {
-  double work = 0;
-  for (int i = 0; i < component.bodies; ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Vector6d &v = at.bodies[size_t(i)].v, twice = v + body.v0, by_joints = v - body.v_free;
-    work += (body.mass * by_joints.head<3>().dot(twice.head<3>()) +
-             by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
-            2;
-  }
+namespace {
+
+// Visits each row of the component: its impulse, and its mean velocity along G, (v0 + v1) / 2.
+template <class Visit>
+void forEachRow(const Island& island, const Component& component, const Iterate& at,
+                const Visit& visit) {
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto mean = [&](int side) -> Vector6d {
@@ -34,15 +36,55 @@ double workOfJoints(const Island& island, const Component& component, const Iter
     };
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
-      const AxisLaw& law = island.rows[size_t(joint.first_row + i)].law;
-      if (!law.hasDrives()) continue;
-      double impulse[AxisLaw::max_parts], driving = 0;
-      law.split(at.rows[r].u, at.lambda[r], impulse);
-      for (int k = 0; k < law.parts(); ++k)
-        if (law.part(k).drives) driving += impulse[k];
-      work -= driving * at.rows[r].G.along(mean(0), mean(1));
+      visit(island.rows[size_t(joint.first_row + i)], r,
+            [&] { return at.rows[r].G.along(mean(0), mean(1)); });
     }
   }
+}
+
+// The impulse of the parts of a law that drive.
+double drivingImpulse(const AxisLaw& law, double u, double lambda) {
+  double impulse[AxisLaw::max_parts], driving = 0;
+  law.split(u, lambda, impulse);
+  for (int k = 0; k < law.parts(); ++k)
+    if (law.part(k).drives) driving += impulse[k];
+  return driving;
+}
+
+// J: what the spring of a soft row has stored in the step.
+double stored(const Island& island, const IslandRow& row, double u, double lambda) {
+  if (!(row.spring.erp > 0)) return 0;
+  const double softness = row.law.part(0).softness;
+  return row.spring.energyAfter(u, lambda, softness, island.dt) -
+         row.spring.energy(softness, island.dt);
+}
+
+}  // namespace
+
+// An impulse p works by p . (v0 + v1) / 2, v0 and v1 the velocities before and after the step.
+double workOfJoints(const Island& island, const Component& component, const Iterate& at) {
+  double work = 0;
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    const Vector6d &v = at.bodies[size_t(i)].v, twice = v + body.v0, by_joints = v - body.v_free;
+    work += (body.mass * by_joints.head<3>().dot(twice.head<3>()) +
+             by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
+            2;
+  }
+  forEachRow(island, component, at, [&](const IslandRow& row, size_t r, const auto& mean) {
+    work += stored(island, row, at.rows[r].u, at.lambda[r]);
+    if (row.law.hasDrives()) work -= drivingImpulse(row.law, at.rows[r].u, at.lambda[r]) * mean();
+  });
+  return work;
+}
+
+double workAlongRows(const Island& island, const Component& component, const Iterate& at) {
+  double work = 0;
+  forEachRow(island, component, at, [&](const IslandRow& row, size_t r, const auto& mean) {
+    double impulse = at.lambda[r];
+    if (row.law.hasDrives()) impulse -= drivingImpulse(row.law, at.rows[r].u, impulse);
+    work += stored(island, row, at.rows[r].u, at.lambda[r]) + impulse * mean();
+  });
   return work;
 }
 

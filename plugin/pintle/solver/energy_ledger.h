@@ -13,17 +13,22 @@ struct EnergyLedger {
   double given = 0;  ///< J: by the joints, so far
   double peak = 0;   ///< J: the largest recent kinetic energy
 
-  void begin(double kinetic, double dt) {
-    // It is forgotten within a second or so.
-    peak = std::fmax(peak * (1 - dt), kinetic);
-  }
+  double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
+
+  void begin(const Island& island, const Component& component, double share);
   bool mayGive(double work, double share) const { return given + work <= share * peak; }
+  /// More than the discrete gradient, which never gives, may seem to: its books are kept from the velocities that forces lead to.
+  bool isMuch(double work, double share) const {
+    return !(work <= share * std::fmax(peak, with_forces));
+  }
   void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
 };
 
-double kineticEnergyOfStart(const Island& island, const Component& component);
-/// J: what joints gave to the velocities of the iterate, without motors, springs and friction.
+/// J: what joints gave to the velocities of the iterate, without motors, springs and friction: all that bodies have gained but for
+/// their forces.
 double workOfJoints(const Island& island, const Component& component, const Iterate& at);
+/// The same of a component among contacts, which also give and take: along its rows.
+double workAlongRows(const Island& island, const Component& component, const Iterate& at);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -9,6 +9,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 class btTypedConstraint;
@@ -75,6 +76,28 @@ struct IslandRow {
   double K;  ///< J M^-1 J^T
   AxisLaw law;
   double open = 0;  ///< C of an equality, m or rad: what is to be closed by moving poses
+  /// Of a soft equality. It gives like a spring, which starts without tension wherever it is: what the step's velocities
+  /// stretch it by pulls it back, and what it was open by before moves poses.
+  struct Spring {
+    double erp = 0;
+    double open = 0;     ///< ERP times C, m or rad
+    double stretch = 0;  ///< the part of it that pulls
+
+    double length(double u, double dt) const { return stretch + erp * dt * u; }
+    /// J, before the step and after it: never more than it was given.
+    double energy(double softness, double dt) const {
+      return stretch * stretch / (2 * erp * dt * dt * softness);
+    }
+    double energyAfter(double u, double lambda, double softness, double dt) const {
+      const double l = length(u, dt);
+      return std::fmax(
+          0, std::fmin(l * l / (2 * erp * dt * dt * softness), energy(softness, dt) - lambda * u));
+    }
+    /// How far it is stretched by that energy.
+    double stretchOf(double energy, double softness, double dt) const {
+      return dt * std::sqrt(2 * erp * softness * energy);
+    }
+  } spring;
 };
 
 struct IslandJoint {

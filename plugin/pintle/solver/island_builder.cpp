@@ -175,13 +175,15 @@ void IslandBuilder::setEqualityLaw(const Joint& joint, IslandRow& row) const {
   const auto soft = JointAccess::softness(joint, row.start.group, m_info);
   const double position = double(row.start.position),
                bound = bounded(JointAccess::setting(joint).max_impulse);
-  if (soft.cfm > 0 || bound < AxisLaw::unbounded) {
+  if (bound < AxisLaw::unbounded) {
     row.law.add({-double(soft.erp) * position / m_island.dt, double(soft.cfm) * row.K, -bound,
                  bound, true});
     return;
   }
-  row.law.add({0, 0, -bound, bound});
-  row.open = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp) * position;
+  const double erp = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp);
+  row.law.add({0, double(soft.cfm) * row.K, -bound, bound});
+  row.open = erp * position;
+  if (soft.cfm > 0) row.spring = {erp, row.open, 0};
 }
 
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
@@ -246,13 +248,24 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   joint.getInfo1(&size);
   const int count = btMin(size.m_numConstraintRows, max_stock_rows);
   if (count <= 0) return;
-  btSolverConstraint rows[max_stock_rows], with[max_stock_rows];
+  btSolverConstraint rows[max_stock_rows], at_twice_the_rate[max_stock_rows];
   const Scalar fps = 1 / m_info.m_timeStep;
-  askRows(joint, {fps, 1, 0, 1, m_info.m_numIterations}, with, count);
-  const Scalar damping = askRows(
-      joint, {fps, 0, m_info.m_globalCfm, m_info.m_damping, m_info.m_numIterations}, rows, count);
-  Scalar position[max_stock_rows];
-  for (int i = 0; i < count; ++i) position[i] = (with[i].m_rhs - rows[i].m_rhs) / fps;
+  const auto ask = [&](Scalar rate, btSolverConstraint* answer) {
+    return askRows(
+        joint, {rate, m_info.m_erp, m_info.m_globalCfm, m_info.m_damping, m_info.m_numIterations},
+        answer, count);
+  };
+  ask(2 * fps, at_twice_the_rate);
+  const Scalar damping = ask(fps, rows);
+  // What grows with the rate of the steps closes what is open, with the ERP that the joint has for it. Not of a motor: where it
+  // cannot do all, it does what it can.
+  Scalar closing[max_stock_rows];
+  for (int i = 0; i < count; ++i) {
+    const bool is_motor = rows[i].m_lowerLimit > -infinity && rows[i].m_upperLimit < infinity &&
+                          rows[i].m_lowerLimit != 0 && rows[i].m_upperLimit != 0;
+    closing[i] = is_motor ? 0 : at_twice_the_rate[i].m_rhs - rows[i].m_rhs;
+    rows[i].m_rhs -= closing[i];
+  }
   completeTargets(rows, count, joint, damping, a, b);
   for (int i = 0; i < count; ++i) {
     const btSolverConstraint& from = rows[i];
@@ -265,12 +278,14 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
              -pintle::inDouble(from.m_relpos2CrossNormal)};
     row.K = inverseMass(to, row.J, row.J);
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
-    // Bounded both ways, or with a velocity of its own: a motor.
-    const bool driven =
-        from.m_rhs != 0 || (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded);
+    // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
+    const bool is_stop =
+        (lower == 0 && upper == AxisLaw::unbounded) || (upper == 0 && lower == -AxisLaw::unbounded);
+    const bool driven = !is_stop && (from.m_rhs != 0 ||
+                                     (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded));
     row.law.add({-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower, driven});
-    if (lower <= -AxisLaw::unbounded && upper >= AxisLaw::unbounded && !(from.m_cfm > 0))
-      row.open = double(m_info.m_erp) * double(position[i]);
+    row.open = double(closing[i]) * m_island.dt;
+    if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
     addRow(to, row);
   }
 }

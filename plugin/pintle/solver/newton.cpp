@@ -13,9 +13,6 @@ namespace {
 // Steps of Newton are halved down to the least part. Short ones show a tangent that is of no use: the other one is tried.
 constexpr double short_step = 0.1, min_part = 1e-3;
 
-// Of the velocities: corrections below this are rounding.
-constexpr double tiny = 1e-10;
-
 // Sizes of a correction: of the velocities, in the metric of the masses.
 double velocityNorm(const Fronts& fronts, const std::vector<double>& x) {
   double sum = 0;
@@ -37,6 +34,28 @@ void Newton::choosePieces() {
       const double K = row(of, i).K;
       m_work.pieces[r] = row(of, i).law.meet(now.rows[r].u - K * now.lambda[r], K);
     }
+  }
+}
+
+// Rows may repeat each other, or contradict each other by what the tolerance leaves: then impulses that nobody bears would grow
+// without end. So each joint of a loop gives, by a part of the tolerance under the load that it bears.
+void Newton::findSoftness() {
+  std::vector<double>& softness = m_work.softness;
+  softness.assign(size_t(m_component.joints), m_options.dependent_softness);
+  const double give = m_options.newton_tolerance / 10 / m_island.dt;
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& of = joint(c);
+    if (!m_fronts.isInLoop(c)) {
+      softness[size_t(c)] = 0;
+      continue;
+    }
+    double load2 = 0;  // m/s: what its impulses change velocities by
+    for (int i = 0; i < of.rows; ++i) {
+      const double change = row(of, i).K * m_work.now.lambda[size_t(of.row_of_component + i)];
+      load2 += change * change;
+    }
+    const double load = std::sqrt(load2);
+    if (load * softness[size_t(c)] > give) softness[size_t(c)] = give / load;
   }
 }
 
@@ -291,13 +310,14 @@ void Newton::begin() {
     m_scale2 += of.mass * of.v_free.head<3>().squaredNorm() +
                 of.v_free.tail<3>().dot(of.inertia * of.v_free.tail<3>());
   }
+  findSoftness();
   moveTo(m_island, m_component, m_tier, now);
   choosePieces();
 }
 
 bool Newton::factorise() {
   assemble(m_work.now);
-  return m_fronts.factorise();
+  return m_fronts.factorise(m_options.least_pivot);
 }
 
 void Newton::findCorrection() {
@@ -311,10 +331,10 @@ double Newton::advance() {
   for (double part = 1; part > short_step; part /= 2) {
     step(m_work.correction, part);
     left = findRest(m_options.contact_tolerance, m_options.contact_momentum_tolerance);
-    if (left <= length || length < tiny * std::sqrt(m_scale2)) break;
+    if (left <= length || length < m_options.rounding * std::sqrt(m_scale2)) break;
   }
   std::swap(m_work.now, m_work.next);
-  return length < tiny * std::sqrt(m_scale2) ? 0 : left / length;
+  return length < m_options.rounding * std::sqrt(m_scale2) ? 0 : left / length;
 }
 
 bool Newton::factoriseMotion(const std::vector<char>& acts) {
@@ -327,7 +347,7 @@ bool Newton::factoriseMotion(const std::vector<char>& acts) {
   }
   m_work.stiffness.assign(size_t(m_component.bodies), Matrix3d::Zero());
   assemble(at);
-  return m_fronts.factorise();
+  return m_fronts.factorise(m_options.least_pivot);
 }
 
 NewtonReport Newton::run() {
@@ -365,7 +385,8 @@ NewtonReport Newton::iterate() {
       step(x, part);
       if (m_bounded) keepBounded(m_work.next);
       left = findRest(m_options.newton_tolerance, m_options.momentum_tolerance);
-      accepted = left <= (1 - part / 4) * length || length < tiny * std::sqrt(m_scale2);
+      accepted =
+          left <= (1 - part / 4) * length || length < m_options.rounding * std::sqrt(m_scale2);
       if (accepted) break;
     }
     if (!accepted || part < short_step) {
@@ -382,7 +403,9 @@ NewtonReport Newton::iterate() {
     tangents = 0;
     std::swap(m_work.now, m_work.next);
     ++report.steps;
-    report.converged = isConverged(m_options.newton_tolerance, m_options.momentum_tolerance);
+    const bool is_rounding = length < m_options.rounding * std::sqrt(m_scale2);
+    report.converged = isConverged(m_options.newton_tolerance,
+                                   is_rounding ? infinity : m_options.momentum_tolerance);
     report.error = m_error;
     if (report.converged || report.steps >= m_options.max_newton_iterations) return report;
     const bool same = !hasChangedSet();

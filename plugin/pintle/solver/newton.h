@@ -23,6 +23,7 @@ struct Workspace {
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (tier start)
   std::vector<Vector6d> external;   ///< of each body: impulses of contacts, N s and N m s
   std::vector<double> correction, simplified, residual;
+  std::vector<double> softness;  ///< of each joint, relative to K
   std::vector<int> sizes;
 };
 
@@ -47,6 +48,8 @@ class Newton {
 
   // One step after the other, for who solves others beside it (contacts.h).
   void begin();
+  /// From now on without what lets bodies gain by pushing each other.
+  void clipTangent() { m_exact = false; }
   /// The factor at `work.now`. Returns false where there is none.
   bool factorise();
   /// work.correction: how `work.now` is to change.
@@ -71,10 +74,9 @@ class Newton {
     return m_island.rows[size_t(of.first_row + i)];
   }
 
-  /// Of the rows of a joint, relative to K: those of loops may repeat each other.
-  double leastSoftness(int c) const {
-    return m_fronts.isInLoop(c) ? m_options.dependent_softness : 0;
-  }
+  void findSoftness();
+  /// Of the rows of a joint, relative to K.
+  double leastSoftness(int c) const { return m_work.softness[size_t(c)]; }
   void choosePieces();
   void findResidual(const Iterate& at, std::vector<double>& x);
   void assemble(const Iterate& at);

@@ -7,6 +7,7 @@
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/pose_correction.h>
+#include <pintle/solver/relaxation.h>
 
 #include <Eigen/Geometry>
 
@@ -24,6 +25,10 @@ struct Memory {
   Fronts fronts;
   Workspace work;
   std::vector<double> lambda;  ///< of the last step, of each row; of `rows` of each joint
+  struct Stretch {
+    double length = 0, energy = 0;
+  };
+  std::vector<Stretch> stretch;  ///< of each row's spring
   std::vector<int> rows;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
@@ -44,9 +49,11 @@ struct PassiveJointSolver::State {
 
   Memory& remember(const Component& component);
   void warmStart(const Component& component, Memory& kept);
+  void stretchSprings(const Component& component, Memory& kept);
   void findStiffness(const Component& component, Memory& kept);
   void begin(const Component& component, Memory& kept);
   void solve(const Component& component);
+  bool stopRebounds(const Component& component);
   void finish(const Component& component, Memory& kept);
   void beginVelocities();
   std::vector<char> findTouched() const;
@@ -55,6 +62,7 @@ struct PassiveJointSolver::State {
     return *memory[island.joints[size_t(component.first_joint)].constraint];
   }
   void solveAmongContacts(const std::vector<char>& touched);
+  void relax(std::vector<ContactPart>& parts, std::vector<ContactRow>& rows);
   void solveAll();
 };
 
@@ -108,6 +116,30 @@ void PassiveJointSolver::State::warmStart(const Component& component, Memory& ke
   }
 }
 
+// Springs of soft rows pull by what they are stretched: no longer than they are, and with no more energy than they have stored,
+// however their softness has changed (which is relative to K).
+void PassiveJointSolver::State::stretchSprings(const Component& component, Memory& kept) {
+  std::vector<Memory::Stretch> stretch;
+  size_t before = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const int known = size_t(c) < kept.rows.size() ? kept.rows[size_t(c)] : 0;
+    for (int i = 0; i < joint.rows; ++i) {
+      IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      stretch.emplace_back();
+      if (!(row.spring.erp > 0) || known != joint.rows) continue;
+      const Memory::Stretch& last = kept.stretch[before + size_t(i)];
+      const double most = row.spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
+      row.spring.stretch = std::clamp(std::clamp(last.length, -most, most),
+                                      std::fmin(row.spring.open, 0), std::fmax(row.spring.open, 0));
+      row.law.aim(row.law.part(0).target - row.spring.stretch / island.dt);
+      row.open -= row.spring.stretch;
+    }
+    before += size_t(known);
+  }
+  kept.stretch.swap(stretch);
+}
+
 // Of tier `start`: what the last step's impulses add to the inertia.
 void PassiveJointSolver::State::findStiffness(const Component& component, Memory& kept) {
   std::vector<Matrix3d>& stiffness = kept.work.stiffness;
@@ -154,7 +186,7 @@ void PassiveJointSolver::State::solve(const Component& component) {
   // is linear.
   const auto follow = [&] {
     begin();
-    attempt(Tier::gradient, 0);
+    if (!attempt(Tier::gradient, 0)) return false;
     const double dt = island.dt;
     double held = 0, advance = dt / 2;
     while (held < dt && advance > dt / 32) {
@@ -166,7 +198,8 @@ void PassiveJointSolver::State::solve(const Component& component) {
         advance /= 2;
       }
     }
-    return held == dt;
+    if (held < dt) ++report.not_converged;
+    return true;
   };
   begin();
   findStiffness(component, kept);
@@ -176,14 +209,28 @@ void PassiveJointSolver::State::solve(const Component& component) {
     work_done = workOfJoints(island, component, work.now);
     solved = kept.ledger.mayGive(work_done, options.ledger_share);
   }
+  const auto solveByGradient = [&] {
+    begin();
+    if (attempt(Tier::gradient, island.dt)) return true;
+    ++report.followed;
+    return follow();
+  };
   if (!solved) {
     ++report.second_tier;
-    begin();
-    if (!attempt(Tier::gradient, island.dt)) {
-      ++report.followed;
-      if (!follow()) ++report.not_converged;
-    }
+    bool found = solveByGradient();
     work_done = workOfJoints(island, component, work.now);
+    // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
+    const auto gains = [&] { return kept.ledger.isMuch(work_done, options.ledger_share); };
+    if (found && gains() && stopRebounds(component)) {
+      found = solveByGradient();
+      work_done = workOfJoints(island, component, work.now);
+    }
+    if (!found || gains()) {
+      std::vector<ContactPart> alone = {{&component, &kept.fronts, &work}};
+      std::vector<ContactRow> no_contacts;
+      relax(alone, no_contacts);
+      work_done = workOfJoints(island, component, work.now);
+    }
   }
   kept.work_done = work_done;
 }
@@ -200,28 +247,81 @@ void PassiveJointSolver::State::finish(const Component& component, Memory& kept)
   }
   kept.ledger.book(kept.work_done, options.ledger_share);
   kept.lambda = work.now.lambda;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!(row.spring.erp > 0)) continue;
+      const double u = work.now.rows[r].u;
+      kept.stretch[r] = {
+          row.spring.length(u, island.dt),
+          row.spring.energyAfter(u, work.now.lambda[r], row.law.part(0).softness, island.dt)};
+    }
+  }
   kept.rows = work.sizes;
   pintle::report(island, component, work.now);
   correctPoses(island, component, options, work, kept.fronts, pose_changes);
 }
 
+bool PassiveJointSolver::State::stopRebounds(const Component& component) {
+  bool any = false;
+  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(c)];
+    for (int i = 0; i < joint.rows; ++i)
+      any = island.rows[size_t(joint.first_row + i)].law.stopRebound() || any;
+  }
+  return any;
+}
+
 // Contacts take energy, and so does the discrete gradient: it alone acts among them.
 void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touched) {
   std::vector<ContactPart> parts;
+  double peak = 0;
   for (size_t c = 0; c < components.size(); ++c) {
     if (!touched[c]) continue;
     Memory& kept = memoryOf(components[c]);
     begin(components[c], kept);
     kept.work_done = 0;
+    peak += std::fmax(kept.ledger.peak, kept.ledger.with_forces);
     parts.push_back({&components[c], &kept.fronts, &kept.work});
   }
+  const auto attempt = [&] {
+    beginVelocities();
+    const NewtonReport done =
+        pintle::solveAmongContacts(island, parts, contacts, options, velocities);
+    count(done, int(parts.size()));
+    report.second_tier += int(parts.size());
+    for (ContactPart& part : parts)
+      for (int i = 0; i < part.component->bodies; ++i)
+        velocities[size_t(part.component->first_body + i)] = part.work->now.bodies[size_t(i)].v;
+    return done.converged;
+  };
+  const auto gain = [&](const auto& workOf) {
+    double work = 0;
+    for (ContactPart& part : parts) work += workOf(island, *part.component, part.work->now);
+    return !(work <= options.ledger_share * peak);
+  };
+  bool converged = attempt();
+  if (converged && gain(workAlongRows)) {
+    bool any = false;
+    for (ContactPart& part : parts) any = stopRebounds(*part.component) || any;
+    if (any) {
+      for (ContactPart& part : parts) begin(*part.component, memoryOf(*part.component));
+      converged = attempt();
+    }
+  }
+  if (converged) return;
+  report.not_converged += int(parts.size());
+  if (gain(workOfJoints)) relax(parts, contacts);
+}
+
+// Parts and contacts from the velocities that forces lead to.
+void PassiveJointSolver::State::relax(std::vector<ContactPart>& parts,
+                                      std::vector<ContactRow>& rows) {
+  ++report.relaxed;
   beginVelocities();
-  const NewtonReport done =
-      pintle::solveAmongContacts(island, parts, contacts, options, velocities);
-  const int count_of_parts = int(parts.size());
-  count(done, count_of_parts);
-  report.second_tier += count_of_parts;
-  if (!done.converged) report.not_converged += count_of_parts;
+  pintle::relax(island, parts, rows, options.max_contact_sweeps, velocities);
 }
 
 void PassiveJointSolver::State::beginVelocities() {
@@ -255,7 +355,8 @@ void PassiveJointSolver::State::solveAll() {
   const std::vector<char> touched = findTouched();
   for (const Component& component : components) {
     Memory& kept = remember(component);
-    kept.ledger.begin(kineticEnergyOfStart(island, component), island.dt);
+    stretchSprings(component, kept);
+    kept.ledger.begin(island, component, options.ledger_share);
   }
   const auto breaks = [&](size_t c) {
     return breakOverloaded(island, components[c], memoryOf(components[c]).work.now);

@@ -14,6 +14,8 @@ struct SolverOptions {
   /// The same where Newton's iteration gets no further. In single precision joints measure angles to 1e-7 rad, and where G bends
   /// with them is known to a part of 1e-4.
   double stalled_momentum_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-4;
+  /// Of the velocities: a correction below this is rounding.
+  double rounding = 1e-10;
   /// Newton steps of a tier. More than ten are rare. The first tier gives up sooner, since the second one follows.
   int max_newton_iterations = 30;
   int max_first_tier_factors = 8;
@@ -26,9 +28,11 @@ struct SolverOptions {
   int max_sweeps = 1000;
   /// A factor is kept while a correction is at most this part of the one before it.
   double contraction = 0.3;
-  /// Softness of joints of loops, relative to their own 1 / K: rows that repeat each other share their impulse, and those that
-  /// contradict each other give way.
-  double dependent_softness = 1e-11;
+  /// Softness of the joints of loops, relative to their own 1 / K, while they bear nothing: rows that repeat each other share their
+  /// impulse, and those that contradict each other give way. Under a load by a tenth of the tolerance.
+  double dependent_softness = 1e-8;
+  /// Of rows of one joint that repeat each other: the least pivot, relative to 1 / K.
+  double least_pivot = 1e-13;
   /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
   double ledger_share = 0.01;
   /// beta of Newmark's rule, with which bodies swing under their joints' load in the first tier: from 1/4 on, the average

@@ -340,7 +340,7 @@ Fronts::Block Fronts::bodyBodyBlock(int c, int side) {
 
 // Own unknowns, all of them at once or panel by panel; the pivot of each is the largest of its column among the rows that are
 // eliminated here.
-bool Fronts::eliminate(const Front& front) {
+bool Fronts::eliminate(const Front& front, double least_pivot) {
   const int n = front.all;
   double* const a = matrix(front);
   int* const pivot = m_pivot.data() + front.pivots;
@@ -355,7 +355,8 @@ bool Fronts::eliminate(const Front& front) {
         if (std::abs(a[i * n + k]) > std::abs(a[best * n + k])) best = i;
       pivot[k] = best;
       if (best != k) std::swap_ranges(a + k * n, a + (k + 1) * n, a + best * n);
-      const double diagonal = a[k * n + k];
+      double& diagonal = a[k * n + k];
+      if (std::abs(diagonal) < least_pivot) diagonal = std::copysign(least_pivot, diagonal);
       if (!(std::abs(diagonal) > 0) || !std::isfinite(diagonal)) return false;
       const double inverse = 1 / diagonal;
       const double* const row = a + k * n;
@@ -390,9 +391,9 @@ void Fronts::addToParent(const Front& front) {
   }
 }
 
-bool Fronts::factorise() {
+bool Fronts::factorise(double least_pivot) {
   for (const Front& front : m_fronts) {
-    if (!eliminate(front)) return false;
+    if (!eliminate(front, least_pivot)) return false;
     if (front.parent >= 0) addToParent(front);
   }
   return true;

@@ -52,8 +52,9 @@ class Fronts {
   /// Rows of body `side`, columns of the other one.
   Block bodyBodyBlock(int c, int side);
 
-  /// Pivots are sought within a front. Returns false if one is zero or not finite.
-  bool factorise();
+  /// Pivots are sought within a front. A smaller one than `least_pivot` becomes that: of an unknown that others determine
+  /// (Li and Demmel 1998). Returns false if one is zero or not finite.
+  bool factorise(double least_pivot);
   /// x = A^-1 x.
   void solve(double* x) const;
 
@@ -86,7 +87,7 @@ class Fronts {
   double* matrix(const Front& front) { return m_numbers.data() + front.matrix; }
   const double* matrix(const Front& front) const { return m_numbers.data() + front.matrix; }
   void addToParent(const Front& front);
-  bool eliminate(const Front& front);
+  bool eliminate(const Front& front, double least_pivot);
 
   std::vector<Joint> m_joints;
   std::vector<Front> m_fronts;  ///< in the order of elimination
