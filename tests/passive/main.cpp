@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
     steps += out.steps;
     not_converged += out.not_converged;
     const double gain = out.gain / out.peak;
-    const bool gains = !out.finite || gain > 0.01;
+    const bool gains = !out.finite || gain > 0.01 || out.jump > 10;
     if (out.finite) worst = std::max(worst, gain);
     failed += gains;
     if (gains || argc > 3) {
@@ -38,8 +38,8 @@ int main(int argc, char** argv) {
         std::cout << "gains " << 100 * gain << " % of " << out.peak << " J";
       else
         std::cout << "is not finite after " << out.steps << " steps";
-      std::cout << ", open " << out.open << ", " << out.not_converged << " of " << out.steps
-                << " steps did not converge" << std::endl;
+      std::cout << ", open " << out.open << ", moved " << out.jump << ", " << out.not_converged
+                << " of " << out.steps << " steps did not converge" << std::endl;
     }
   }
   std::cout << failed << " of " << count << " scenes gain; worst " << 100 * worst << " %; "

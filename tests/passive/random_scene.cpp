@@ -410,10 +410,12 @@ Outcome World::play(std::ostream* log) {
   double energy = 0;
   std::vector<btMatrix3x3> basis(m_bodies.size());
   std::vector<double> before(m_bodies.size()), fall(m_bodies.size());
+  std::vector<btVector3> place(m_bodies.size());
   for (int i = 0; i < steps; ++i) {
     double with_forces = 0;  // J: the kinetic energy before joints act
     for (size_t k = 0; k < m_bodies.size(); ++k) {
       basis[k] = m_bodies[k]->getCenterOfMassTransform().getBasis();
+      place[k] = m_bodies[k]->getCenterOfMassPosition();
       before[k] = kinetic(*m_bodies[k], basis[k]);
       fall[k] = double(m_bodies[k]->getLinearVelocity().z());
       with_forces += before[k];
@@ -431,6 +433,9 @@ Outcome World::play(std::ostream* log) {
         return out;
       }
       if (!(body.getInvMass() > 0)) continue;
+      const btVector3 moved =
+          body.getCenterOfMassPosition() - place[k] - body.getLinearVelocity() * scalar(dt);
+      out.jump = std::max(out.jump, double(moved.length()));
       const double now = kinetic(body, basis[k]);
       after += now;
       // Kinetic energy, and the work of the weight along the mean velocity. (What poses are moved by has no energy.)

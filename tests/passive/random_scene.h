@@ -35,6 +35,7 @@ struct Outcome {
   double gain = 0;  ///< J: the most that energy rose above its start
   double peak = 0;  ///< J: the largest kinetic energy
   double open = 0;  ///< m or rad: the most that an equality was open, where all starts closed
+  double jump = 0;  ///< m: the most that a body was moved in a step beside its velocity
   int steps = 0, not_converged = 0;
   bool finite = true;
 };

@@ -74,6 +74,7 @@ struct IslandRow {
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
   bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
   double K;  ///< J M^-1 J^T
+  double root_K;
   AxisLaw law;
   double open = 0;  ///< C of an equality, m or rad: what is to be closed by moving poses
   /// Of a soft equality. It gives like a spring, which starts without tension wherever it is: what the step's velocities

@@ -144,6 +144,7 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
 void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {
   if (!(row.K > 0) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) return;
   m_island.rows.push_back(row);
+  m_island.rows.back().root_K = std::sqrt(row.K);
   ++to.rows;
 }
 
@@ -258,12 +259,20 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   ask(2 * fps, at_twice_the_rate);
   const Scalar damping = ask(fps, rows);
   // What grows with the rate of the steps closes what is open, with the ERP that the joint has for it. Not of a motor: where it
-  // cannot do all, it does what it can.
+  // cannot do all, it does what it can. And of a stop that is not reached yet it is the way that is left to it.
   Scalar closing[max_stock_rows];
   for (int i = 0; i < count; ++i) {
-    const bool is_motor = rows[i].m_lowerLimit > -infinity && rows[i].m_upperLimit < infinity &&
-                          rows[i].m_lowerLimit != 0 && rows[i].m_upperLimit != 0;
-    closing[i] = is_motor ? 0 : at_twice_the_rate[i].m_rhs - rows[i].m_rhs;
+    const bool can_push = rows[i].m_upperLimit >= infinity,
+               can_pull = rows[i].m_lowerLimit <= -infinity;
+    const Scalar rhs = rows[i].m_rhs;
+    closing[i] = at_twice_the_rate[i].m_rhs - rhs;
+    if (can_push && can_pull) {
+      rows[i].m_rhs -= closing[i];
+      continue;
+    }
+    closing[i] = can_push   ? btMax(Scalar(0), btMin(closing[i], rhs))
+                 : can_pull ? btMin(Scalar(0), btMax(closing[i], rhs))
+                            : 0;
     rows[i].m_rhs -= closing[i];
   }
   completeTargets(rows, count, joint, damping, a, b);

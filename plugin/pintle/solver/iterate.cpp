@@ -75,25 +75,41 @@ bool findAtEnd(const IslandRow& row, const Rows& end, int equalities_at_start, R
   return any;
 }
 
+// Two arms of the bodies at the end of the step. Rows of a joint share them.
+struct Arms {
+  const RowShape* of = nullptr;
+  Vector3d r_a = Vector3d::Zero(), r_b = r_a, end_a = r_a, end_b = r_a;
+  Vector3d move = r_a;  ///< of b's end against a's
+
+  void find(const RowShape& shape, double horizon, const BodyAtEnd& a, const BodyAtEnd& b) {
+    if (of != nullptr && of->a == shape.a && of->b == shape.b) return;
+    of = &shape;
+    r_a = inDouble(shape.a);
+    r_b = inDouble(shape.b);
+    end_a = a.turn.turned(r_a);
+    end_b = b.turn.turned(r_b);
+    move = horizon * (b.v - a.v).head<3>() + end_b - r_b - end_a + r_a;
+  }
+};
+
 // J and u of rows that are made of arms of the bodies, in closed form, without asking the joint.
-void moveArms(const IslandRow& row, double horizon, const BodyAtEnd& a, const BodyAtEnd& b,
-              RowAtEnd& to) {
-  const Vector3d r_a = inDouble(row.shape.a), r_b = inDouble(row.shape.b);
-  const Vector3d end_a = a.turn.turned(r_a), end_b = b.turn.turned(r_b);
+void moveArms(const IslandRow& row, double horizon, const Arms& arms, const BodyAtEnd& a,
+              const BodyAtEnd& b, RowAtEnd& to) {
+  const Vector3d &end_a = arms.end_a, &end_b = arms.end_b;
   const auto turnsBy = [&](const Vector3d& A_a, const Vector3d& A_b) {
     to.J.A_a = a.turn.slope.transpose() * A_a;
     to.J.A_b = b.turn.slope.transpose() * A_b;
   };
   if (row.shape.kind == RowShape::dot) {
+    const Vector3d &r_a = arms.r_a, &r_b = arms.r_b;
     to.J.L_a = to.J.L_b = Vector3d::Zero();
     turnsBy(cross(end_a, end_b), cross(end_b, end_a));
     to.u = ((r_a + end_a).dot(end_b - r_b) + (r_b + end_b).dot(end_a - r_a)) / (2 * horizon);
     return;
   }
-  const Vector3d move = horizon * (b.v - a.v).head<3>() + end_b - r_b - end_a + r_a;
   Vector3d n = inDouble(row.start.L), mean = n;
   if (row.shape.kind == RowShape::distance) {
-    const Vector3d d_0 = double(row.shape.length) * n, d_1 = d_0 + move;
+    const Vector3d d_0 = double(row.shape.length) * n, d_1 = d_0 + arms.move;
     const double length = d_1.norm(), sum = d_0.norm() + length;
     if (length > 0) n = d_1 / length;
     if (sum > 0) mean = (d_0 + d_1) / sum;
@@ -101,15 +117,15 @@ void moveArms(const IslandRow& row, double horizon, const BodyAtEnd& a, const Bo
   to.J.L_a = -n;
   to.J.L_b = n;
   turnsBy(-cross(end_a, n), cross(end_b, n));
-  to.u = mean.dot(move) / horizon;
+  to.u = mean.dot(arms.move) / horizon;
 }
 
 void moveRows(const Island& island, const IslandJoint& joint, const Component& component, Tier tier,
-              Iterate& at) {
+              Rows& end, Iterate& at) {
   const BodyAtEnd &a = bodyOf(joint, 0, component, at), &b = bodyOf(joint, 1, component, at);
-  RowMemory<max_joint_rows, max_joint_rows> memory;
-  Rows end(memory);
+  end.clear();
   bool asked = false;
+  Arms arms;
   const Displacement by_a(at.horizon * a.v.head<3>(), a.turn.phi, a.turn.mean),
       by_b(at.horizon * b.v.head<3>(), b.turn.phi, b.turn.mean);
   for (int i = 0; i < joint.rows; ++i) {
@@ -122,7 +138,8 @@ void moveRows(const Island& island, const IslandJoint& joint, const Component& c
       continue;
     }
     if (row.isOfArms()) {
-      moveArms(row, at.horizon, a, b, to);
+      arms.find(row.shape, at.horizon, a, b);
+      moveArms(row, at.horizon, arms, a, b, to);
     } else {
       if (!asked) joint.ours->addRows(PosePair(poseOf(joint, 0, a), poseOf(joint, 1, b)), end);
       asked = true;
@@ -154,8 +171,10 @@ const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& com
 void moveTo(const Island& island, const Component& component, Tier tier, Iterate& at) {
   for (int i = 0; at.horizon > 0 && i < component.bodies; ++i)
     moveBody(island.bodies[size_t(component.first_body + i)], at.horizon, at.bodies[size_t(i)]);
+  RowMemory<max_joint_rows, max_joint_rows> memory;
+  Rows end(memory);
   for (int c = 0; c < component.joints; ++c)
-    moveRows(island, island.joints[size_t(component.first_joint + c)], component, tier, at);
+    moveRows(island, island.joints[size_t(component.first_joint + c)], component, tier, end, at);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -24,6 +24,19 @@ double velocityNorm(const Fronts& fronts, const std::vector<double>& x) {
 
 }  // namespace
 
+// Broyden's update of the kept factor by the last step (Kelley 1995, 7.3): what is left of it along itself will be left again.
+void Newton::secantStep(const std::vector<double>& last, std::vector<double>& x) const {
+  double along = 0, last2 = 0;
+  for (int i = 0; i < m_fronts.bodies(); ++i)
+    for (int k = 0; k < 6; ++k) {
+      const auto at = size_t(m_fronts.body(i) + k);
+      along += x[at] * last[at];
+      last2 += last[at] * last[at];
+    }
+  const double part = 1 / (1 - along / last2);
+  for (double& of : x) of *= part;
+}
+
 // Of `now`: the piece of its law that each row is nearest to.
 void Newton::choosePieces() {
   const Iterate& now = m_work.now;
@@ -92,12 +105,12 @@ void Newton::findResidual(const Iterate& at, std::vector<double>& x) {
         angular += lambda * end.G.A(side);
       }
       const LawPiece& piece = m_work.pieces[r];
-      const double K = row(of, i).K, root = std::sqrt(K);
+      const double K = row(of, i).K, root = row(of, i).root_K;
       const double softness = std::max(piece.softness, leastSoftness(c) * K);
       const double left =
           piece.acts ? end.u + softness * lambda - piece.target : K * (lambda - piece.impulse);
       x[size_t(m_fronts.joint(c) + i)] = -left / root;
-      if (piece.acts) m_error = std::max(m_error, std::abs(left) * m_island.dt);
+      m_error = std::max(m_error, std::abs(left) * m_island.dt);
     }
   }
   for (int i = 0; i < m_component.bodies; ++i) {
@@ -145,7 +158,7 @@ void Newton::assemble(const Iterate& at) {
       for (int i = 0; i < of.rows; ++i) {
         const auto r = size_t(of.row_of_component + i);
         const RowAtEnd& end = at.rows[r];
-        const double root = std::sqrt(row(of, i).K);
+        const double root = row(of, i).root_K;
         const bool acts = m_work.pieces[r].acts;
         for (int k = 0; k < 6; ++k) {
           if (with.locked[size_t(k)]) continue;
@@ -260,7 +273,7 @@ void Newton::findBoundedCorrection(std::vector<double>& x) {
   for (size_t k = 0; k < n; ++k) {
     const int c = place[k].joint, i = place[k].index;
     response[k].assign(x.size(), 0.);
-    response[k][size_t(m_fronts.joint(c) + i)] = std::sqrt(row(joint(c), i).K);
+    response[k][size_t(m_fronts.joint(c) + i)] = row(joint(c), i).root_K;
     m_fronts.solve(response[k].data());
     for (size_t j = 0; j < n; ++j)
       W[j * n + k] = along(place[j].end.J, place[j].joint, response[k]);
@@ -346,6 +359,7 @@ bool Newton::factoriseMotion(const std::vector<char>& acts) {
     m_work.pieces[r] = {acts[r] != 0, 0, 0, 0};
   }
   m_work.stiffness.assign(size_t(m_component.bodies), Matrix3d::Zero());
+  m_work.softness.assign(size_t(m_component.joints), m_options.dependent_softness);
   assemble(at);
   return m_fronts.factorise(m_options.least_pivot);
 }
@@ -415,7 +429,9 @@ NewtonReport Newton::iterate() {
       m_bounded = true;
       fresh = false;
     }
-    if (fresh) x.swap(m_work.simplified);
+    if (!fresh) continue;
+    x.swap(m_work.simplified);
+    secantStep(m_work.simplified, x);
   }
 }
 

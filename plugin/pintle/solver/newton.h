@@ -82,6 +82,7 @@ class Newton {
   void assemble(const Iterate& at);
   void step(const std::vector<double>& x, double part);
   NewtonReport iterate();
+  void secantStep(const std::vector<double>& last, std::vector<double>& x) const;
   double findRest(double tolerance, double momentum);
   bool isWithin(double tolerance, double momentum) const {
     return m_error <= tolerance && m_momentum2 <= momentum * momentum * m_scale2;

@@ -30,6 +30,7 @@ struct Memory {
   };
   std::vector<Stretch> stretch;  ///< of each row's spring
   std::vector<int> rows;
+  std::vector<Vector6d> change;  ///< of each body's velocity in the last step
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
 };
@@ -162,12 +163,15 @@ void PassiveJointSolver::State::findStiffness(const Component& component, Memory
   for (Matrix3d& of : stiffness) of = 2 * options.newmark_beta * clipped(of);  // it is (dt^2 / 2) k
 }
 
-// From the velocities that forces lead to.
+// From the velocities that the last step's changes lead to.
 void PassiveJointSolver::State::begin(const Component& component, Memory& kept) {
   Workspace& work = kept.work;
+  const bool known = int(kept.change.size()) == component.bodies;
   work.now.bodies.resize(size_t(component.bodies));
-  for (int i = 0; i < component.bodies; ++i)
-    work.now.bodies[size_t(i)].v = island.bodies[size_t(component.first_body + i)].v_free;
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    work.now.bodies[size_t(i)].v = known ? Vector6d(body.v0 + kept.change[size_t(i)]) : body.v_free;
+  }
   warmStart(component, kept);
 }
 
@@ -239,7 +243,12 @@ void PassiveJointSolver::State::finish(const Component& component, Memory& kept)
   Workspace& work = kept.work;
   double sum = 0;
   for (const BodyAtEnd& body : work.now.bodies) sum += body.v.sum();
+  kept.change.resize(size_t(component.bodies));
+  for (int i = 0; i < component.bodies; ++i)
+    kept.change[size_t(i)] =
+        work.now.bodies[size_t(i)].v - island.bodies[size_t(component.first_body + i)].v0;
   if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
+    kept.change.clear();
     begin(component, kept);
     work.now.lambda.assign(work.now.lambda.size(), 0.);
     kept.rows.clear();

@@ -7,8 +7,11 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct SolverOptions {
-  /// m and rad: how far a joint may be from its goal at the end of a step. The energy that a solve creates does not depend on it.
+  /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates
+  /// does not depend on it.
   double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
+  /// m and rad: how far a joint may be open. What is more is closed by moving poses.
+  double pose_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// Of the momentum: what is left of M (v - v*) = G^T lambda, against M v*.
   double momentum_tolerance = 1e-7;
   /// The same where Newton's iteration gets no further. In single precision joints measure angles to 1e-7 rad, and where G bends

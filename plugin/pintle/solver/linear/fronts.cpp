@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <queue>
 
 namespace pintle {
@@ -12,6 +13,11 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixView = Eigen::Map<RowMajor, 0, Eigen::OuterStride<>>;
+
+double dot(const double* a, const double* b, int n) {
+  using Vector = Eigen::Map<const Eigen::VectorXd>;
+  return Vector(a, n).dot(Vector(b, n));
+}
 
 // From this number of own unknowns on a front is eliminated in panels, which Eigen multiplies.
 constexpr int panel = 32;
@@ -311,7 +317,7 @@ Fronts::Place Fronts::find(int index, int body, int joint) const {
   return place;
 }
 
-void Fronts::clear() { std::fill(m_numbers.begin(), m_numbers.end(), 0.); }
+void Fronts::clear() { std::memset(m_numbers.data(), 0, m_numbers.size() * sizeof(double)); }
 
 Fronts::Block Fronts::bodyBlock(int i) {
   const Front& front = m_fronts[size_t(m_body_front[size_t(i)])];
@@ -410,13 +416,8 @@ void Fronts::solve(double* x) const {
       const int with = m_pivot[size_t(front.pivots + k)];
       if (with != k) std::swap(own[k], own[with]);
     }
-    for (int i = 0; i < n; ++i) {
-      const double* const row = a + i * n;
-      double sum = 0;
-      const int end = std::min(i, front.own);
-      for (int j = 0; j < end; ++j) sum += row[j] * own[j];
-      x[unknown[i]] -= sum;
-    }
+    for (int i = 1; i < front.own; ++i) own[i] -= dot(a + i * n, own, i);
+    for (int i = front.own; i < n; ++i) x[unknown[i]] -= dot(a + i * n, own, front.own);
   }
   for (size_t f = m_fronts.size(); f-- > 0;) {
     const Front& front = m_fronts[f];
@@ -424,13 +425,13 @@ void Fronts::solve(double* x) const {
     const double* const a = matrix(front);
     const int* const unknown = m_unknown.data() + front.first_unknown;
     double* const own = x + unknown[0];
-    for (int i = front.own; i < n; ++i) y[i] = x[unknown[i]];
+    const int boundary = n - front.own;
+    for (int i = 0; i < boundary; ++i) y[i] = x[unknown[front.own + i]];
     for (int i = front.own - 1; i >= 0; --i) {
       const double* const row = a + i * n;
-      double sum = own[i];
-      for (int j = i + 1; j < front.own; ++j) sum -= row[j] * own[j];
-      for (int j = front.own; j < n; ++j) sum -= row[j] * y[j];
-      own[i] = sum / row[i];
+      own[i] = (own[i] - dot(row + i + 1, own + i + 1, front.own - i - 1) -
+                dot(row + front.own, y, boundary)) /
+               row[i];
     }
   }
 }
