@@ -454,8 +454,7 @@ Outcome World::play(std::ostream* log) {
     if (log != nullptr)
       *log << i << " kinetic " << after << " energy " << energy << " open " << gap << " newton "
            << report.newton_steps << " factors " << report.factors << " tier 2 "
-           << report.second_tier << " followed " << report.followed << " not converged "
-           << report.not_converged << '\n';
+           << report.second_tier << " not converged " << report.not_converged << '\n';
   }
   return out;
 }

@@ -218,6 +218,9 @@ double Solve::iterate() {
     if (i == 0) first = largest;
     if (largest * m_island.dt <= m_options.contact_tolerance / 10) break;
   }
+  // Bullet bounds contacts at 1e10: there they jam, and nothing is found.
+  for (const ContactRow& row : m_rows)
+    if (row.normal < 0 && row.impulse > 0 && row.impulse >= row.upper) return infinity;
   return first;
 }
 
@@ -273,7 +276,7 @@ NewtonReport Solve::run() {
       const double left = newtons[p].advance();
       if (!newtons[p].isConverged(tolerance, m_options.contact_momentum_tolerance))
         report.converged = false;
-      stale[p] = !(left <= m_options.contraction) || newtons[p].hasChangedSet();
+      stale[p] = !(left <= newtons[p].contraction()) || newtons[p].hasChangedSet();
       report.error = std::max(report.error, newtons[p].error());
     }
     ++report.steps;

@@ -328,6 +328,10 @@ void Newton::begin() {
   choosePieces();
 }
 
+double Newton::contraction() const {
+  return std::pow(10, -m_options.digits_of_factor / m_fronts.solvesOfFactor());
+}
+
 bool Newton::factorise() {
   assemble(m_work.now);
   return m_fronts.factorise(m_options.least_pivot);
@@ -377,7 +381,7 @@ NewtonReport Newton::iterate() {
   NewtonReport report;
   Iterate& now = m_work.now;
   const int max_factors =
-      m_tier == Tier::start ? m_options.max_first_tier_factors : m_options.max_newton_iterations;
+      m_tier == Tier::start ? m_options.max_first_tier_factors : m_options.max_second_tier_factors;
   std::vector<double>& x = m_work.correction;
   bool fresh = false;  // the correction is known, by the last factor
   double length = 0;
@@ -424,7 +428,7 @@ NewtonReport Newton::iterate() {
     if (report.converged || report.steps >= m_options.max_newton_iterations) return report;
     const bool same = !hasChangedSet();
     changes = same ? 0 : changes + 1;
-    fresh = (same || m_bounded) && part == 1 && left > 0 && left <= m_options.contraction * length;
+    fresh = (same || m_bounded) && part == 1 && left > 0 && left <= contraction() * length;
     if (changes > m_options.max_set_changes && !m_bounded) {
       m_bounded = true;
       fresh = false;

@@ -59,6 +59,8 @@ class Newton {
   /// With every row on the piece of its law that it is nearest to. `momentum`: the part of it that may be left.
   bool isConverged(double tolerance, double momentum);
   double error() const { return m_error; }
+  /// A factor is kept while a correction is at most this part of the one before it: while that gains digits for less than a new one.
+  double contraction() const;
   /// Whether the last step has changed which rows act.
   bool hasChangedSet() const;
 

@@ -186,25 +186,6 @@ void PassiveJointSolver::State::solve(const Component& component) {
     count(done, 1);
     return done.converged;
   };
-  // As far into the step as Newton's iteration finds a solution, each from the last one: from the velocities alone, whose problem
-  // is linear.
-  const auto follow = [&] {
-    begin();
-    if (!attempt(Tier::gradient, 0)) return false;
-    const double dt = island.dt;
-    double held = 0, advance = dt / 2;
-    while (held < dt && advance > dt / 32) {
-      const Iterate last = work.now;
-      if (attempt(Tier::gradient, std::min(held + advance, dt))) {
-        held = std::min(held + advance, dt);
-      } else {
-        work.now = last;
-        advance /= 2;
-      }
-    }
-    if (held < dt) ++report.not_converged;
-    return true;
-  };
   begin();
   findStiffness(component, kept);
   double work_done = 0;
@@ -216,8 +197,10 @@ void PassiveJointSolver::State::solve(const Component& component) {
   const auto solveByGradient = [&] {
     begin();
     if (attempt(Tier::gradient, island.dt)) return true;
-    ++report.followed;
-    return follow();
+    // In velocity alone, which is a linear problem: at the end of the step they are open.
+    ++report.not_converged;
+    begin();
+    return attempt(Tier::gradient, 0);
   };
   if (!solved) {
     ++report.second_tier;

@@ -16,11 +16,11 @@ struct SolverOptions;
 struct StepReport {
   int components = 0;
   int newton_steps = 0, factors = 0;
-  int second_tier = 0;    ///< components that were solved by the discrete gradient
-  int followed = 0;       ///< of these, from the start of the step on
-  int relaxed = 0;        ///< times that joints were only relaxed in velocity
-  int not_converged = 0;  ///< components whose joints hold earlier than at the end of the step
-  double error = 0;       ///< m or rad: the largest left of a joint
+  int second_tier = 0;  ///< components that were solved by the discrete gradient
+  int relaxed = 0;      ///< times that joints were only relaxed in velocity
+  int not_converged =
+      0;  ///< components whose joints hold in velocity alone, and are open at the end of the step
+  double error = 0;  ///< m or rad: the largest left of a joint
 };
 
 class PassiveJointSolver : public btSequentialImpulseConstraintSolver {

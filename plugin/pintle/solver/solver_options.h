@@ -19,9 +19,11 @@ struct SolverOptions {
   double stalled_momentum_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-4;
   /// Of the velocities: a correction below this is rounding.
   double rounding = 1e-10;
-  /// Newton steps of a tier. More than ten are rare. The first tier gives up sooner, since the second one follows.
+  /// Newton steps of a tier, and factors. The second tier follows where the first one gives up, and velocities alone where the
+  /// second one does.
   int max_newton_iterations = 30;
-  int max_first_tier_factors = 8;
+  int max_first_tier_factors = 4;
+  int max_second_tier_factors = 12;
   /// The same among contacts, where a step is solved no better than its friction: m and rad, and of the momentum.
   double contact_tolerance = 1e-5;
   double contact_momentum_tolerance = 1e-4;
@@ -29,8 +31,8 @@ struct SolverOptions {
   /// Newton steps in a row that may change which bounds act. Then it is found by projected Gauss-Seidel, which does not cycle.
   int max_set_changes = 3;
   int max_sweeps = 1000;
-  /// A factor is kept while a correction is at most this part of the one before it.
-  double contraction = 0.3;
+  /// Digits that a new factor gains. The last one is kept while its steps gain as many for less.
+  double digits_of_factor = 2;
   /// Softness of the joints of loops, relative to their own 1 / K, while they bear nothing: rows that repeat each other share their
   /// impulse, and those that contradict each other give way. Under a load by a tenth of the tolerance.
   double dependent_softness = 1e-8;

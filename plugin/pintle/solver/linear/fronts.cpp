@@ -250,6 +250,7 @@ void Fronts::setSizes(const std::vector<int>& joint_sizes) {
       m_unknowns += nodeSize(node);
     }
   size_t numbers = 0;
+  double factor = 0, solve = 0;  // multiplications
   int pivots = 0, largest = 0;
   for (Front& front : m_fronts) {
     front.own = front.all = 0;
@@ -269,7 +270,13 @@ void Fronts::setSizes(const std::vector<int>& joint_sizes) {
     front.matrix = numbers;
     numbers += size_t(front.all) * size_t(front.all);
     largest = std::max(largest, front.all);
+    for (int k = 0; k < front.own; ++k) {
+      const double rest = front.all - k - 1;
+      factor += rest * (rest + 1);
+      solve += 2 * rest + 1;
+    }
   }
+  m_solves_of_factor = factor / std::max(solve, 1.);
   m_pivot.resize(size_t(pivots));
   m_numbers.resize(numbers);
   m_work.resize(size_t(largest));

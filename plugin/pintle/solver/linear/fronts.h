@@ -58,6 +58,8 @@ class Fronts {
   /// x = A^-1 x.
   void solve(double* x) const;
 
+  /// What a factor costs, in solves.
+  double solvesOfFactor() const { return m_solves_of_factor; }
   size_t bytes() const;
 
  private:
@@ -100,6 +102,7 @@ class Fronts {
       m_pairs;  ///< of each joint: front where its bodies meet (-1: none), and where they begin
   std::vector<int> m_unknown, m_in_parent, m_pivot;
   int m_unknowns = 0;
+  double m_solves_of_factor = 1;
   std::vector<double> m_numbers;
   mutable std::vector<double> m_work;
 };
