@@ -1,8 +1,7 @@
 #include <pintle/solver/passive_joint_solver.h>
 
+#include <pintle/solver/component_memory.h>
 #include <pintle/solver/contacts.h>
-#include <pintle/solver/energy_ledger.h>
-#include <pintle/solver/geometric_derivative.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_report.h>
@@ -16,170 +15,37 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-namespace {
-
-/// What is kept of a component from step to step.
-struct Memory {
-  std::vector<btTypedConstraint*> constraints;
-  std::vector<std::array<int, 2>> bodies;
-  Fronts fronts;
-  Workspace work;
-  std::vector<double> lambda;  ///< of the last step, of each row; of `rows` of each joint
-  struct Stretch {
-    double length = 0, energy = 0;
-  };
-  std::vector<Stretch> stretch;  ///< of each row's spring
-  std::vector<int> rows;
-  std::vector<Vector6d> change;  ///< of each body's velocity in the last step
-  EnergyLedger ledger;
-  double work_done = 0;  ///< J: by its joints, in this step
-};
-
-}  // namespace
-
 struct PassiveJointSolver::State {
   SolverOptions options;
   StepReport report;
   Island island;
   IslandBuilder builder{island};
   std::vector<Component> components;
-  std::unordered_map<const btTypedConstraint*, std::unique_ptr<Memory>> memory;
+  std::unordered_map<const btTypedConstraint*, std::unique_ptr<ComponentMemory>> memory;
   std::vector<PoseChange> pose_changes;
   std::vector<Vector6d> velocities;  ///< with which bodies end the step
   std::vector<ContactRow> contacts;
 
-  Memory& remember(const Component& component);
-  void warmStart(const Component& component, Memory& kept);
-  void stretchSprings(const Component& component, Memory& kept);
-  void findStiffness(const Component& component, Memory& kept);
-  void begin(const Component& component, Memory& kept);
   void solve(const Component& component);
   bool stopRebounds(const Component& component);
-  void finish(const Component& component, Memory& kept);
+  void finish(const Component& component, ComponentMemory& kept);
   void beginVelocities();
   std::vector<char> findTouched() const;
   void count(const NewtonReport& done, int components);
-  Memory& memoryOf(const Component& component) {
-    return *memory[island.joints[size_t(component.first_joint)].constraint];
+  std::unique_ptr<ComponentMemory>& slotOf(const Component& component) {
+    return memory[island.joints[size_t(component.first_joint)].constraint];
   }
+  ComponentMemory& memoryOf(const Component& component) { return *slotOf(component); }
   void solveAmongContacts(const std::vector<char>& touched);
   void relax(std::vector<ContactPart>& parts, std::vector<ContactRow>& rows);
   void solveAll();
 };
 
-// The symbolic analysis of these joints: the known one, or a new one.
-Memory& PassiveJointSolver::State::remember(const Component& component) {
-  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
-  std::unique_ptr<Memory>& slot = memory[joints[0].constraint];
-  const auto bodiesOf = [&](const IslandJoint& joint) {
-    std::array<int, 2> of = joint.body;
-    for (int& body : of)
-      if (body >= 0) body -= component.first_body;
-    return of;
-  };
-  bool same = slot != nullptr && int(slot->constraints.size()) == component.joints &&
-              slot->fronts.bodies() == component.bodies;
-  for (int c = 0; same && c < component.joints; ++c)
-    same = slot->constraints[size_t(c)] == joints[c].constraint &&
-           slot->bodies[size_t(c)] == bodiesOf(joints[c]);
-  if (!same) {
-    EnergyLedger ledger;
-    if (slot != nullptr) ledger = slot->ledger;
-    slot = std::make_unique<Memory>();
-    slot->ledger = ledger;
-    for (int c = 0; c < component.joints; ++c) {
-      slot->constraints.push_back(joints[c].constraint);
-      slot->bodies.push_back(bodiesOf(joints[c]));
-    }
-    slot->fronts.analyse(component.bodies, slot->bodies);
-  }
-  std::vector<int>& sizes = slot->work.sizes;
-  bool same_sizes = same && int(sizes.size()) == component.joints;
-  sizes.resize(size_t(component.joints));
-  for (int c = 0; c < component.joints; ++c) {
-    same_sizes = same_sizes && sizes[size_t(c)] == joints[c].rows;
-    sizes[size_t(c)] = joints[c].rows;
-  }
-  if (!same_sizes) slot->fronts.setSizes(sizes);
-  return *slot;
-}
-
-void PassiveJointSolver::State::warmStart(const Component& component, Memory& kept) {
-  std::vector<double>& lambda = kept.work.now.lambda;
-  lambda.clear();
-  size_t before = 0;
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    const int known = size_t(c) < kept.rows.size() ? kept.rows[size_t(c)] : 0;
-    for (int i = 0; i < joint.rows; ++i)
-      lambda.push_back(known == joint.rows ? kept.lambda[before + size_t(i)] : 0.);
-    before += size_t(known);
-  }
-}
-
-// Springs of soft rows pull by what they are stretched: no longer than they are, and with no more energy than they have stored,
-// however their softness has changed (which is relative to K).
-void PassiveJointSolver::State::stretchSprings(const Component& component, Memory& kept) {
-  std::vector<Memory::Stretch> stretch;
-  size_t before = 0;
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    const int known = size_t(c) < kept.rows.size() ? kept.rows[size_t(c)] : 0;
-    for (int i = 0; i < joint.rows; ++i) {
-      IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      stretch.emplace_back();
-      if (!(row.spring.erp > 0) || known != joint.rows) continue;
-      const Memory::Stretch& last = kept.stretch[before + size_t(i)];
-      const double most = row.spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
-      row.spring.stretch = std::clamp(std::clamp(last.length, -most, most),
-                                      std::fmin(row.spring.open, 0), std::fmax(row.spring.open, 0));
-      row.law.aim(row.law.part(0).target - row.spring.stretch / island.dt);
-      row.open -= row.spring.stretch;
-    }
-    before += size_t(known);
-  }
-  kept.stretch.swap(stretch);
-}
-
-// Of tier `start`: what the last step's impulses add to the inertia.
-void PassiveJointSolver::State::findStiffness(const Component& component, Memory& kept) {
-  std::vector<Matrix3d>& stiffness = kept.work.stiffness;
-  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i) {
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!row.has_position ||
-          (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
-        continue;
-      for (int side = 0; side < 2; ++side) {
-        if (joint.body[size_t(side)] < 0) continue;
-        const Vector3d f = kept.work.now.lambda[size_t(joint.row_of_component + i)] * row.J.L(side);
-        stiffness[size_t(joint.body[size_t(side)] - component.first_body)] +=
-            leverDerivative(f, inDouble(side ? row.shape.b : row.shape.a), island.dt);
-      }
-    }
-  }
-  for (Matrix3d& of : stiffness) of = 2 * options.newmark_beta * clipped(of);  // it is (dt^2 / 2) k
-}
-
-// From the velocities that the last step's changes lead to.
-void PassiveJointSolver::State::begin(const Component& component, Memory& kept) {
-  Workspace& work = kept.work;
-  const bool known = int(kept.change.size()) == component.bodies;
-  work.now.bodies.resize(size_t(component.bodies));
-  for (int i = 0; i < component.bodies; ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work.now.bodies[size_t(i)].v = known ? Vector6d(body.v0 + kept.change[size_t(i)]) : body.v_free;
-  }
-  warmStart(component, kept);
-}
-
 void PassiveJointSolver::State::solve(const Component& component) {
-  Memory& kept = memoryOf(component);
+  ComponentMemory& kept = memoryOf(component);
   Workspace& work = kept.work;
   work.external.clear();
-  const auto begin = [&] { this->begin(component, kept); };
+  const auto begin = [&] { kept.begin(island, component); };
   const auto attempt = [&](Tier tier, double horizon) {
     work.now.horizon = horizon;
     const NewtonReport done = Newton(island, component, tier, options, kept.fronts, work).run();
@@ -187,7 +53,7 @@ void PassiveJointSolver::State::solve(const Component& component) {
     return done.converged;
   };
   begin();
-  findStiffness(component, kept);
+  kept.findStiffness(island, component, options.newmark_beta);
   double work_done = 0;
   bool solved = false;
   if (attempt(Tier::start, island.dt)) {
@@ -222,36 +88,17 @@ void PassiveJointSolver::State::solve(const Component& component) {
   kept.work_done = work_done;
 }
 
-void PassiveJointSolver::State::finish(const Component& component, Memory& kept) {
+void PassiveJointSolver::State::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
   double sum = 0;
   for (const BodyAtEnd& body : work.now.bodies) sum += body.v.sum();
-  kept.change.resize(size_t(component.bodies));
-  for (int i = 0; i < component.bodies; ++i)
-    kept.change[size_t(i)] =
-        work.now.bodies[size_t(i)].v - island.bodies[size_t(component.first_body + i)].v0;
   if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
-    kept.change.clear();
-    begin(component, kept);
-    work.now.lambda.assign(work.now.lambda.size(), 0.);
-    kept.rows.clear();
+    kept.forget();
+    kept.begin(island, component);
     return;
   }
   kept.ledger.book(kept.work_done, options.ledger_share);
-  kept.lambda = work.now.lambda;
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i) {
-      const auto r = size_t(joint.row_of_component + i);
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!(row.spring.erp > 0)) continue;
-      const double u = work.now.rows[r].u;
-      kept.stretch[r] = {
-          row.spring.length(u, island.dt),
-          row.spring.energyAfter(u, work.now.lambda[r], row.law.part(0).softness, island.dt)};
-    }
-  }
-  kept.rows = work.sizes;
+  kept.keep(island, component);
   pintle::report(island, component, work.now);
   correctPoses(island, component, options, work, kept.fronts, pose_changes);
 }
@@ -272,8 +119,8 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
   double peak = 0;
   for (size_t c = 0; c < components.size(); ++c) {
     if (!touched[c]) continue;
-    Memory& kept = memoryOf(components[c]);
-    begin(components[c], kept);
+    ComponentMemory& kept = memoryOf(components[c]);
+    kept.begin(island, components[c]);
     kept.work_done = 0;
     peak += std::fmax(kept.ledger.peak, kept.ledger.with_forces);
     parts.push_back({&components[c], &kept.fronts, &kept.work});
@@ -299,7 +146,7 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
     bool any = false;
     for (ContactPart& part : parts) any = stopRebounds(*part.component) || any;
     if (any) {
-      for (ContactPart& part : parts) begin(*part.component, memoryOf(*part.component));
+      for (ContactPart& part : parts) memoryOf(*part.component).begin(island, *part.component);
       converged = attempt();
     }
   }
@@ -346,8 +193,9 @@ void PassiveJointSolver::State::solveAll() {
   beginVelocities();
   const std::vector<char> touched = findTouched();
   for (const Component& component : components) {
-    Memory& kept = remember(component);
-    stretchSprings(component, kept);
+    remember(island, component, slotOf(component));
+    ComponentMemory& kept = memoryOf(component);
+    kept.stretchSprings(island, component);
     kept.ledger.begin(island, component, options.ledger_share);
   }
   const auto breaks = [&](size_t c) {
@@ -364,7 +212,7 @@ void PassiveJointSolver::State::solveAll() {
     for (size_t c = 0; c < components.size(); ++c) again = (touched[c] && breaks(c)) || again;
   }
   for (const Component& component : components) {
-    Memory& kept = memoryOf(component);
+    ComponentMemory& kept = memoryOf(component);
     finish(component, kept);
     for (int i = 0; i < component.bodies; ++i)
       velocities[size_t(component.first_body + i)] = kept.work.now.bodies[size_t(i)].v;

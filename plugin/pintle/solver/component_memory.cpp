@@ -1,0 +1,143 @@
+#include <pintle/solver/component_memory.h>
+
+#include <pintle/solver/geometric_derivative.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+void remember(const Island& island, const Component& component,
+              std::unique_ptr<ComponentMemory>& memory) {
+  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
+  const auto bodiesOf = [&](const IslandJoint& joint) {
+    std::array<int, 2> of = joint.body;
+    for (int& body : of)
+      if (body >= 0) body -= component.first_body;
+    return of;
+  };
+  bool same = memory != nullptr && int(memory->constraints.size()) == component.joints &&
+              memory->fronts.bodies() == component.bodies;
+  for (int c = 0; same && c < component.joints; ++c)
+    same = memory->constraints[size_t(c)] == joints[c].constraint &&
+           memory->bodies[size_t(c)] == bodiesOf(joints[c]);
+  if (!same) {
+    EnergyLedger ledger;
+    if (memory != nullptr) ledger = memory->ledger;
+    memory = std::make_unique<ComponentMemory>();
+    memory->ledger = ledger;
+    for (int c = 0; c < component.joints; ++c) {
+      memory->constraints.push_back(joints[c].constraint);
+      memory->bodies.push_back(bodiesOf(joints[c]));
+    }
+    memory->fronts.analyse(component.bodies, memory->bodies);
+  }
+  std::vector<int>& sizes = memory->work.sizes;
+  bool same_sizes = same && int(sizes.size()) == component.joints;
+  sizes.resize(size_t(component.joints));
+  for (int c = 0; c < component.joints; ++c) {
+    same_sizes = same_sizes && sizes[size_t(c)] == joints[c].rows;
+    sizes[size_t(c)] = joints[c].rows;
+  }
+  if (!same_sizes) memory->fronts.setSizes(sizes);
+}
+
+int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
+  return size_t(c) < m_rows.size() && m_rows[size_t(c)] == joint.rows ? joint.rows : 0;
+}
+
+// Velocities lead where the last step's changes do.
+void ComponentMemory::begin(const Island& island, const Component& component) {
+  const bool known = int(m_change.size()) == component.bodies;
+  work.now.bodies.resize(size_t(component.bodies));
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    work.now.bodies[size_t(i)].v = known ? Vector6d(body.v0 + m_change[size_t(i)]) : body.v_free;
+  }
+  std::vector<double>& lambda = work.now.lambda;
+  lambda.clear();
+  size_t before = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const int rows = knownRows(c, joint);
+    for (int i = 0; i < joint.rows; ++i)
+      lambda.push_back(rows > 0 ? m_lambda[before + size_t(i)] : 0.);
+    if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
+  }
+}
+
+// They are stretched no longer than they are, and with no more energy than they have stored, however their softness has changed
+// (which is relative to K).
+void ComponentMemory::stretchSprings(Island& island, const Component& component) {
+  std::vector<Stretch> stretch;
+  size_t before = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const int rows = knownRows(c, joint);
+    for (int i = 0; i < joint.rows; ++i) {
+      IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      stretch.emplace_back();
+      if (!(row.spring.erp > 0) || rows == 0) continue;
+      const Stretch& last = m_stretch[before + size_t(i)];
+      const double most = row.spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
+      row.spring.stretch = std::clamp(std::clamp(last.length, -most, most),
+                                      std::fmin(row.spring.open, 0), std::fmax(row.spring.open, 0));
+      row.law.aim(row.law.part(0).target - row.spring.stretch / island.dt);
+      row.open -= row.spring.stretch;
+    }
+    if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
+  }
+  m_stretch.swap(stretch);
+}
+
+void ComponentMemory::findStiffness(const Island& island, const Component& component,
+                                    double newmark_beta) {
+  std::vector<Matrix3d>& stiffness = work.stiffness;
+  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!row.has_position ||
+          (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
+        continue;
+      for (int side = 0; side < 2; ++side) {
+        if (joint.body[size_t(side)] < 0) continue;
+        const Vector3d f = work.now.lambda[size_t(joint.row_of_component + i)] * row.J.L(side);
+        stiffness[size_t(joint.body[size_t(side)] - component.first_body)] +=
+            leverDerivative(f, inDouble(side ? row.shape.b : row.shape.a), island.dt);
+      }
+    }
+  }
+  for (Matrix3d& of : stiffness) of = 2 * newmark_beta * clipped(of);  // it is (dt^2 / 2) k
+}
+
+void ComponentMemory::keep(const Island& island, const Component& component) {
+  m_change.resize(size_t(component.bodies));
+  for (int i = 0; i < component.bodies; ++i)
+    m_change[size_t(i)] =
+        work.now.bodies[size_t(i)].v - island.bodies[size_t(component.first_body + i)].v0;
+  m_rows = work.sizes;
+  m_lambda = work.now.lambda;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!(row.spring.erp > 0)) continue;
+      const double u = work.now.rows[r].u;
+      m_stretch[r] = {
+          row.spring.length(u, island.dt),
+          row.spring.energyAfter(u, work.now.lambda[r], row.law.part(0).softness, island.dt)};
+    }
+  }
+}
+
+void ComponentMemory::forget() {
+  m_change.clear();
+  m_rows.clear();
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
