@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
                 << " of " << out.steps << " steps did not converge" << std::endl;
     }
   }
-  std::cout << failed << " of " << count << " scenes gain; worst " << 100 * worst << " %; "
-            << not_converged << " of " << steps << " steps did not converge\n";
+  std::cout << failed << " of " << count << " scenes fail; the worst gain is " << 100 * worst
+            << " %; " << not_converged << " of " << steps << " steps did not converge\n";
   return failed > 0;
 }
