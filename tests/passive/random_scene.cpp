@@ -1,10 +1,8 @@
 #include "random_scene.h"
 
-#include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/constant_velocity_joint.h>
-#include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
@@ -18,9 +16,7 @@
 #include <pintle/solver/passive_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btGearConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
-#include <BulletDynamics/ConstraintSolver/btUniversalConstraint.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -30,6 +26,7 @@
 #include <sstream>
 #include <vector>
 
+#include "../unit/kinetic_energy.h"
 #include "../unit/support.h"
 
 namespace passive {
@@ -217,6 +214,7 @@ class World {
   btRigidBody& add(double mass, const btTransform& pose);
   btRigidBody& addBeside(btRigidBody& to, double mass);
   void join(btRigidBody& a, btRigidBody& b, const btTransform& in_a, const btTransform& in_b);
+  void take(Joint joint);
   /// At a point of the world, held by both.
   void joinAt(btRigidBody& a, btRigidBody& b, const btVector3& at);
   const Kind& kind() {
@@ -225,7 +223,6 @@ class World {
                          : std::min(kind_count - 1, int(m_random.uniform(0, kind_count)))];
   }
   double mass() { return power(m_random, -m_scene.mass_decades, m_scene.mass_decades); }
-  double kinetic(const btRigidBody& body, const btMatrix3x3& basis) const;
   double open() const;
 
   const Scene& m_scene;
@@ -277,7 +274,10 @@ btRigidBody& World::add(double mass, const btTransform& pose) {
 }
 
 void World::join(btRigidBody& a, btRigidBody& b, const btTransform& in_a, const btTransform& in_b) {
-  Joint joint = kind().make({a, b, in_a, in_b}, m_random);
+  take(kind().make({a, b, in_a, in_b}, m_random));
+}
+
+void World::take(Joint joint) {
   if (m_scene.threshold > 0) joint->setBreakingImpulseThreshold(scalar(m_scene.threshold));
   m_world.addConstraint(joint.get(), true);
   m_joints.push_back(std::move(joint));
@@ -298,10 +298,7 @@ btRigidBody& World::addBeside(btRigidBody& to, double mass) {
     pose.setOrigin(pose.getOrigin() + m_random.unit() * scalar(m_random.uniform(0.2, 1)));
   if (m_scene.overlap > 0) pose.setOrigin(pose.getOrigin() + m_random.vector(m_scene.overlap));
   btRigidBody& body = add(mass, pose);
-  Joint joint = of.make({to, body, in_a, in_b}, m_random);
-  if (m_scene.threshold > 0) joint->setBreakingImpulseThreshold(scalar(m_scene.threshold));
-  m_world.addConstraint(joint.get(), true);
-  m_joints.push_back(std::move(joint));
+  take(of.make({to, body, in_a, in_b}, m_random));
   return body;
 }
 
@@ -378,17 +375,6 @@ void World::build() {
   }
 }
 
-// By the inertia of `basis`: what a body gains by turning with its velocity kept is Bullet's integrator's, not its joints'.
-double World::kinetic(const btRigidBody& body, const btMatrix3x3& basis) const {
-  if (!(body.getInvMass() > 0)) return 0;
-  double sum = double(body.getLinearVelocity().length2()) / double(body.getInvMass()) / 2;
-  const btVector3 w = basis.transpose() * body.getAngularVelocity();
-  for (int i = 0; i < 3; ++i)
-    if (const double inverse = double(body.getInvInertiaDiagLocal()[i]); inverse > 0)
-      sum += double(w[i] * w[i]) / inverse / 2;
-  return sum;
-}
-
 double World::open() const {
   double largest = 0;
   for (const auto& constraint : m_joints) {
@@ -416,7 +402,7 @@ Outcome World::play(std::ostream* log) {
     for (size_t k = 0; k < m_bodies.size(); ++k) {
       basis[k] = m_bodies[k]->getCenterOfMassTransform().getBasis();
       place[k] = m_bodies[k]->getCenterOfMassPosition();
-      before[k] = kinetic(*m_bodies[k], basis[k]);
+      before[k] = support::kineticEnergy(*m_bodies[k], basis[k]);
       fall[k] = double(m_bodies[k]->getLinearVelocity().z());
       with_forces += before[k];
       if (m_bodies[k]->getInvMass() > 0)
@@ -436,7 +422,8 @@ Outcome World::play(std::ostream* log) {
       const btVector3 moved =
           body.getCenterOfMassPosition() - place[k] - body.getLinearVelocity() * scalar(dt);
       out.jump = std::max(out.jump, double(moved.length()));
-      const double now = kinetic(body, basis[k]);
+      // By the inertia of the start: what it gains by turning with its velocity kept is Bullet's integrator's, not its joints'.
+      const double now = support::kineticEnergy(body, basis[k]);
       after += now;
       // Kinetic energy, and the work of the weight along the mean velocity. (What poses are moved by has no energy.)
       const double weight = 9.81 / double(body.getInvMass()) * double(body.getLinearFactor().z());
@@ -459,12 +446,11 @@ Outcome World::play(std::ostream* log) {
   return out;
 }
 
+const char* nameOf(int kind) { return kind < 0 ? "mixed" : all_kinds[kind].name; }
+
 const char* const shapes[] = {"chain", "tree", "loop", "cable", "net", "star"};
 
 }  // namespace
-
-int kinds() { return kind_count; }
-const char* nameOf(int kind) { return kind < 0 ? "mixed" : all_kinds[kind].name; }
 
 Scene makeScene(unsigned seed) {
   Random random(seed ^ 0x9e3779b9u);

@@ -28,8 +28,6 @@ struct Scene {
 };
 Scene makeScene(unsigned seed);
 std::string describe(const Scene& scene);
-const char* nameOf(int kind);
-int kinds();
 
 struct Outcome {
   double gain = 0;  ///< J: the most that energy rose above its start

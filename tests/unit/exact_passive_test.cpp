@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "joint_kinds.h"
+#include "kinetic_energy.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -73,15 +74,8 @@ class Books {
   }
   double kinetic() const {
     double sum = 0;
-    for (const auto& body : bodies) {
-      if (!(body->getInvMass() > 0)) continue;
-      sum += double(body->getLinearVelocity().length2()) / double(body->getInvMass()) / 2;
-      const btVector3 w =
-          body->getCenterOfMassTransform().getBasis().transpose() * body->getAngularVelocity();
-      for (int i = 0; i < 3; ++i)
-        if (const double inverse = double(body->getInvInertiaDiagLocal()[i]); inverse > 0)
-          sum += double(w[i] * w[i]) / inverse / 2;
-    }
+    for (const auto& body : bodies)
+      sum += support::kineticEnergy(*body, body->getCenterOfMassTransform().getBasis());
     return sum;
   }
 

@@ -16,8 +16,7 @@ void solveBounded(std::vector<BoundedRow>& rows, const std::vector<double>& W, d
       const double K = W[i * n + i];
       if (!(K > 0)) continue;
       const double free = row.u - K * row.lambda;
-      const LawPiece piece = row.law->meet(free, K);
-      const double next = piece.acts ? (piece.target - free) / (K + piece.softness) : piece.impulse;
+      const double next = row.law->meet(free, K).impulseAt(free, K);
       const double change = next - row.lambda;
       if (change == 0) continue;
       row.lambda = next;

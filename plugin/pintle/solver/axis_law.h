@@ -15,6 +15,10 @@ struct LawPart {
   bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
   int role = 0;         ///< which part of an axis it is (Axis::Part)
 
+  static constexpr double unbounded = 1e30;
+  bool isLowerStop() const { return lower == 0 && upper == unbounded; }
+  bool isUpperStop() const { return upper == 0 && lower == -unbounded; }
+
   double at(double u) const {
     if (softness > 0) return std::fmin(std::fmax((target - u) / softness, lower), upper);
     return u < target ? upper : lower;
@@ -26,6 +30,11 @@ struct LawPiece {
   bool acts;                ///< the row is an equation of u
   double target, softness;  ///< if it acts: u + softness Lambda = target
   double impulse;           ///< if it does not
+
+  /// Lambda where u = free + K Lambda.
+  double impulseAt(double free, double K) const {
+    return acts ? (target - free) / (K + softness) : impulse;
+  }
 };
 
 class AxisLaw {
@@ -41,10 +50,9 @@ class AxisLaw {
     bool any = false;
     for (int i = 0; i < m_parts; ++i) {
       LawPart& part = m_part[i];
-      const bool is_lower = part.lower == 0 && part.upper == unbounded,
-                 is_upper = part.upper == 0 && part.lower == -unbounded;
-      if (part.drives || !((is_lower && part.target > 0) || (is_upper && part.target < 0)))
-        continue;
+      const bool rebounds =
+          (part.isLowerStop() && part.target > 0) || (part.isUpperStop() && part.target < 0);
+      if (part.drives || !rebounds) continue;
       part.target = 0;
       any = true;
     }
@@ -66,7 +74,7 @@ class AxisLaw {
   /// How the impulse of the whole is made of its parts' at that velocity.
   void split(double u, double impulse, double (&of)[max_parts]) const;
 
-  static constexpr double unbounded = 1e30;
+  static constexpr double unbounded = LawPart::unbounded;
 
  private:
   LawPart m_part[max_parts];

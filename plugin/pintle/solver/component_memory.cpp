@@ -70,16 +70,16 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
 // They are stretched no longer than they are, and with no more energy than they have stored, however their softness has changed
 // (which is relative to K).
 void ComponentMemory::stretchSprings(Island& island, const Component& component) {
-  std::vector<Stretch> stretch;
+  m_last_stretch.swap(m_stretch);
+  m_stretch.assign(size_t(component.rows), {});
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      stretch.emplace_back();
       if (!(row.spring.erp > 0) || rows == 0) continue;
-      const Stretch& last = m_stretch[before + size_t(i)];
+      const Stretch& last = m_last_stretch[before + size_t(i)];
       const double most = row.spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
       row.spring.stretch = std::clamp(std::clamp(last.length, -most, most),
                                       std::fmin(row.spring.open, 0), std::fmax(row.spring.open, 0));
@@ -88,7 +88,6 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }
-  m_stretch.swap(stretch);
 }
 
 void ComponentMemory::findStiffness(const Island& island, const Component& component,

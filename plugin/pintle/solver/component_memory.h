@@ -37,10 +37,10 @@ struct ComponentMemory {
   /// Of joint c in the last step; 0 if it had others.
   int knownRows(int c, const IslandJoint& joint) const;
 
-  std::vector<int> m_rows;         ///< of each joint, in the last step
-  std::vector<double> m_lambda;    ///< of each row of it
-  std::vector<Stretch> m_stretch;  ///< of each row's spring
-  std::vector<Vector6d> m_change;  ///< of each body's velocity
+  std::vector<int> m_rows;                         ///< of each joint, in the last step
+  std::vector<double> m_lambda;                    ///< of each row of it
+  std::vector<Stretch> m_stretch, m_last_stretch;  ///< of each row's spring
+  std::vector<Vector6d> m_change;                  ///< of each body's velocity
 };
 
 /// Makes `memory` that of these joints, if it is not: symbolic work, which allocates.

@@ -18,9 +18,8 @@ struct EnergyLedger {
   void begin(const Island& island, const Component& component, double share);
   bool mayGive(double work, double share) const { return given + work <= share * peak; }
   /// More than the discrete gradient, which never gives, may seem to: its books are kept from the velocities that forces lead to.
-  bool isMuch(double work, double share) const {
-    return !(work <= share * std::fmax(peak, with_forces));
-  }
+  bool isMuch(double work, double share) const { return !(work <= share * largest()); }
+  double largest() const { return std::fmax(peak, with_forces); }
   void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
 };
 

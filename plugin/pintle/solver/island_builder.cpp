@@ -288,11 +288,10 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.K = inverseMass(to, row.J, row.J);
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
-    const bool is_stop =
-        (lower == 0 && upper == AxisLaw::unbounded) || (upper == 0 && lower == -AxisLaw::unbounded);
-    const bool driven = !is_stop && (from.m_rhs != 0 ||
-                                     (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded));
-    row.law.add({-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower, driven});
+    LawPart part{-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower};
+    part.drives = !part.isLowerStop() && !part.isUpperStop() &&
+                  (from.m_rhs != 0 || (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded));
+    row.law.add(part);
     row.open = double(closing[i]) * m_island.dt;
     if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
     addRow(to, row);

@@ -348,10 +348,10 @@ double Newton::advance() {
   for (double part = 1; part > short_step; part /= 2) {
     step(m_work.correction, part);
     left = findRest(m_options.contact_tolerance, m_options.contact_momentum_tolerance);
-    if (left <= length || length < m_options.rounding * std::sqrt(m_scale2)) break;
+    if (left <= length || isRounding(length)) break;
   }
   std::swap(m_work.now, m_work.next);
-  return length < m_options.rounding * std::sqrt(m_scale2) ? 0 : left / length;
+  return isRounding(length) ? 0 : left / length;
 }
 
 bool Newton::factoriseMotion(const std::vector<char>& acts) {
@@ -403,8 +403,7 @@ NewtonReport Newton::iterate() {
       step(x, part);
       if (m_bounded) keepBounded(m_work.next);
       left = findRest(m_options.newton_tolerance, m_options.momentum_tolerance);
-      accepted =
-          left <= (1 - part / 4) * length || length < m_options.rounding * std::sqrt(m_scale2);
+      accepted = left <= (1 - part / 4) * length || isRounding(length);
       if (accepted) break;
     }
     if (!accepted || part < short_step) {
@@ -421,9 +420,8 @@ NewtonReport Newton::iterate() {
     tangents = 0;
     std::swap(m_work.now, m_work.next);
     ++report.steps;
-    const bool is_rounding = length < m_options.rounding * std::sqrt(m_scale2);
     report.converged = isConverged(m_options.newton_tolerance,
-                                   is_rounding ? infinity : m_options.momentum_tolerance);
+                                   isRounding(length) ? infinity : m_options.momentum_tolerance);
     report.error = m_error;
     if (report.converged || report.steps >= m_options.max_newton_iterations) return report;
     const bool same = !hasChangedSet();

@@ -89,6 +89,10 @@ class Newton {
   bool isWithin(double tolerance, double momentum) const {
     return m_error <= tolerance && m_momentum2 <= momentum * momentum * m_scale2;
   }
+  /// Of a correction, by its length.
+  bool isRounding(double length) const {
+    return length * length < m_options.rounding * m_options.rounding * m_scale2;
+  }
   void findBoundedCorrection(std::vector<double>& x);
   void keepBounded(const Iterate& at);
   double along(const RowJacobian& J, int joint, const std::vector<double>& x) const;

@@ -122,7 +122,7 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
     ComponentMemory& kept = memoryOf(components[c]);
     kept.begin(island, components[c]);
     kept.work_done = 0;
-    peak += std::fmax(kept.ledger.peak, kept.ledger.with_forces);
+    peak += kept.ledger.largest();
     parts.push_back({&components[c], &kept.fronts, &kept.work});
   }
   const auto attempt = [&] {
@@ -131,9 +131,6 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
         pintle::solveAmongContacts(island, parts, contacts, options, velocities);
     count(done, int(parts.size()));
     report.second_tier += int(parts.size());
-    for (ContactPart& part : parts)
-      for (int i = 0; i < part.component->bodies; ++i)
-        velocities[size_t(part.component->first_body + i)] = part.work->now.bodies[size_t(i)].v;
     return done.converged;
   };
   const auto gain = [&](const auto& workOf) {

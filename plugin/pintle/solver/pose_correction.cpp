@@ -20,7 +20,6 @@ void correctPoses(const Island& island, const Component& component, const Solver
   std::vector<double> open(work.pieces.size(), 0.);
   std::vector<char> acts(work.pieces.size(), false);
   double largest = 0;  // m or rad
-  double most = 0;     // m: what all rows would move a body by, each alone
   const auto forEachRow = [&](const auto& visit) {
     for (int c = 0; c < component.joints; ++c) {
       const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
@@ -29,7 +28,7 @@ void correctPoses(const Island& island, const Component& component, const Solver
               island.rows[size_t(joint.first_row + i)]);
     }
   };
-  forEachRow([&](const IslandJoint& joint, int, size_t r, const IslandRow& row) {
+  forEachRow([&](const IslandJoint&, int, size_t r, const IslandRow& row) {
     const LawPiece& piece = work.pieces[r];
     const bool equality = row.law.isEquality() && !(piece.softness > 0);
     acts[r] = equality || row.open != 0;
@@ -37,13 +36,6 @@ void correctPoses(const Island& island, const Component& component, const Solver
     open[r] = row.open;
     if (equality && piece.acts) open[r] += island.dt * (work.now.rows[r].u - piece.target);
     largest = std::fmax(largest, std::abs(open[r]));
-    for (int side = 0; side < 2; ++side)
-      if (joint.body[size_t(side)] >= 0) {
-        const IslandBody& body = island.bodies[size_t(joint.body[size_t(side)])];
-        most += std::abs(open[r]) / row.K *
-                (row.J.L(side).norm() / body.mass +
-                 radius(body) * (body.inverse_inertia * row.J.A(side)).norm());
-      }
   });
   if (largest <= options.pose_tolerance / 2) return;  // nothing is open
   // What is left of Newton's iteration is small enough for its last factor.
@@ -64,7 +56,18 @@ void correctPoses(const Island& island, const Component& component, const Solver
     moved = by <= moved ? moved : by;  // and not finite if one is
   }
   // Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
-  if (moved <= most || largest <= options.largest_residue) return;
+  if (largest <= options.largest_residue) return;
+  double most = 0;  // m: what all rows would move a body by, each alone
+  forEachRow([&](const IslandJoint& joint, int, size_t r, const IslandRow& row) {
+    for (int side = 0; side < 2; ++side)
+      if (joint.body[size_t(side)] >= 0) {
+        const IslandBody& body = island.bodies[size_t(joint.body[size_t(side)])];
+        most += std::abs(open[r]) / row.K *
+                (row.J.L(side).norm() / body.mass +
+                 radius(body) * (body.inverse_inertia * row.J.A(side)).norm());
+      }
+  });
+  if (moved <= most) return;
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
     PoseChange& change = changes[size_t(i)];
     change = std::isfinite(moved) ? PoseChange(most / moved * change) : PoseChange::Zero();

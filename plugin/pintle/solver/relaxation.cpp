@@ -77,8 +77,7 @@ void relax(const Island& island, std::vector<ContactPart>& parts, std::vector<Co
       const double K = joint.row.K;
       if (!(K > 0)) continue;
       const double free = joint.row.velocity(velocities) - K * joint.lambda;
-      const LawPiece piece = joint.law.meet(free, K);
-      const double next = piece.acts ? (piece.target - free) / (K + piece.softness) : piece.impulse;
+      const double next = joint.law.meet(free, K).impulseAt(free, K);
       joint.row.push(next - joint.lambda, velocities);
       joint.lambda = next;
     }
