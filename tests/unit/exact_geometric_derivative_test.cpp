@@ -69,7 +69,7 @@ class Pair {
   void moveTo(const Velocities& v) {
     m_at.bodies[0].v = v.head<6>();
     m_at.bodies[1].v = v.tail<6>();
-    pintle::moveTo(m_island, {0, 2, 0, 1, 1}, pintle::Tier::gradient, m_at);
+    pintle::moveTo(m_island, {0, 2, 0, 1, 1}, m_at);
   }
 
   /// -G^T lambda

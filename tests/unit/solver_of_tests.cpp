@@ -1,8 +1,9 @@
-// With PINTLE_TEST_SOLVER=exact the tests' worlds have ExactJointSolver, unless they name another one.
+// With PINTLE_TEST_SOLVER=exact, or passive, the tests' worlds have that solver, unless they name another one.
 #include "solver_of_tests.h"
 
 #include <pintle/joints/joint.h>
 #include <pintle/solver/exact_joint_solver.h>
+#include <pintle/solver/passive_joint_solver.h>
 #include <scenes/world.h>
 
 #include <algorithm>
@@ -13,7 +14,8 @@ namespace {
 
 constexpr char variable[] = "PINTLE_TEST_SOLVER";
 
-class ExactForOurs : public pintle::ExactJointSolver {
+template <class Solver>
+class ForOurs : public Solver {
   btScalar solveGroup(btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds,
                       int numManifolds, btTypedConstraint** constraints, int numConstraints,
                       const btContactSolverInfo& info, btIDebugDraw* drawer,
@@ -22,8 +24,8 @@ class ExactForOurs : public pintle::ExactJointSolver {
         constraints, constraints + numConstraints,
         [](btTypedConstraint* joint) { return dynamic_cast<pintle::Joint*>(joint) != nullptr; });
     return ours || numConstraints == 0
-               ? ExactJointSolver::solveGroup(bodies, numBodies, manifolds, numManifolds,
-                                              constraints, numConstraints, info, drawer, dispatcher)
+               ? Solver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
+                                    numConstraints, info, drawer, dispatcher)
                : stock_.solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
                                    numConstraints, info, drawer, dispatcher);
   }
@@ -35,7 +37,15 @@ class SolverOfTests : public testing::Environment {
   void SetUp() override {
     const char* const name = std::getenv(variable);
     ASSERT_TRUE(name == nullptr || onExactSolver()) << variable << "=" << name;
-    if (onExactSolver()) scenes::default_solver() = [] { return std::make_unique<ExactForOurs>(); };
+    if (!onExactSolver()) return;
+    if (std::string(name) == "exact")
+      scenes::default_solver() = [] {
+        return std::make_unique<ForOurs<pintle::ExactJointSolver>>();
+      };
+    else
+      scenes::default_solver() = [] {
+        return std::make_unique<ForOurs<pintle::PassiveJointSolver>>();
+      };
   }
 };
 [[maybe_unused]] const auto* const environment =
@@ -45,5 +55,5 @@ class SolverOfTests : public testing::Environment {
 
 bool onExactSolver() {
   const char* const name = std::getenv(variable);
-  return name != nullptr && std::string(name) == "exact";
+  return name != nullptr && (std::string(name) == "exact" || std::string(name) == "passive");
 }

@@ -32,6 +32,7 @@ void remember(const Island& island, const Component& component,
       memory->bodies.push_back(bodiesOf(joints[c]));
     }
     memory->fronts.analyse(component.bodies, memory->bodies);
+    memory->K.analyse(component.bodies, memory->bodies);
   }
   std::vector<int>& sizes = memory->work.sizes;
   bool same_sizes = same && int(sizes.size()) == component.joints;
@@ -40,7 +41,9 @@ void remember(const Island& island, const Component& component,
     same_sizes = same_sizes && sizes[size_t(c)] == joints[c].rows;
     sizes[size_t(c)] = joints[c].rows;
   }
-  if (!same_sizes) memory->fronts.setSizes(sizes);
+  if (same_sizes) return;
+  memory->fronts.setSizes(sizes);
+  memory->K.setSizes(sizes);
 }
 
 int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {

@@ -14,6 +14,8 @@ struct ComponentMemory {
   std::vector<btTypedConstraint*> constraints;
   std::vector<std::array<int, 2>> bodies;  ///< of each, counted from the component's first
   Fronts fronts;
+  JointMatrix K;
+  bool is_K_of_start = false;  ///< K is that with which the step was solved
   Workspace work;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step

@@ -251,8 +251,7 @@ NewtonReport Solve::run() {
   newtons.reserve(m_parts.size());
   for (ContactPart& part : m_parts) {
     part.work->now.horizon = m_island.dt;
-    newtons.emplace_back(m_island, *part.component, Tier::gradient, m_options, *part.fronts,
-                         *part.work);
+    newtons.emplace_back(m_island, *part.component, m_options, *part.fronts, *part.work);
     newtons.back().clipTangent();
     newtons.back().begin();
   }

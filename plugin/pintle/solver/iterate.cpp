@@ -16,15 +16,20 @@ const btTransform& poseOf(const IslandJoint& joint, int side, const BodyAtEnd& e
               : joint.constraint->getRigidBodyA().getCenterOfMassTransform();
 }
 
-void moveBody(const IslandBody& body, double dt, BodyAtEnd& end) {
-  end.turn = Turn(end.v.tail<3>(), dt);
-  const Matrix3d R = end.turn.rotation();
+btTransform moved(const IslandBody& body, double dt, const Vector6d& v, const Matrix3d& R) {
+  btTransform to;
   const btMatrix3x3 turned(Scalar(R(0, 0)), Scalar(R(0, 1)), Scalar(R(0, 2)), Scalar(R(1, 0)),
                            Scalar(R(1, 1)), Scalar(R(1, 2)), Scalar(R(2, 0)), Scalar(R(2, 1)),
                            Scalar(R(2, 2)));
-  end.pose.setBasis(turned * body.start.getBasis());
-  const Vector3d x = dt * end.v.head<3>();
-  end.pose.setOrigin(body.start.getOrigin() + btVector3(Scalar(x[0]), Scalar(x[1]), Scalar(x[2])));
+  to.setBasis(turned * body.start.getBasis());
+  const Vector3d x = dt * v.head<3>();
+  to.setOrigin(body.start.getOrigin() + btVector3(Scalar(x[0]), Scalar(x[1]), Scalar(x[2])));
+  return to;
+}
+
+void moveBody(const IslandBody& body, double dt, BodyAtEnd& end) {
+  end.turn = Turn(end.v.tail<3>(), dt);
+  end.pose = moved(body, dt, end.v, end.turn.rotation());
 }
 
 // A row of the start, as a velocity.
@@ -81,14 +86,31 @@ struct Arms {
   Vector3d r_a = Vector3d::Zero(), r_b = r_a, end_a = r_a, end_b = r_a;
   Vector3d move = r_a;  ///< of b's end against a's
 
-  void find(const RowShape& shape, double horizon, const BodyAtEnd& a, const BodyAtEnd& b) {
+  template <class Body>
+  void find(const RowShape& shape, double horizon, const Body& a, const Body& b) {
     if (of != nullptr && of->a == shape.a && of->b == shape.b) return;
     of = &shape;
     r_a = inDouble(shape.a);
     r_b = inDouble(shape.b);
     end_a = a.turn.turned(r_a);
     end_b = b.turn.turned(r_b);
-    move = horizon * (b.v - a.v).head<3>() + end_b - r_b - end_a + r_a;
+    const Vector6d v = b.v - a.v;
+    move = horizon * v.head<3>() + end_b - r_b - end_a + r_a;
+  }
+  // u of a row of these arms.
+  double measure(const IslandRow& row, double horizon) const {
+    switch (row.shape.kind) {
+      case RowShape::dot:
+        return ((r_a + end_a).dot(end_b - r_b) + (r_b + end_b).dot(end_a - r_a)) / (2 * horizon);
+      case RowShape::distance: {
+        const Vector3d d_0 = double(row.shape.length) * inDouble(row.start.L), d_1 = d_0 + move;
+        const double sum = d_0.norm() + d_1.norm();
+        if (sum > 0) return (d_0 + d_1).dot(move) / (sum * horizon);
+        break;
+      }
+      default: break;
+    }
+    return inDouble(row.start.L).dot(move) / horizon;
   }
 };
 
@@ -96,32 +118,29 @@ struct Arms {
 void moveArms(const IslandRow& row, double horizon, const Arms& arms, const BodyAtEnd& a,
               const BodyAtEnd& b, RowAtEnd& to) {
   const Vector3d &end_a = arms.end_a, &end_b = arms.end_b;
+  to.u = arms.measure(row, horizon);
   const auto turnsBy = [&](const Vector3d& A_a, const Vector3d& A_b) {
     to.J.A_a = a.turn.slope.transpose() * A_a;
     to.J.A_b = b.turn.slope.transpose() * A_b;
   };
   if (row.shape.kind == RowShape::dot) {
-    const Vector3d &r_a = arms.r_a, &r_b = arms.r_b;
     to.J.L_a = to.J.L_b = Vector3d::Zero();
     turnsBy(cross(end_a, end_b), cross(end_b, end_a));
-    to.u = ((r_a + end_a).dot(end_b - r_b) + (r_b + end_b).dot(end_a - r_a)) / (2 * horizon);
     return;
   }
-  Vector3d n = inDouble(row.start.L), mean = n;
+  Vector3d n = inDouble(row.start.L);
   if (row.shape.kind == RowShape::distance) {
-    const Vector3d d_0 = double(row.shape.length) * n, d_1 = d_0 + arms.move;
-    const double length = d_1.norm(), sum = d_0.norm() + length;
+    const Vector3d d_1 = double(row.shape.length) * n + arms.move;
+    const double length = d_1.norm();
     if (length > 0) n = d_1 / length;
-    if (sum > 0) mean = (d_0 + d_1) / sum;
   }
   to.J.L_a = -n;
   to.J.L_b = n;
   turnsBy(-cross(end_a, n), cross(end_b, n));
-  to.u = mean.dot(arms.move) / horizon;
 }
 
-void moveRows(const Island& island, const IslandJoint& joint, const Component& component, Tier tier,
-              Rows& end, Iterate& at) {
+void moveRows(const Island& island, const IslandJoint& joint, const Component& component, Rows& end,
+              Iterate& at) {
   const BodyAtEnd &a = bodyOf(joint, 0, component, at), &b = bodyOf(joint, 1, component, at);
   end.clear();
   bool asked = false;
@@ -151,12 +170,9 @@ void moveRows(const Island& island, const IslandJoint& joint, const Component& c
       to.J = byVelocity(now, row.sign, a, b);
       to.u = change / at.horizon;
     }
-    if (tier == Tier::start)
-      to.G = row.J;
-    else
-      to.G = byVelocity(
-          discreteGradient({row.start, now, row.shape, row.shape}, row.sign * change, by_a, by_b),
-          row.sign, a, b);
+    to.G = byVelocity(
+        discreteGradient({row.start, now, row.shape, row.shape}, row.sign * change, by_a, by_b),
+        row.sign, a, b);
   }
 }
 
@@ -168,13 +184,61 @@ const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& com
   return body < 0 ? resting : at.bodies[size_t(body - component.first_body)];
 }
 
-void moveTo(const Island& island, const Component& component, Tier tier, Iterate& at) {
+void moveTo(const Island& island, const Component& component, Iterate& at) {
   for (int i = 0; at.horizon > 0 && i < component.bodies; ++i)
     moveBody(island.bodies[size_t(component.first_body + i)], at.horizon, at.bodies[size_t(i)]);
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   for (int c = 0; c < component.joints; ++c)
-    moveRows(island, island.joints[size_t(component.first_joint + c)], component, tier, end, at);
+    moveRows(island, island.joints[size_t(component.first_joint + c)], component, end, at);
+}
+
+void measure(const Island& island, const Component& component, double dt,
+             const std::vector<Vector6d>& v, std::vector<MovedBody>& bodies,
+             std::vector<double>& u) {
+  static const MovedBody at_rest(Vector6d::Zero(), 0);
+  bodies.clear();
+  for (const Vector6d& of : v) bodies.emplace_back(of, dt);
+  RowMemory<max_joint_rows, max_joint_rows> memory;
+  Rows end(memory);
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const auto bodyAt = [&](int side) -> const MovedBody& {
+      const int body = joint.body[size_t(side)];
+      return body < 0 ? at_rest : bodies[size_t(body - component.first_body)];
+    };
+    const MovedBody &a = bodyAt(0), &b = bodyAt(1);
+    Arms arms;
+    bool asked = false;
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      double& to = u[size_t(joint.row_of_component + i)];
+      if (!row.has_position) {
+        to = row.J.along(a.v, b.v);
+        continue;
+      }
+      if (row.isOfArms()) {
+        arms.find(row.shape, dt, a, b);
+        to = arms.measure(row, dt);
+        continue;
+      }
+      if (!asked) {
+        const auto pose = [&](int side) {
+          const int body = joint.body[size_t(side)];
+          const MovedBody& of = bodyAt(side);
+          return body < 0 ? poseOf(joint, side, resting)
+                          : moved(island.bodies[size_t(body)], dt, of.v, of.turn.matrix());
+        };
+        end.clear();
+        joint.ours->addRows(PosePair(pose(0), pose(1)), end);
+        asked = true;
+      }
+      Row now = row.start;
+      to = findAtEnd(row, end, joint.equalities, now)
+               ? (double(now.position) - double(row.start.position)) / dt
+               : row.J.along(a.v, b.v);
+    }
+  }
 }
 
 }  // namespace PINTLE_PRECISION

@@ -8,11 +8,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-enum class Tier {
-  start,    ///< rows of the start, which hold at the end of the step (SHAKE; Ryckaert 1977)
-  gradient  ///< the discrete gradient (discrete_gradient.h): never gains
-};
-
 /// Where a body ends the step.
 struct BodyAtEnd {
   Vector6d v;
@@ -24,7 +19,7 @@ struct BodyAtEnd {
 struct RowAtEnd {
   double u;       ///< its velocity
   RowJacobian J;  ///< du/dv
-  RowJacobian G;  ///< along which its impulse acts
+  RowJacobian G;  ///< along which its impulse acts: the discrete gradient (discrete_gradient.h)
 };
 
 /// The state of the iteration of one component.
@@ -38,7 +33,19 @@ struct Iterate {
 };
 
 /// Bodies and rows of the component at velocities `at.bodies[].v`.
-void moveTo(const Island& island, const Component& component, Tier tier, Iterate& at);
+void moveTo(const Island& island, const Component& component, Iterate& at);
+
+/// A body at the end of the step, as far as u of rows needs it.
+struct MovedBody {
+  Vector6d v;
+  RotationOfStep turn;
+
+  MovedBody(const Vector6d& velocity, double dt) : v(velocity), turn(velocity.tail<3>(), dt) {}
+};
+/// Only u of all rows, at velocities v. `bodies`: memory for it.
+void measure(const Island& island, const Component& component, double dt,
+             const std::vector<Vector6d>& v, std::vector<MovedBody>& bodies,
+             std::vector<double>& u);
 
 /// The body of a joint; one that does not move rests.
 const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& component,

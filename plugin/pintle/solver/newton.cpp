@@ -24,6 +24,30 @@ double velocityNorm(const Fronts& fronts, const std::vector<double>& x) {
 
 }  // namespace
 
+// Rows may repeat each other, or contradict each other by what the tolerance leaves: then impulses that nobody bears would grow
+// without end. So each joint of a loop gives, by a part of the tolerance under the load that it bears.
+void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
+                  const Fronts& fronts, Workspace& work) {
+  std::vector<double>& softness = work.softness;
+  softness.assign(size_t(component.joints), options.dependent_softness);
+  const double give = options.newton_tolerance / 10 / island.dt;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& of = island.joints[size_t(component.first_joint + c)];
+    if (!fronts.isInLoop(c)) {
+      softness[size_t(c)] = 0;
+      continue;
+    }
+    double load2 = 0;  // m/s: what its impulses change velocities by
+    for (int i = 0; i < of.rows; ++i) {
+      const double change = island.rows[size_t(of.first_row + i)].K *
+                            work.now.lambda[size_t(of.row_of_component + i)];
+      load2 += change * change;
+    }
+    const double load = std::sqrt(load2);
+    if (load * softness[size_t(c)] > give) softness[size_t(c)] = give / load;
+  }
+}
+
 // Broyden's update of the kept factor by the last step (Kelley 1995, 7.3): what is left of it along itself will be left again.
 void Newton::secantStep(const std::vector<double>& last, std::vector<double>& x) const {
   double along = 0, last2 = 0;
@@ -50,28 +74,6 @@ void Newton::choosePieces() {
   }
 }
 
-// Rows may repeat each other, or contradict each other by what the tolerance leaves: then impulses that nobody bears would grow
-// without end. So each joint of a loop gives, by a part of the tolerance under the load that it bears.
-void Newton::findSoftness() {
-  std::vector<double>& softness = m_work.softness;
-  softness.assign(size_t(m_component.joints), m_options.dependent_softness);
-  const double give = m_options.newton_tolerance / 10 / m_island.dt;
-  for (int c = 0; c < m_component.joints; ++c) {
-    const IslandJoint& of = joint(c);
-    if (!m_fronts.isInLoop(c)) {
-      softness[size_t(c)] = 0;
-      continue;
-    }
-    double load2 = 0;  // m/s: what its impulses change velocities by
-    for (int i = 0; i < of.rows; ++i) {
-      const double change = row(of, i).K * m_work.now.lambda[size_t(of.row_of_component + i)];
-      load2 += change * change;
-    }
-    const double load = std::sqrt(load2);
-    if (load * softness[size_t(c)] > give) softness[size_t(c)] = give / load;
-  }
-}
-
 // x = -F, scaled, with the present pieces.
 void Newton::findResidual(const Iterate& at, std::vector<double>& x) {
   x.assign(size_t(m_fronts.size()), 0.);
@@ -87,8 +89,6 @@ void Newton::findResidual(const Iterate& at, std::vector<double>& x) {
       linear += m_work.external[size_t(i)].head<3>();
       angular += m_work.external[size_t(i)].tail<3>();
     }
-    if (m_tier == Tier::start)
-      angular -= m_work.stiffness[size_t(i)] * (at.bodies[size_t(i)].v - of.v0).tail<3>();
   }
   for (int c = 0; c < m_component.joints; ++c) {
     const IslandJoint& of = joint(c);
@@ -130,8 +130,7 @@ void Newton::assemble(const Iterate& at) {
   for (int i = 0; i < m_component.bodies; ++i) {
     const IslandBody& of = body(i);
     const Fronts::Block to = m_fronts.bodyBlock(i);
-    Matrix3d inertia = of.inertia;
-    if (m_tier == Tier::start) inertia += m_work.stiffness[size_t(i)];
+    const Matrix3d& inertia = of.inertia;
     for (int k = 0; k < 3; ++k) {
       to.at[k * to.stride + k] += 1;
       for (int j = 0; j < 3; ++j)
@@ -169,7 +168,6 @@ void Newton::assemble(const Iterate& at) {
         }
       }
     }
-    if (m_tier != Tier::gradient) continue;
     GeometricDerivative H;
     const BodyAtEnd &a = bodyOf(of, 0, m_component, at), &b = bodyOf(of, 1, m_component, at);
     for (int i = 0; i < of.rows; ++i) {
@@ -221,7 +219,7 @@ void Newton::step(const std::vector<double>& x, double part) {
           from.lambda[r] + part * x[size_t(m_fronts.joint(c) + i)] / std::sqrt(row(of, i).K);
     }
   }
-  moveTo(m_island, m_component, m_tier, to);
+  moveTo(m_island, m_component, to);
 }
 
 // J times the change of velocities that is in x.
@@ -323,8 +321,8 @@ void Newton::begin() {
     m_scale2 += of.mass * of.v_free.head<3>().squaredNorm() +
                 of.v_free.tail<3>().dot(of.inertia * of.v_free.tail<3>());
   }
-  findSoftness();
-  moveTo(m_island, m_component, m_tier, now);
+  findSoftness(m_island, m_component, m_options, m_fronts, m_work);
+  moveTo(m_island, m_component, now);
   choosePieces();
 }
 
@@ -354,20 +352,6 @@ double Newton::advance() {
   return isRounding(length) ? 0 : left / length;
 }
 
-bool Newton::factoriseMotion(const std::vector<char>& acts) {
-  Iterate& at = m_work.now;
-  at.horizon = m_island.dt;
-  moveTo(m_island, m_component, Tier::start, at);
-  for (size_t r = 0; r < m_work.pieces.size(); ++r) {
-    at.rows[r].G = at.rows[r].J;
-    m_work.pieces[r] = {acts[r] != 0, 0, 0, 0};
-  }
-  m_work.stiffness.assign(size_t(m_component.bodies), Matrix3d::Zero());
-  m_work.softness.assign(size_t(m_component.joints), m_options.dependent_softness);
-  assemble(at);
-  return m_fronts.factorise(m_options.least_pivot);
-}
-
 NewtonReport Newton::run() {
   NewtonReport report = iterate();
   if (report.converged || report.steps == 0) return report;
@@ -380,8 +364,6 @@ NewtonReport Newton::run() {
 NewtonReport Newton::iterate() {
   NewtonReport report;
   Iterate& now = m_work.now;
-  const int max_factors =
-      m_tier == Tier::start ? m_options.max_first_tier_factors : m_options.max_second_tier_factors;
   std::vector<double>& x = m_work.correction;
   bool fresh = false;  // the correction is known, by the last factor
   double length = 0;
@@ -390,7 +372,7 @@ NewtonReport Newton::iterate() {
   for (;;) {
     if (m_bounded) keepBounded(now);
     if (!fresh) {
-      if (report.factors >= max_factors) return report;
+      if (report.factors >= m_options.max_second_tier_factors) return report;
       ++report.factors;
       if (!factorise()) return report;
       findCorrection();
@@ -399,7 +381,7 @@ NewtonReport Newton::iterate() {
     length = velocityNorm(m_fronts, x);
     double part = 1, left = 0;
     bool accepted = false;
-    for (; part > (m_tier == Tier::gradient ? min_part : short_step); part /= 2) {
+    for (; part > min_part; part /= 2) {
       step(x, part);
       if (m_bounded) keepBounded(m_work.next);
       left = findRest(m_options.newton_tolerance, m_options.momentum_tolerance);
@@ -411,7 +393,6 @@ NewtonReport Newton::iterate() {
         fresh = false;
         continue;
       }
-      if (m_tier != Tier::gradient) return report;
       // The other tangent; if that gets no further, as far as it goes.
       m_exact = !m_exact;
       if (++tangents < 2) continue;

@@ -1,9 +1,10 @@
 // Purpose: Newton's iteration for the velocities v with which a component of joints ends the step, and the impulses lambda:
 //   M (v - v*) = G(v)^T lambda,   u(v) and lambda of each row on its law (axis_law.h)
-// u the mean velocity of a row over the step. Where the impulses act is a tier's choice (iterate.h).
+// u the mean velocity of a row over the step, G its discrete gradient: joints never gain (discrete_gradient.h).
 #pragma once
 
 #include <pintle/solver/iterate.h>
+#include <pintle/solver/joint_matrix.h>
 #include <pintle/solver/linear/fronts.h>
 #include <pintle/solver/solver_options.h>
 
@@ -16,6 +17,26 @@ struct NewtonReport {
   double error = 0;  ///< the largest, m or rad
 };
 
+/// Of the solve by impulses alone (chord.h).
+struct BroydenStep {
+  std::vector<double> s, Ks;
+  double length2;  ///< s . K s
+};
+struct ChordMemory {
+  struct Bounded {
+    const IslandRow* row;
+    int joint;
+    size_t r, at;  ///< among the component's rows, and the unknowns of K
+  };
+  std::vector<InverseInertia> bodies;
+  std::vector<Vector6d> base, v;
+  std::vector<MovedBody> moved;
+  std::vector<double> u, softness;  ///< of each row
+  std::vector<double> y, x;         ///< impulses, and residual, in the units of K
+  std::vector<Bounded> bounded;
+  std::vector<BroydenStep> steps;
+};
+
 /// What the iteration works with. `now` is where it begins, and where it has come to.
 struct Workspace {
   Iterate now, next;
@@ -25,15 +46,19 @@ struct Workspace {
   std::vector<double> correction, simplified, residual;
   std::vector<double> softness;  ///< of each joint, relative to K
   std::vector<int> sizes;
+  ChordMemory chord;
 };
+
+/// work.softness: of the joints of loops, of which rows may repeat or contradict each other.
+void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
+                  const Fronts& fronts, Workspace& work);
 
 class Newton {
  public:
-  Newton(const Island& island, const Component& component, Tier tier, const SolverOptions& options,
+  Newton(const Island& island, const Component& component, const SolverOptions& options,
          Fronts& fronts, Workspace& work)
       : m_island(island),
         m_component(component),
-        m_tier(tier),
         m_options(options),
         m_fronts(fronts),
         m_work(work) {
@@ -42,10 +67,6 @@ class Newton {
 
   /// Solves the component from `work.now` (velocities and impulses) to there.
   NewtonReport run();
-  /// The factor of [M -J^T; J 0], J the rows that `acts` names, as they are at the end of the step that `work.now` leads to: of
-  /// the least motion, in the metric of the masses, that moves rows as asked. Returns false where there is none.
-  bool factoriseMotion(const std::vector<char>& acts);
-
   // One step after the other, for who solves others beside it (contacts.h).
   void begin();
   /// From now on without what lets bodies gain by pushing each other.
@@ -76,7 +97,6 @@ class Newton {
     return m_island.rows[size_t(of.first_row + i)];
   }
 
-  void findSoftness();
   /// Of the rows of a joint, relative to K.
   double leastSoftness(int c) const { return m_work.softness[size_t(c)]; }
   void choosePieces();
@@ -99,7 +119,6 @@ class Newton {
 
   const Island& m_island;
   const Component& m_component;
-  const Tier m_tier;
   const SolverOptions& m_options;
   Fronts& m_fronts;
   Workspace& m_work;

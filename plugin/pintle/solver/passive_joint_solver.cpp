@@ -1,5 +1,6 @@
 #include <pintle/solver/passive_joint_solver.h>
 
+#include <pintle/solver/chord.h>
 #include <pintle/solver/component_memory.h>
 #include <pintle/solver/contacts.h>
 #include <pintle/solver/island_builder.h>
@@ -46,9 +47,9 @@ void PassiveJointSolver::State::solve(const Component& component) {
   Workspace& work = kept.work;
   work.external.clear();
   const auto begin = [&] { kept.begin(island, component); };
-  const auto attempt = [&](Tier tier, double horizon) {
+  const auto attempt = [&](double horizon) {
     work.now.horizon = horizon;
-    const NewtonReport done = Newton(island, component, tier, options, kept.fronts, work).run();
+    const NewtonReport done = Newton(island, component, options, kept.fronts, work).run();
     count(done, 1);
     return done.converged;
   };
@@ -56,20 +57,24 @@ void PassiveJointSolver::State::solve(const Component& component) {
   kept.findStiffness(island, component, options.newmark_beta);
   double work_done = 0;
   bool solved = false;
-  if (attempt(Tier::start, island.dt)) {
+  const NewtonReport chord = solveByChord(island, component, options, kept.fronts, kept.K, work);
+  count(chord, 1);
+  kept.is_K_of_start = chord.converged;
+  if (chord.converged) {
     work_done = workOfJoints(island, component, work.now);
     solved = kept.ledger.mayGive(work_done, options.ledger_share);
   }
   const auto solveByGradient = [&] {
     begin();
-    if (attempt(Tier::gradient, island.dt)) return true;
+    if (attempt(island.dt)) return true;
     // In velocity alone, which is a linear problem: at the end of the step they are open.
     ++report.not_converged;
     begin();
-    return attempt(Tier::gradient, 0);
+    return attempt(0);
   };
   if (!solved) {
     ++report.second_tier;
+    kept.is_K_of_start = false;
     bool found = solveByGradient();
     work_done = workOfJoints(island, component, work.now);
     // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
@@ -100,7 +105,7 @@ void PassiveJointSolver::State::finish(const Component& component, ComponentMemo
   kept.ledger.book(kept.work_done, options.ledger_share);
   kept.keep(island, component);
   pintle::report(island, component, work.now);
-  correctPoses(island, component, options, work, kept.fronts, pose_changes);
+  correctPoses(island, component, options, work, kept.K, kept.is_K_of_start, pose_changes);
 }
 
 bool PassiveJointSolver::State::stopRebounds(const Component& component) {
@@ -122,6 +127,7 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
     ComponentMemory& kept = memoryOf(components[c]);
     kept.begin(island, components[c]);
     kept.work_done = 0;
+    kept.is_K_of_start = false;
     peak += kept.ledger.largest();
     parts.push_back({&components[c], &kept.fronts, &kept.work});
   }

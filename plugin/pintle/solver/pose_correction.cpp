@@ -11,11 +11,12 @@ double radius(const IslandBody& body) { return body.scale[1] / body.scale[0]; }
 }  // namespace
 
 void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                  Workspace& work, Fronts& fronts, std::vector<PoseChange>& changes) {
+                  Workspace& work, JointMatrix& K, bool has_factor,
+                  std::vector<PoseChange>& changes) {
   const bool held_early = work.now.horizon < island.dt;
   if (held_early) {  // what the rest of the step opens
     work.now.horizon = island.dt;
-    moveTo(island, component, Tier::start, work.now);
+    moveTo(island, component, work.now);
   }
   std::vector<double> open(work.pieces.size(), 0.);
   std::vector<char> acts(work.pieces.size(), false);
@@ -24,11 +25,11 @@ void correctPoses(const Island& island, const Component& component, const Solver
     for (int c = 0; c < component.joints; ++c) {
       const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
       for (int i = 0; i < joint.rows; ++i)
-        visit(joint, fronts.joint(c) + i, size_t(joint.row_of_component + i),
+        visit(joint, c, i, size_t(joint.row_of_component + i),
               island.rows[size_t(joint.first_row + i)]);
     }
   };
-  forEachRow([&](const IslandJoint&, int, size_t r, const IslandRow& row) {
+  forEachRow([&](const IslandJoint&, int, int, size_t r, const IslandRow& row) {
     const LawPiece& piece = work.pieces[r];
     const bool equality = row.law.isEquality() && !(piece.softness > 0);
     acts[r] = equality || row.open != 0;
@@ -38,27 +39,38 @@ void correctPoses(const Island& island, const Component& component, const Solver
     largest = std::fmax(largest, std::abs(open[r]));
   });
   if (largest <= options.pose_tolerance / 2) return;  // nothing is open
-  // What is left of Newton's iteration is small enough for its last factor.
-  if ((held_early || largest > options.largest_residue) &&
-      !Newton(island, component, Tier::start, options, fronts, work).factoriseMotion(acts))
-    return;
-  std::vector<double> x(size_t(fronts.size()), 0.);
-  forEachRow([&](const IslandJoint&, int at, size_t r, const IslandRow& row) {
-    if (work.pieces[r].acts) x[size_t(at)] = -open[r] / row.root_K;
+  // The least motion, in the metric of the masses, by the rows as they are at the end.
+  if (held_early || !has_factor || largest > options.largest_residue) {
+    if (has_factor) moveTo(island, component, work.now);
+    std::vector<InverseInertia>& bodies = work.chord.bodies;
+    bodies.clear();
+    for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
+      bodies.emplace_back(island.bodies[size_t(i)], Matrix3d::Zero());
+    K.begin(bodies);
+    forEachRow([&](const IslandJoint&, int c, int i, size_t r, const IslandRow& row) {
+      if (acts[r]) K.setRow(c, i, work.now.rows[r].J, row.root_K, options.dependent_softness);
+    });
+    if (!K.factorise(options.least_pivot)) return;
+  }
+  std::vector<double> x(K.unknowns(), 0.);
+  forEachRow([&](const IslandJoint&, int c, int i, size_t r, const IslandRow& row) {
+    if (work.pieces[r].acts || acts[r]) x[K.row(c) + size_t(i)] = -open[r] / row.root_K;
   });
-  fronts.solve(x.data());
+  K.solve(x.data());
+  std::vector<Vector6d> change(size_t(component.bodies), Vector6d::Zero());
+  K.addResponse(x.data(), change);
   double moved = 0;
-  for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
-    const IslandBody& body = island.bodies[size_t(i)];
-    Vector6d& change = changes[size_t(i)];
-    change = body.unscaled(&x[size_t(fronts.body(i - component.first_body))]);
-    const double by = change.head<3>().norm() + radius(body) * change.tail<3>().norm();
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    changes[size_t(component.first_body + i)] = change[size_t(i)];
+    const double by =
+        change[size_t(i)].head<3>().norm() + radius(body) * change[size_t(i)].tail<3>().norm();
     moved = by <= moved ? moved : by;  // and not finite if one is
   }
   // Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
   if (largest <= options.largest_residue) return;
   double most = 0;  // m: what all rows would move a body by, each alone
-  forEachRow([&](const IslandJoint& joint, int, size_t r, const IslandRow& row) {
+  forEachRow([&](const IslandJoint& joint, int, int, size_t r, const IslandRow& row) {
     for (int side = 0; side < 2; ++side)
       if (joint.body[size_t(side)] >= 0) {
         const IslandBody& body = island.bodies[size_t(joint.body[size_t(side)])];
@@ -69,8 +81,8 @@ void correctPoses(const Island& island, const Component& component, const Solver
   });
   if (moved <= most) return;
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
-    PoseChange& change = changes[size_t(i)];
-    change = std::isfinite(moved) ? PoseChange(most / moved * change) : PoseChange::Zero();
+    PoseChange& of = changes[size_t(i)];
+    of = std::isfinite(moved) ? PoseChange(most / moved * of) : PoseChange::Zero();
   }
 }
 

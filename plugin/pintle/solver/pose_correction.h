@@ -10,9 +10,10 @@ inline namespace PINTLE_PRECISION {
 using PoseChange = Vector6d;
 
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what
-/// Newton left.
+/// the velocities left. `has_factor`: K has that with which they were found, which is good enough for what they left.
 void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                  Workspace& work, Fronts& fronts, std::vector<PoseChange>& changes);
+                  Workspace& work, JointMatrix& K, bool has_factor,
+                  std::vector<PoseChange>& changes);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -28,6 +28,11 @@ struct MeanFactors {
   }
 };
 
+constexpr double max_turn = double(ANGULAR_MOTION_THRESHOLD);
+const double slope_of_tangent = std::tan(max_turn / 2) / max_turn;
+
+double angleBeyond(double asked) { return 2 * std::atan(slope_of_tangent * asked); }
+
 }  // namespace
 
 Matrix3d meanOfTurn(const Vector3d& phi) {
@@ -36,14 +41,24 @@ Matrix3d meanOfTurn(const Vector3d& phi) {
   return Matrix3d::Identity() + factors.once * X + factors.twice * X * X;
 }
 
+RotationOfStep::RotationOfStep(const Vector3d& w, double dt) : phi(dt * w) {
+  if (const double length = phi.norm(); length > max_turn) phi *= angleBeyond(length) / length;
+  const double t2 = phi.squaredNorm();
+  if (t2 < 1e-6) {
+    once = 1 - t2 / 6;
+    twice = 0.5 - t2 / 24;
+    return;
+  }
+  const double t = std::sqrt(t2), half = std::sin(t / 2);
+  once = std::sin(t) / t;
+  twice = 2 * half * half / t2;
+}
+
 Turn::Turn(const Vector3d& w, double dt) {
   const Vector3d asked = dt * w;
   const double length = asked.norm();
-  constexpr double max_turn = double(ANGULAR_MOTION_THRESHOLD);
   if (length > max_turn) {
-    const double slope_of_tangent = std::tan(max_turn / 2) / max_turn,
-                 tangent = slope_of_tangent * length;
-    const double angle = 2 * std::atan(tangent),
+    const double angle = angleBeyond(length), tangent = std::tan(angle / 2),
                  rate = 2 * slope_of_tangent / (1 + tangent * tangent);
     part = angle / length;
     part_slope = (rate - part) / length * (asked / length);

@@ -20,6 +20,22 @@ inline Matrix3d crossMatrix(const Vector3d& a) {
 /// (t - sin t) / t^3 [phi]x^2, t = |phi|, is the left Jacobian of SO(3).
 Matrix3d meanOfTurn(const Vector3d& phi);
 
+/// The turn alone.
+struct RotationOfStep {
+  Vector3d phi;        ///< rad: the rotation vector of the step
+  double once, twice;  ///< R = 1 + once [phi]x + twice [phi]x^2
+
+  RotationOfStep(const Vector3d& w, double dt);
+  Vector3d turned(const Vector3d& r) const {
+    const Vector3d first = cross(phi, r);
+    return r + once * first + twice * cross(phi, first);
+  }
+  Matrix3d matrix() const {
+    const Matrix3d X = crossMatrix(phi);
+    return Matrix3d::Identity() + once * X + twice * X * X;
+  }
+};
+
 struct Turn {
   Vector3d phi = Vector3d::Zero();         ///< rad: the rotation vector of the step
   double part = 1;                         ///< phi = part dt w

@@ -1,11 +1,12 @@
 #include <pintle/solver/linear/fronts.h>
 
+#include <pintle/solver/linear/minimum_degree.h>
+
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <queue>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -21,82 +22,6 @@ double dot(const double* a, const double* b, int n) {
 
 // From this number of own unknowns on a front is eliminated in panels, which Eigen multiplies.
 constexpr int panel = 32;
-
-// The order of the joints of loops: minimum degree on a quotient graph (George and Liu 1989). A clique is a body, or a joint that
-// has been eliminated; who shares a clique is coupled.
-class MinimumDegree {
- public:
-  MinimumDegree(size_t nodes)
-      : m_cliques_of(nodes), m_degree(nodes, 0), m_gone(nodes, false), m_mark(nodes, -1) {}
-
-  void addClique(std::vector<int> members) {
-    for (const int i : members) {
-      m_cliques_of[size_t(i)].push_back(int(m_cliques.size()));
-      m_degree[size_t(i)] += int(members.size()) - 1;
-    }
-    m_cliques.push_back(std::move(members));
-  }
-
-  // Calls visit(node, those it is coupled to) in the order of elimination.
-  template <class Visit>
-  void run(const std::vector<int>& nodes, const Visit& visit) {
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-    for (const int i : nodes) queue.push({m_degree[size_t(i)], 0, i});
-    int order = 0;
-    while (!queue.empty()) {
-      const auto [degree, since, node] = queue.top();
-      queue.pop();
-      if (m_gone[size_t(node)] || degree != m_degree[size_t(node)]) continue;
-      std::vector<int> coupled = reach(node);
-      if (int(coupled.size()) < degree) {  // m_degree is an upper bound
-        m_degree[size_t(node)] = int(coupled.size());
-        queue.push({m_degree[size_t(node)], since, node});
-        continue;
-      }
-      visit(node, coupled);
-      m_gone[size_t(node)] = true;
-      ++order;
-      for (const int clique : m_cliques_of[size_t(node)]) m_cliques[size_t(clique)].clear();
-      for (const int i : coupled) {
-        auto& mine = m_cliques_of[size_t(i)];
-        mine.erase(std::remove_if(mine.begin(), mine.end(),
-                                  [&](int clique) { return m_cliques[size_t(clique)].empty(); }),
-                   mine.end());
-        mine.push_back(int(m_cliques.size()));
-        int bound = 0;
-        for (size_t c = 0; c + 1 < mine.size(); ++c)
-          bound += int(m_cliques[size_t(mine[c])].size()) - 1;
-        m_degree[size_t(i)] = bound + int(coupled.size()) - 1;
-        queue.push({m_degree[size_t(i)], order, i});
-      }
-      m_cliques.push_back(std::move(coupled));
-    }
-  }
-
- private:
-  using Entry =
-      std::tuple<int, int,
-                 int>;  // degree, since when, node: paths in the elimination tree stay short
-
-  std::vector<int> reach(int node) {
-    std::vector<int> found;
-    ++m_search;  // a node may be asked for more than once
-    m_mark[size_t(node)] = m_search;
-    for (const int clique : m_cliques_of[size_t(node)])
-      for (const int i : m_cliques[size_t(clique)]) {
-        if (m_gone[size_t(i)] || m_mark[size_t(i)] == m_search) continue;
-        m_mark[size_t(i)] = m_search;
-        found.push_back(i);
-      }
-    return found;
-  }
-
-  std::vector<std::vector<int>> m_cliques, m_cliques_of;
-  std::vector<int> m_degree;
-  std::vector<char> m_gone;
-  std::vector<int> m_mark;  ///< the last search that has found each
-  int m_search = -1;
-};
 
 }  // namespace
 
@@ -170,37 +95,30 @@ void Fronts::orderLoops(const std::vector<Joint>& joints,
   }
 
   // Columns of which the next one has the same ones below it are one front.
-  struct Column {
-    int node;
-    std::vector<int> coupled;
-    std::vector<int> front;  // the columns that it ends
-  };
-  std::vector<Column> columns;
+  std::vector<MinimumDegree::Column> columns = order.order(left);
+  std::vector<std::vector<int>> fronts(columns.size());  // the columns that each one ends
   std::vector<int> column_of(joints.size(), -1);
-  order.run(left, [&](int node, const std::vector<int>& coupled) {
-    column_of[size_t(node)] = int(columns.size());
-    columns.push_back({node, coupled, {}});
-  });
+  for (size_t k = 0; k < columns.size(); ++k) column_of[size_t(columns[k].node)] = int(k);
   for (size_t k = 0; k < columns.size(); ++k) {
-    Column& column = columns[k];
-    const auto earlier = [&](int a, int b) { return column_of[size_t(a)] < column_of[size_t(b)]; };
-    std::sort(column.coupled.begin(), column.coupled.end(), earlier);
-    column.front.push_back(column.node);
-    if (!column.coupled.empty()) {
-      Column& next = columns[size_t(column_of[size_t(column.coupled.front())])];
+    std::vector<int>& coupled = columns[k].coupled;
+    std::sort(coupled.begin(), coupled.end(),
+              [&](int a, int b) { return column_of[size_t(a)] < column_of[size_t(b)]; });
+    fronts[k].push_back(columns[k].node);
+    if (!coupled.empty()) {
+      const auto next = size_t(column_of[size_t(coupled.front())]);
       // (Its `coupled` is complete, though not sorted.)
-      if (next.front.empty() && next.coupled.size() + 1 == column.coupled.size()) {
-        next.front = std::move(column.front);
-        column.front.clear();
+      if (fronts[next].empty() && columns[next].coupled.size() + 1 == coupled.size()) {
+        fronts[next] = std::move(fronts[k]);
+        fronts[k].clear();
         continue;
       }
     }
     std::vector<int> own;
-    for (const int c : column.front) own.push_back(bodies() + c);
+    for (const int c : fronts[k]) own.push_back(bodies() + c);
     boundary.clear();
-    for (const int c : column.coupled) boundary.push_back(bodies() + c);
+    for (const int c : coupled) boundary.push_back(bodies() + c);
     addFront(own, boundary);
-    column.front = {column.node};  // not empty: it takes no more
+    fronts[k] = {columns[k].node};  // not empty: it takes no more
   }
 }
 

@@ -1,0 +1,211 @@
+#include <pintle/solver/joint_matrix.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness) {
+  for (int k = 0; k < 3; ++k) linear[k] = body.locked[size_t(k)] ? 0 : 1 / body.mass;
+  std::copy(body.scale, body.scale + 2, scale);
+  angular = body.inverse_inertia;
+  if (stiffness.isZero(0)) return;
+  Matrix3d free = body.inertia + stiffness;
+  for (int k = 0; k < 3; ++k)
+    if (body.locked[size_t(3 + k)]) {
+      free.row(k).setZero();
+      free.col(k).setZero();
+      free(k, k) = 1;
+    }
+  angular = free.inverse();
+  for (int k = 0; k < 3; ++k)
+    if (body.locked[size_t(3 + k)]) angular(k, k) = 0;
+}
+
+void JointMatrix::analyse(int bodies, const std::vector<Joint>& joints) {
+  m_joints = joints;
+  m_ends.assign(size_t(bodies), {});
+  for (size_t c = 0; c < joints.size(); ++c)
+    for (int side = 0; side < 2; ++side)
+      if (joints[c][size_t(side)] >= 0)
+        m_ends[size_t(joints[c][size_t(side)])].push_back({int(c), side});
+  MinimumDegree order(joints.size() + size_t(bodies));
+  std::vector<int> nodes;
+  for (size_t c = 0; c < joints.size(); ++c) nodes.push_back(int(c));
+  m_stays.assign(size_t(bodies), false);
+  for (size_t b = 0; b < m_ends.size(); ++b) {
+    const size_t d = m_ends[b].size();
+    const int node = int(joints.size() + b);
+    m_stays[b] = d * (d - 1) / 2 > 2 * d;  // it is two blocks
+    if (!m_stays[b]) {
+      std::vector<int> clique;
+      for (const End& end : m_ends[b]) clique.push_back(end.joint);
+      order.addClique(clique);
+      continue;
+    }
+    nodes.push_back(node);
+    order.frees(node);
+    for (const End& end : m_ends[b]) order.addClique({node, end.joint});
+  }
+  // A joint has no pivot before one of its bodies is eliminated.
+  const auto isUnknown = [&](int body) { return body < 0 || m_stays[size_t(body)]; };
+  for (size_t c = 0; c < joints.size(); ++c)
+    if (isUnknown(joints[c][0]) && isUnknown(joints[c][1])) order.wait(int(c));
+  m_columns = order.order(nodes);
+  std::vector<int> position(joints.size());
+  for (size_t k = 0; k < m_columns.size(); ++k)
+    if (m_columns[k].node < int(joints.size())) position[size_t(m_columns[k].node)] = int(k);
+  for (auto& ends : m_ends)
+    std::sort(ends.begin(), ends.end(), [&](const End& a, const End& b) {
+      return position[size_t(a.joint)] < position[size_t(b.joint)];
+    });
+}
+
+// Blocks that are added to: visit(row, column, end of row, end of column) of two ends on a body that does not stay, the row not
+// before the column; and visit(node of the body, node of the joint, end) of one that does.
+template <class OfPair, class OfStaying>
+void JointMatrix::forEachBlock(const OfPair& ofPair, const OfStaying& ofStaying) const {
+  for (size_t b = 0; b < m_ends.size(); ++b) {
+    const auto& ends = m_ends[b];
+    for (size_t p = 0; p < ends.size(); ++p) {
+      const int first = m_node[size_t(ends[p].joint)], n = nodesOf(ends[p].joint);
+      if (m_stays[b]) {
+        for (int i = first; i < first + n; ++i) ofStaying(int(b), i, ends[p].side);
+        continue;
+      }
+      for (size_t q = 0; q <= p; ++q) {
+        const int before = m_node[size_t(ends[q].joint)];
+        for (int i = first; i < first + n; ++i)
+          for (int k = before; k < (p == q ? i + 1 : before + nodesOf(ends[q].joint)); ++k)
+            ofPair(i, ends[p].side, k, ends[q].side);
+      }
+    }
+  }
+}
+
+void JointMatrix::setSizes(const std::vector<int>& rows) {
+  m_size = rows;
+  m_node.assign(m_joints.size() + m_ends.size(), -1);
+  const auto sizeOf = [&](int group) { return group < int(m_joints.size()) ? nodesOf(group) : 2; };
+  int nodes = 0;
+  for (const auto& column : m_columns) {
+    m_node[size_t(column.node)] = nodes;
+    nodes += sizeOf(column.node);
+  }
+  std::vector<std::vector<int>> coupled(static_cast<size_t>(nodes));
+  for (const auto& column : m_columns) {
+    const int first = m_node[size_t(column.node)], last = first + sizeOf(column.node);
+    for (int k = first; k < last; ++k) {
+      for (int i = k + 1; i < last; ++i) coupled[size_t(k)].push_back(i);
+      for (const int other : column.coupled)
+        for (int i = 0; i < sizeOf(other); ++i)
+          coupled[size_t(k)].push_back(m_node[size_t(other)] + i);
+    }
+  }
+  m_factor.analyse(std::move(coupled));
+  m_rows.resize(2 * size_t(nodes));
+  m_softness.resize(size_t(block * nodes));
+  m_places.clear();
+  forEachBlock([&](int i, int, int k, int) { m_places.push_back(m_factor.place(i, k)); },
+               [&](int b, int i, int) {
+                 for (int half = 0; half < 2; ++half) {
+                   const int node = nodeOfBody(b) + half;
+                   m_places.push_back(m_factor.place(std::max(i, node), std::min(i, node)));
+                 }
+               });
+}
+
+void JointMatrix::begin(const std::vector<InverseInertia>& bodies) {
+  m_bodies = bodies;
+  std::fill(m_rows.begin(), m_rows.end(), Rows());
+  std::fill(m_softness.begin(), m_softness.end(), 1.);
+}
+
+void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, double softness,
+                         bool acts) {
+  const int node = m_node[size_t(c)] + i / block;
+  m_softness[size_t(block * m_node[size_t(c)] + i)] = acts ? softness : 1;
+  for (int side = 0; side < 2; ++side) {
+    const int body = m_joints[size_t(c)][size_t(side)];
+    if (body < 0) continue;
+    const InverseInertia& by = m_bodies[size_t(body)];
+    Rows& to = rows(node, side);
+    to.acts[i % block] = acts;
+    Eigen::Map<Vector6d> of(to.J[i % block]), answer(to.answer[i % block]);
+    of.head<3>() = J.L(side) / root_K;
+    of.tail<3>() = J.A(side) / root_K;
+    answer.head<3>() = by.linear.cwiseProduct(of.head<3>());
+    answer.tail<3>() = by.angular * of.tail<3>();
+  }
+}
+
+bool JointMatrix::factorise(double least_pivot) {
+  m_factor.clear();
+  for (int k = 0; k < m_factor.blocks(); ++k) {
+    double* const to = m_factor.at(m_factor.place(k, k));
+    for (int i = 0; i < block; ++i) to[(block + 1) * i] = m_softness[size_t(block * k + i)];
+  }
+  for (size_t b = 0; b < m_ends.size(); ++b) {
+    if (!m_stays[b]) continue;
+    const InverseInertia& body = m_bodies[b];
+    double* const linear = m_factor.at(m_factor.place(nodeOfBody(int(b)), nodeOfBody(int(b))));
+    double* const angular =
+        m_factor.at(m_factor.place(nodeOfBody(int(b)) + 1, nodeOfBody(int(b)) + 1));
+    for (int i = 0; i < 3; ++i) {
+      linear[4 * i] = -1;
+      for (int j = 0; j < 3; ++j)
+        angular[3 * i + j] = -body.angular(i, j) * body.scale[1] * body.scale[1];
+      if (!(body.angular(i, i) > 0)) angular[4 * i] = -1;
+    }
+  }
+  size_t next = 0;
+  forEachBlock(
+      [&](int i, int side_i, int k, int side_k) {
+        double* const to = m_factor.at(m_places[next++]);
+        const Rows &a = rows(i, side_i), &b = rows(k, side_k);
+        for (int r = 0; r < block; ++r)
+          for (int s = 0; s < block; ++s) {
+            double sum = 0;
+            for (int j = 0; j < 6; ++j) sum += a.J[r][j] * b.answer[s][j];
+            to[block * r + s] += a.acts[r] * b.acts[s] * sum;
+          }
+      },
+      [&](int b, int i, int side) {
+        const Rows& of = rows(i, side);
+        for (int half = 0; half < 2; ++half) {
+          double* const to = m_factor.at(m_places[next++]);
+          const bool is_row = nodeOfBody(b) > i;
+          for (int r = 0; r < block; ++r)
+            for (int k = 0; k < 3; ++k)
+              to[is_row ? block * k + r : block * r + k] +=
+                  of.acts[r] * of.answer[r][3 * half + k] * m_bodies[size_t(b)].scale[half];
+        }
+      });
+  return m_factor.factorise(least_pivot);
+}
+
+void JointMatrix::addResponse(const double* x, std::vector<Vector6d>& v) const {
+  for (size_t c = 0; c < m_joints.size(); ++c)
+    for (int i = 0; i < nodesOf(int(c)); ++i) {
+      const int node = m_node[c] + i;
+      const double* const by = x + block * node;
+      for (int side = 0; side < 2; ++side) {
+        const int body = m_joints[c][size_t(side)];
+        if (body < 0) continue;
+        const Rows& of = m_rows[size_t(2 * node + side)];
+        double* const to = v[size_t(body)].data();
+        for (int k = 0; k < 6; ++k)
+          to[k] += of.answer[0][k] * by[0] + of.answer[1][k] * by[1] + of.answer[2][k] * by[2];
+      }
+    }
+}
+
+size_t JointMatrix::bytes() const {
+  return m_factor.bytes() + sizeof(Rows) * m_rows.capacity() + sizeof(size_t) * m_places.capacity();
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

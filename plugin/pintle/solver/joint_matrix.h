@@ -1,0 +1,87 @@
+// Purpose: K = J A^-1 J^T + softness of a component: what its rows lose of their velocities by their own impulses, all together. A
+// holds the inertia of each body, 3 for the linear part and 3 x 3 for the turn.
+//
+// A body of d joints couples them all, d^2 / 2 of them. Where that is more than couple each to it, the body stays an unknown:
+//   [K  J_h; J_h^T  -A_h] [impulses; velocities of these bodies]
+// which is quasi-definite, and has a factor (linear/symmetric_factor.h). So a star is linear in its joints.
+#pragma once
+
+#include <pintle/solver/island.h>
+#include <pintle/solver/linear/minimum_degree.h>
+#include <pintle/solver/linear/symmetric_factor.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// A^-1 of a body, in the world: 0 where its factors hold it.
+struct InverseInertia {
+  Vector3d linear;
+  Matrix3d angular;
+  double scale[2];  ///< square roots of the mass, and of a mean of the inertia
+
+  /// With `stiffness` (kg m^2, symmetric, not negative) added to what turns.
+  InverseInertia(const IslandBody& body, const Matrix3d& stiffness);
+};
+
+class JointMatrix {
+ public:
+  /// The bodies of a joint; -1: one that is no unknown. Not both.
+  using Joint = std::array<int, 2>;
+
+  /// Symbolic: depends on who is coupled to whom alone. Allocates.
+  void analyse(int bodies, const std::vector<Joint>& joints);
+  /// The number of rows of each joint, which may change from step to step. Must be called after analyse.
+  void setSizes(const std::vector<int>& rows);
+
+  /// Begins a matrix of these bodies.
+  void begin(const std::vector<InverseInertia>& bodies);
+  /// Row `i` of joint c, divided by root_K, with a softness of 1 / K. One that does not act has the impulse that is asked for, which
+  /// answers (addResponse), but is no unknown. Nor is one that is not set, which does not answer.
+  void setRow(int c, int i, const RowJacobian& J, double root_K, double softness, bool acts = true);
+  bool factorise(double least_pivot);
+
+  /// A vector of all unknowns. Those of joint c begin at row(c): velocities divided by root_K before, impulses times root_K after
+  /// x = K^-1 x. What lies between the joints' must be 0.
+  size_t unknowns() const { return size_t(m_factor.unknowns()); }
+  size_t row(int c) const { return size_t(SymmetricFactor::size * m_node[size_t(c)]); }
+  void solve(double* x) const { m_factor.solve(x); }
+  /// v += A^-1 J^T x, x impulses times root_K.
+  void addResponse(const double* x, std::vector<Vector6d>& v) const;
+
+  double solvesOfFactor() const { return m_factor.solvesOfFactor(); }
+  size_t bytes() const;
+
+ private:
+  static constexpr int block = SymmetricFactor::size;
+  /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each.
+  struct Rows {
+    double J[block][6] = {}, answer[block][6] = {};
+    double acts[block] = {};  ///< 1, or 0
+  };
+  struct End {
+    int joint, side;
+  };
+
+  Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
+  int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
+  int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
+  template <class OfPair, class OfStaying>
+  void forEachBlock(const OfPair& ofPair, const OfStaying& ofStaying) const;
+
+  std::vector<Joint> m_joints;
+  std::vector<std::vector<End>> m_ends;  ///< of each body, in the order of elimination
+  std::vector<char> m_stays;             ///< of each body: it is an unknown
+  /// In the order of elimination: joints, and bodies that stay (numbers from that of joints on), each with those later ones that it
+  /// is coupled to.
+  std::vector<MinimumDegree::Column> m_columns;
+  std::vector<int> m_size;       ///< of each joint: rows
+  std::vector<int> m_node;       ///< where each joint begins, and each body that stays
+  std::vector<size_t> m_places;  ///< of the blocks, as forEachBlock visits them
+  std::vector<Rows> m_rows;      ///< of each node on either body
+  std::vector<double> m_softness;
+  std::vector<InverseInertia> m_bodies;
+  SymmetricFactor m_factor;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

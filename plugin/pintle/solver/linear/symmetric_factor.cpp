@@ -1,0 +1,155 @@
+#include <pintle/solver/linear/symmetric_factor.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// to -= a b^T, all 3 x 3.
+inline void subtractProduct(const double* a, const double* b, double* to) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      to[3 * i + j] -=
+          a[3 * i] * b[3 * j] + a[3 * i + 1] * b[3 * j + 1] + a[3 * i + 2] * b[3 * j + 2];
+}
+
+// to = a b, b symmetric.
+inline void multiply(const double* a, const double* b, double* to) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      to[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+}
+
+// x -= a y
+inline void subtract(const double* a, const double* y, double* x) {
+  for (int i = 0; i < 3; ++i) x[i] -= a[3 * i] * y[0] + a[3 * i + 1] * y[1] + a[3 * i + 2] * y[2];
+}
+
+// x -= a^T y
+inline void subtractTransposed(const double* a, const double* y, double* x) {
+  for (int i = 0; i < 3; ++i) x[i] -= a[i] * y[0] + a[3 + i] * y[1] + a[6 + i] * y[2];
+}
+
+inline void multiplySymmetric(const double* a, double* x) {
+  const double y[3] = {x[0], x[1], x[2]};
+  for (int i = 0; i < 3; ++i) x[i] = a[3 * i] * y[0] + a[3 * i + 1] * y[1] + a[3 * i + 2] * y[2];
+}
+
+// Pivots of a 3 x 3 block, and its inverse by them.
+bool invert(double* a, double least_pivot) {
+  const auto pivot = [&](double d) {
+    return std::abs(d) < least_pivot ? std::copysign(least_pivot, d) : d;
+  };
+  const double d_0 = pivot(a[0]), l_1 = a[3] / d_0, l_2 = a[6] / d_0;
+  const double d_1 = pivot(a[4] - l_1 * a[3]), below = a[7] - l_2 * a[3], m = below / d_1;
+  const double d_2 = pivot(a[8] - l_2 * a[6] - m * below);
+  if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !std::isfinite(d_0 + d_1 + d_2)) return false;
+  // (L^-1)^T D^-1 L^-1, with L^-1 = [1; -l_1 1; k -m 1]
+  const double k = l_1 * m - l_2, i_0 = 1 / d_0, i_1 = 1 / d_1, i_2 = 1 / d_2;
+  a[0] = i_0 + l_1 * l_1 * i_1 + k * k * i_2;
+  a[1] = a[3] = -l_1 * i_1 - k * m * i_2;
+  a[2] = a[6] = k * i_2;
+  a[4] = i_1 + m * m * i_2;
+  a[5] = a[7] = -m * i_2;
+  a[8] = i_2;
+  return true;
+}
+
+}  // namespace
+
+// The rows of a column are its own, and those of the columns of which it is the first one below.
+void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
+  const size_t n = coupled.size();
+  m_row.clear();
+  m_first.assign(1, 0);
+  std::vector<std::vector<int>> children(n);
+  std::vector<int> mark(n, -1);
+  double factor = 0, solve = 0;
+  for (size_t k = 0; k < n; ++k) {
+    std::vector<int>& rows = coupled[k];
+    mark[k] = int(k);
+    size_t kept = 0;
+    for (const int i : rows) {
+      if (mark[size_t(i)] == int(k)) continue;
+      mark[size_t(i)] = int(k);
+      rows[kept++] = i;
+    }
+    rows.resize(kept);
+    for (const int child : children[k])
+      for (int p = m_first[size_t(child)]; p < m_first[size_t(child) + 1]; ++p) {
+        const int i = m_row[size_t(p)];
+        if (mark[size_t(i)] == int(k)) continue;
+        mark[size_t(i)] = int(k);
+        rows.push_back(i);
+      }
+    std::sort(rows.begin(), rows.end());
+    if (!rows.empty()) children[size_t(rows[0])].push_back(int(k));
+    m_row.insert(m_row.end(), rows.begin(), rows.end());
+    m_first.push_back(int(m_row.size()));
+    const double below = double(rows.size());
+    factor += 1 + below + below * (below + 1) / 2;
+    solve += 1 + 2 * below;
+  }
+  m_solves_of_factor = size * factor / std::max(solve, 1.);
+  m_numbers.resize(area * (n + m_row.size()));
+}
+
+size_t SymmetricFactor::place(int i, int k) const {
+  if (i == k) return area * size_t(k);
+  const auto first = m_row.begin() + m_first[size_t(k)],
+             last = m_row.begin() + m_first[size_t(k) + 1];
+  return area * size_t(blocks() + (std::lower_bound(first, last, i) - m_row.begin()));
+}
+
+void SymmetricFactor::clear() {
+  std::memset(m_numbers.data(), 0, m_numbers.size() * sizeof(double));
+}
+
+bool SymmetricFactor::factorise(double least_pivot) {
+  const int n = blocks();
+  double* const diagonal = m_numbers.data();
+  double* const below = diagonal + area * size_t(n);
+  for (int k = 0; k < n; ++k) {
+    double* const inverse = diagonal + area * size_t(k);
+    if (!invert(inverse, least_pivot)) return false;
+    const int first = m_first[size_t(k)], last = m_first[size_t(k) + 1];
+    for (int q = first; q < last; ++q) {
+      // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
+      const int j = m_row[size_t(q)];
+      double* const a_j = below + area * size_t(q);
+      double l_j[area];
+      multiply(a_j, inverse, l_j);
+      subtractProduct(l_j, a_j, diagonal + area * size_t(j));
+      int to = m_first[size_t(j)];
+      const bool same = m_first[size_t(j) + 1] - to == last - q - 1;
+      for (int p = q + 1; p < last; ++p, ++to) {
+        const int i = m_row[size_t(p)];
+        while (!same && m_row[size_t(to)] != i) ++to;
+        subtractProduct(below + area * size_t(p), l_j, below + area * size_t(to));
+      }
+      std::copy(l_j, l_j + area, a_j);
+    }
+  }
+  return true;
+}
+
+void SymmetricFactor::solve(double* x) const {
+  const int n = blocks();
+  const double* const diagonal = m_numbers.data();
+  const double* const below = diagonal + area * size_t(n);
+  for (int k = 0; k < n; ++k)
+    for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
+      subtract(below + area * size_t(p), x + size * k, x + size * m_row[size_t(p)]);
+  for (int k = n - 1; k >= 0; --k) {
+    double* const own = x + size * k;
+    multiplySymmetric(diagonal + area * size_t(k), own);
+    for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
+      subtractTransposed(below + area * size_t(p), x + size * m_row[size_t(p)], own);
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

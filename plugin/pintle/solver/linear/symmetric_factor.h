@@ -1,0 +1,50 @@
+// Purpose: A = L D L^T of a sparse symmetric matrix of 3 x 3 blocks. It need not be definite, but quasi-definite: one part positive,
+// the other one negative (Vanderbei 1995). Such a matrix has this factor in any order, without a search for pivots.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <vector>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class SymmetricFactor {
+ public:
+  static constexpr int size = 3;  ///< of a block
+
+  /// Symbolic. `coupled[k]`: the blocks after k, in the order of elimination, that A couples to it. Allocates.
+  void analyse(std::vector<std::vector<int>> coupled);
+
+  int blocks() const { return int(m_first.size()) - 1; }
+  int unknowns() const { return size * blocks(); }
+  /// Where the block of row `i` and column `k` <= i is, which A or its factor must have.
+  size_t place(int i, int k) const;
+  /// The nine numbers of a block, row by row. Those of the diagonal are both halves.
+  double* at(size_t place) { return m_numbers.data() + place; }
+  /// Sets the matrix to zero. Then add to its blocks, and factorise.
+  void clear();
+  /// A smaller pivot than `least_pivot` becomes that, with its sign. Returns false if one is zero or not finite.
+  bool factorise(double least_pivot);
+  /// x = A^-1 x.
+  void solve(double* x) const;
+
+  /// Multiplications of a factor, in those of a solve.
+  double solvesOfFactor() const { return m_solves_of_factor; }
+  size_t bytes() const {
+    return sizeof(double) * m_numbers.capacity() +
+           sizeof(int) * (m_row.capacity() + m_first.capacity());
+  }
+
+ private:
+  static constexpr size_t area = size_t(size) * size_t(size);
+
+  std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
+  std::vector<int> m_first;  ///< of each column in m_row
+  /// Of the diagonal, then of those below: A, and then D^-1 and L.
+  std::vector<double> m_numbers;
+  double m_solves_of_factor = 1;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,193 @@
+// K = J A^-1 J^T of a component, factorised, against Eigen's dense one: whatever hangs together how.
+#include <pintle/solver/joint_matrix.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "joint_graphs.h"
+
+namespace exact_joint_matrix_test {
+
+using pintle::InverseInertia;
+using pintle::IslandBody;
+using pintle::JointMatrix;
+using pintle::Matrix3d;
+using pintle::RowJacobian;
+using pintle::SymmetricFactor;
+using pintle::Vector3d;
+using pintle::Vector6d;
+using namespace joint_graphs;
+
+Eigen::MatrixXd numbers(int rows, int columns, Random& random) {
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1, 1); });
+}
+
+TEST(SymmetricFactor, SolvesAnyQuasiDefiniteMatrix) {
+  Random random(3);
+  for (int n = 1; n <= 12; ++n) {
+    std::vector<std::vector<int>> coupled(static_cast<size_t>(n));
+    for (int k = 0; k < n; ++k)
+      for (int i = k + 1; i < n; ++i)
+        if (below(random, 3) == 0) coupled[size_t(k)].push_back(i);
+    SymmetricFactor factor;
+    factor.analyse(coupled);
+    ASSERT_EQ(factor.unknowns(), 3 * n);
+    factor.clear();
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    std::vector<double> sign;
+    for (int k = 0; k < n; ++k) sign.push_back(below(random, 2) ? 1 : -1);
+    const auto add = [&](int i, int k, const Matrix3d& block) {
+      A.block<3, 3>(3 * i, 3 * k) = block;
+      A.block<3, 3>(3 * k, 3 * i) = block.transpose();
+      double* const to = factor.at(factor.place(i, k));
+      for (int r = 0; r < 3; ++r)
+        for (int s = 0; s < 3; ++s) to[3 * r + s] += block(r, s);
+    };
+    for (int k = 0; k < n; ++k) {
+      // The parts of one sign are dominant among themselves.
+      const Matrix3d some = 0.1 * numbers(3, 3, random);
+      add(k, k, sign[size_t(k)] * (4 * double(n) * Matrix3d::Identity() + some + some.transpose()));
+      for (const int i : coupled[size_t(k)]) add(i, k, numbers(3, 3, random));
+    }
+    ASSERT_TRUE(factor.factorise(0));
+    const Eigen::VectorXd b = numbers(3 * n, 1, random), x = A.partialPivLu().solve(b);
+    Eigen::VectorXd y = b;
+    factor.solve(y.data());
+    ASSERT_LT((y - x).norm(), 1e-12 * x.norm()) << n;
+  }
+}
+
+IslandBody body(Random& random, bool is_locked) {
+  IslandBody of = {};
+  of.mass = random.uniform(0.1, 3);
+  const Matrix3d some = numbers(3, 3, random);
+  of.inertia = some * some.transpose() + 0.3 * Matrix3d::Identity();
+  of.inverse_inertia = of.inertia.inverse();
+  of.scale[0] = std::sqrt(of.mass);
+  of.scale[1] = std::sqrt(of.inertia.trace() / 3);
+  if (!is_locked) return of;
+  of.locked = {false, true, false, true, true, false};
+  of.inverse_inertia.setZero();
+  of.inverse_inertia(2, 2) = 1 / of.inertia(2, 2);
+  return of;
+}
+
+// The same rows in a JointMatrix and in dense ones.
+struct Problem {
+  Eigen::MatrixXd J, inverse_A, K;
+  std::vector<std::vector<char>> acts;  ///< of each joint
+  std::vector<int> first;
+
+  Problem(JointMatrix& matrix, const Graph& graph, const std::vector<int>& sizes, bool all_act,
+          Random& random) {
+    const int n = graph.bodies;
+    inverse_A.setZero(6 * n, 6 * n);
+    std::vector<InverseInertia> bodies;
+    for (int b = 0; b < n; ++b) {
+      const Matrix3d some = numbers(3, 3, random);
+      const Matrix3d stiffness =
+          below(random, 2) ? Matrix3d(some * some.transpose()) : Matrix3d(Matrix3d::Zero());
+      bodies.emplace_back(body(random, below(random, 8) == 0), stiffness);
+      inverse_A.block<3, 3>(6 * b, 6 * b) = bodies.back().linear.asDiagonal();
+      inverse_A.block<3, 3>(6 * b + 3, 6 * b + 3) = bodies.back().angular;
+    }
+    int rows = 0;
+    for (const int size : sizes) {
+      first.push_back(rows);
+      rows += size;
+    }
+    J.setZero(rows, 6 * n);
+    Eigen::VectorXd softness = Eigen::VectorXd::Ones(rows);
+    matrix.begin(bodies);
+    for (size_t c = 0; c < sizes.size(); ++c) {
+      acts.emplace_back();
+      for (int i = 0; i < sizes[c]; ++i) {
+        acts[c].push_back(all_act || below(random, 4) > 0);
+        const int r = first[c] + i;
+        const RowJacobian row = {numbers(3, 1, random), numbers(3, 1, random),
+                                 numbers(3, 1, random), numbers(3, 1, random)};
+        const double root_K = random.uniform(0.5, 2);
+        if (acts[c].back()) softness[r] = 0.1;
+        for (int side = 0; side < 2; ++side) {
+          const int b = graph.joints[c][size_t(side)];
+          if (b < 0) continue;
+          J.block<1, 3>(r, 6 * b) = row.L(side).transpose() / root_K;
+          J.block<1, 3>(r, 6 * b + 3) = row.A(side).transpose() / root_K;
+        }
+        matrix.setRow(int(c), i, row, root_K, softness[r], acts[c].back());
+      }
+    }
+    Eigen::MatrixXd acting = J;
+    for (size_t c = 0; c < acts.size(); ++c)
+      for (size_t i = 0; i < acts[c].size(); ++i)
+        if (!acts[c][i]) acting.row(first[c] + Eigen::Index(i)).setZero();
+    K = acting * inverse_A * acting.transpose();
+    K.diagonal() += softness;
+  }
+
+  void compare(JointMatrix& matrix, const std::string& name, Random& random) const {
+    ASSERT_TRUE(matrix.factorise(0)) << name;
+    const Eigen::VectorXd b = numbers(int(K.rows()), 1, random), x = K.llt().solve(b);
+    std::vector<double> y(matrix.unknowns(), 0.);
+    for (size_t c = 0; c < first.size(); ++c)
+      for (size_t i = 0; i < acts[c].size(); ++i)
+        y[matrix.row(int(c)) + i] = b[first[c] + Eigen::Index(i)];
+    matrix.solve(y.data());
+    Eigen::VectorXd found(b.size());
+    for (size_t c = 0; c < first.size(); ++c)
+      for (size_t i = 0; i < acts[c].size(); ++i)
+        found[first[c] + Eigen::Index(i)] = y[matrix.row(int(c)) + i];
+    ASSERT_LE((found - x).norm(), 1e-9 * x.norm()) << name;
+    std::vector<Vector6d> v(size_t(J.cols() / 6), Vector6d::Ones());
+    matrix.addResponse(y.data(), v);
+    const Eigen::VectorXd expected =
+        inverse_A * J.transpose() * x + Eigen::VectorXd::Ones(J.cols());
+    for (size_t k = 0; k < v.size(); ++k)
+      ASSERT_LT((v[k] - expected.segment<6>(6 * Eigen::Index(k))).norm(), 1e-8 * expected.norm())
+          << name;
+  }
+};
+
+void compareAll(const std::vector<Graph>& graphs, bool all_act) {
+  Random random(5);
+  JointMatrix matrix;
+  for (const Graph& graph : graphs) {
+    matrix.analyse(graph.bodies, graph.joints);
+    for (int round = 0; round < 3; ++round) {  // other sizes, the same order
+      std::vector<int> sizes;
+      for (size_t c = 0; c < graph.joints.size(); ++c) sizes.push_back(1 + below(random, 7));
+      matrix.setSizes(sizes);
+      for (int again = 0; again < 2; ++again)
+        Problem(matrix, graph, sizes, all_act, random).compare(matrix, graph.name, random);
+    }
+  }
+}
+
+TEST(JointMatrix, IsThatOfAnyTree) { compareAll(trees(), true); }
+TEST(JointMatrix, IsThatOfAnyLoops) { compareAll(loops(), true); }
+TEST(JointMatrix, RowsThatDoNotActAnswerAlone) { compareAll(loops(), false); }
+
+// Two bodies of many joints that are joined themselves: such a joint has no pivot before one of them.
+TEST(JointMatrix, HoldsStarsThatAreJoined) {
+  Graph stars{"stars", 32, {}};
+  for (int i = 2; i < 17; ++i) stars.joints.push_back({0, i});
+  for (int i = 17; i < 32; ++i) stars.joints.push_back({i, 1});
+  stars.joints.push_back({0, 1});
+  compareAll({stars, with(stars, "twice", {{1, 0}}), with(stars, "held", {{-1, 0}, {1, -1}})},
+             true);
+}
+
+// A star's joints are not all coupled to each other.
+TEST(JointMatrix, IsLinearInTheJointsOfABody) {
+  const auto bytes = [](int leaves) {
+    const Graph graph = star(leaves);
+    JointMatrix matrix;
+    matrix.analyse(graph.bodies, graph.joints);
+    matrix.setSizes(std::vector<int>(graph.joints.size(), 3));
+    return double(matrix.bytes());
+  };
+  EXPECT_LT(bytes(1000), 11 * bytes(100));
+}
+
+}  // namespace exact_joint_matrix_test
