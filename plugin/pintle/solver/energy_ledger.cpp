@@ -22,26 +22,6 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
 
 namespace {
 
-// Visits each row of the component: its impulse, and its mean velocity along G, (v0 + v1) / 2.
-template <class Visit>
-void forEachRow(const Island& island, const Component& component, const Iterate& at,
-                const Visit& visit) {
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    const auto mean = [&](int side) -> Vector6d {
-      const int body = joint.body[size_t(side)];
-      if (body < 0) return Vector6d::Zero();
-      return (at.bodies[size_t(body - component.first_body)].v + island.bodies[size_t(body)].v0) /
-             2;
-    };
-    for (int i = 0; i < joint.rows; ++i) {
-      const auto r = size_t(joint.row_of_component + i);
-      visit(island.rows[size_t(joint.first_row + i)], r,
-            [&] { return at.rows[r].G.along(mean(0), mean(1)); });
-    }
-  }
-}
-
 // The impulse of the parts of a law that drive.
 double drivingImpulse(const AxisLaw& law, double u, double lambda) {
   double impulse[AxisLaw::max_parts], driving = 0;
@@ -59,33 +39,47 @@ double stored(const Island& island, const IslandRow& row, double u, double lambd
          row.spring.energy(softness, island.dt);
 }
 
-}  // namespace
-
-// An impulse p works by p . (v0 + v1) / 2, v0 and v1 the velocities before and after the step.
-double workOfJoints(const Island& island, const Component& component, const Iterate& at) {
+// An impulse p that changes velocities from v to v1 works by p . (v + v1) / 2.
+double workFrom(Vector6d IslandBody::*start, const Island& island, const Component& component,
+                const Iterate& at) {
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Vector6d &v = at.bodies[size_t(i)].v, twice = v + body.v0, by_joints = v - body.v_free;
+    const Vector6d &v = at.bodies[size_t(i)].v, twice = v + body.*start,
+                   by_joints = v - body.v_free;
     work += (body.mass * by_joints.head<3>().dot(twice.head<3>()) +
              by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
             2;
   }
-  forEachRow(island, component, at, [&](const IslandRow& row, size_t r, const auto& mean) {
-    work += stored(island, row, at.rows[r].u, at.lambda[r]);
-    if (row.law.hasDrives()) work -= drivingImpulse(row.law, at.rows[r].u, at.lambda[r]) * mean();
-  });
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const auto mean = [&](int side) -> Vector6d {
+      const int body = joint.body[size_t(side)];
+      if (body < 0) return Vector6d::Zero();
+      return (at.bodies[size_t(body - component.first_body)].v +
+              island.bodies[size_t(body)].*start) /
+             2;
+    };
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      work += stored(island, row, at.rows[r].u, at.lambda[r]);
+      if (row.law.hasDrives())
+        work -= drivingImpulse(row.law, at.rows[r].u, at.lambda[r]) *
+                at.rows[r].G.along(mean(0), mean(1));
+    }
+  }
   return work;
 }
 
-double workAlongRows(const Island& island, const Component& component, const Iterate& at) {
-  double work = 0;
-  forEachRow(island, component, at, [&](const IslandRow& row, size_t r, const auto& mean) {
-    double impulse = at.lambda[r];
-    if (row.law.hasDrives()) impulse -= drivingImpulse(row.law, at.rows[r].u, impulse);
-    work += stored(island, row, at.rows[r].u, at.lambda[r]) + impulse * mean();
-  });
-  return work;
+}  // namespace
+
+double workOfJoints(const Island& island, const Component& component, const Iterate& at) {
+  return workFrom(&IslandBody::v0, island, component, at);
+}
+
+double gainOverForces(const Island& island, const Component& component, const Iterate& at) {
+  return workFrom(&IslandBody::v_free, island, component, at);
 }
 
 }  // namespace PINTLE_PRECISION

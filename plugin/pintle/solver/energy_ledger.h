@@ -17,7 +17,7 @@ struct EnergyLedger {
 
   void begin(const Island& island, const Component& component, double share);
   bool mayGive(double work, double share) const { return given + work <= share * peak; }
-  /// More than the discrete gradient, which never gives, may seem to: its books are kept from the velocities that forces lead to.
+  /// More than rounding, of what never gives: the discrete gradient, from the velocities that forces lead to.
   bool isMuch(double work, double share) const { return !(work <= share * largest()); }
   double largest() const { return std::fmax(peak, with_forces); }
   void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
@@ -26,8 +26,9 @@ struct EnergyLedger {
 /// J: what joints gave to the velocities of the iterate, without motors, springs and friction: all that bodies have gained but for
 /// their forces.
 double workOfJoints(const Island& island, const Component& component, const Iterate& at);
-/// The same of a component among contacts, which also give and take: along its rows.
-double workAlongRows(const Island& island, const Component& component, const Iterate& at);
+/// What all impulses gave, those of contacts, too, to the velocities that forces lead to: KE(v) - KE(v*). Without motors, springs
+/// and friction again.
+double gainOverForces(const Island& island, const Component& component, const Iterate& at);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

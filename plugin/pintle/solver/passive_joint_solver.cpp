@@ -78,7 +78,9 @@ void PassiveJointSolver::State::solve(const Component& component) {
     bool found = solveByGradient();
     work_done = workOfJoints(island, component, work.now);
     // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
-    const auto gains = [&] { return kept.ledger.isMuch(work_done, options.ledger_share); };
+    const auto gains = [&] {
+      return kept.ledger.isMuch(gainOverForces(island, component, work.now), options.ledger_share);
+    };
     if (found && gains() && stopRebounds(component)) {
       found = solveByGradient();
       work_done = workOfJoints(island, component, work.now);
@@ -139,13 +141,15 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
     report.second_tier += int(parts.size());
     return done.converged;
   };
-  const auto gain = [&](const auto& workOf) {
-    double work = 0;
-    for (ContactPart& part : parts) work += workOf(island, *part.component, part.work->now);
-    return !(work <= options.ledger_share * peak);
+  // Contacts may give what they aim at: rebounds, and ways out of each other.
+  const auto gains = [&] {
+    double gain = 0;
+    for (ContactPart& part : parts) gain += gainOverForces(island, *part.component, part.work->now);
+    for (const ContactRow& row : contacts) gain -= row.impulse * std::fmax(row.target, 0);
+    return !(gain <= options.ledger_share * peak);
   };
   bool converged = attempt();
-  if (converged && gain(workAlongRows)) {
+  if (converged && gains()) {
     bool any = false;
     for (ContactPart& part : parts) any = stopRebounds(*part.component) || any;
     if (any) {
@@ -153,9 +157,8 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
       converged = attempt();
     }
   }
-  if (converged) return;
-  report.not_converged += int(parts.size());
-  if (gain(workOfJoints)) relax(parts, contacts);
+  if (!converged) report.not_converged += int(parts.size());
+  if (gains()) relax(parts, contacts);
 }
 
 // Parts and contacts from the velocities that forces lead to.
