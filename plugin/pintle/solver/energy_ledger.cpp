@@ -3,17 +3,20 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to) {
+  const Vector6d sum = to + from, change = to - from;
+  return (body.mass * change.head<3>().dot(sum.head<3>()) +
+          change.tail<3>().dot(body.inertia * sum.tail<3>())) /
+         2;
+}
+
 void EnergyLedger::begin(const Island& island, const Component& component, double share) {
   double before = 0;
   with_forces = 0;
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(i)];
-    const auto of = [&](const Vector6d& v) {
-      const auto w = v.tail<3>();
-      return (body.mass * v.head<3>().squaredNorm() + w.dot(body.inertia * w)) / 2;
-    };
-    before += of(body.v0);
-    with_forces += of(body.v_free);
+    before += gainOf(body, Vector6d::Zero(), body.v0);
+    with_forces += gainOf(body, Vector6d::Zero(), body.v_free);
   }
   // It is forgotten within a second or so.
   peak = std::fmax(peak * std::fmax(1 - island.dt, 0), before);

@@ -23,6 +23,8 @@ struct EnergyLedger {
   void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
 };
 
+/// J: kinetic energy from one velocity to another.
+double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to);
 /// J: what joints gave to the velocities of the iterate, without motors, springs and friction: all that bodies have gained but for
 /// their forces.
 double workOfJoints(const Island& island, const Component& component, const Iterate& at);

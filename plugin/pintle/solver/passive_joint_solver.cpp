@@ -124,6 +124,7 @@ bool PassiveJointSolver::State::stopRebounds(const Component& component) {
 void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touched) {
   std::vector<ContactPart> parts;
   double peak = 0;
+  std::vector<char> in_parts(island.bodies.size(), false);
   for (size_t c = 0; c < components.size(); ++c) {
     if (!touched[c]) continue;
     ComponentMemory& kept = memoryOf(components[c]);
@@ -132,7 +133,10 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
     kept.is_K_of_start = false;
     peak += kept.ledger.largest();
     parts.push_back({&components[c], &kept.fronts, &kept.work});
+    std::fill_n(in_parts.begin() + components[c].first_body, components[c].bodies, true);
   }
+  for (size_t i = 0; i < island.bodies.size(); ++i)
+    if (!in_parts[i]) peak += gainOf(island.bodies[i], Vector6d::Zero(), island.bodies[i].v_free);
   const auto attempt = [&] {
     beginVelocities();
     const NewtonReport done =
@@ -145,6 +149,8 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
   const auto gains = [&] {
     double gain = 0;
     for (ContactPart& part : parts) gain += gainOverForces(island, *part.component, part.work->now);
+    for (size_t i = 0; i < island.bodies.size(); ++i)
+      if (!in_parts[i]) gain += gainOf(island.bodies[i], island.bodies[i].v_free, velocities[i]);
     for (const ContactRow& row : contacts) gain -= row.impulse * std::fmax(row.target, 0);
     return !(gain <= options.ledger_share * peak);
   };
