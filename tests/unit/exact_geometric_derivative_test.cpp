@@ -58,6 +58,7 @@ class Pair {
     }
     m_island.joints.push_back({nullptr, nullptr, {0, 1}, 0, 1, 0, 1});
     m_island.rows.push_back(rowOf(kind, random));
+    m_island.unmoved_bodies.resize(1);
     m_at.horizon = time_step;
     m_at.bodies.resize(2);
     m_at.rows.resize(1);
@@ -84,8 +85,9 @@ class Pair {
   void addTo(GeometricDerivative& H, const Velocities& v) {
     moveTo(v);
     const pintle::IslandJoint& joint = m_island.joints[0];
-    H.add(m_island.rows[0], m_at.rows[0], m_lambda, pintle::bodyOf(joint, 0, {0, 2, 0, 1, 1}, m_at),
-          pintle::bodyOf(joint, 1, {0, 2, 0, 1, 1}, m_at), time_step);
+    H.add(m_island.rows[0], m_at.rows[0], m_lambda,
+          pintle::bodyOf(m_island, joint, 0, {0, 2, 0, 1, 1}, m_at),
+          pintle::bodyOf(m_island, joint, 1, {0, 2, 0, 1, 1}, m_at), time_step);
   }
 
   Matrix derivative(const Velocities& v) {

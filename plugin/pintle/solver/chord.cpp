@@ -128,7 +128,7 @@ double Chord::straight(int c, const IslandRow& row) const {
   const auto& bodies = m_island.joints[size_t(m_component.first_joint + c)].body;
   const auto of = [&](int side) -> Vector6d {
     const int body = bodies[size_t(side)];
-    if (body < 0) return Vector6d::Zero();
+    if (body < 0) return m_island.unmoved_bodies[size_t(Island::unmoved(body))].v;
     return m_memory.v[size_t(body - m_component.first_body)];
   };
   return row.J.along(of(0), of(1));

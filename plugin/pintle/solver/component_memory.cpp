@@ -14,7 +14,7 @@ void remember(const Island& island, const Component& component,
   const auto bodiesOf = [&](const IslandJoint& joint) {
     std::array<int, 2> of = joint.body;
     for (int& body : of)
-      if (body >= 0) body -= component.first_body;
+      body = body < 0 ? -1 : body - component.first_body;
     return of;
   };
   bool same = memory != nullptr && int(memory->constraints.size()) == component.joints &&

@@ -56,9 +56,12 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
   }
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const auto unmoved = [&](int side) -> const Vector6d& {
+      return island.unmoved_bodies[size_t(Island::unmoved(joint.body[size_t(side)]))].v;
+    };
     const auto mean = [&](int side) -> Vector6d {
       const int body = joint.body[size_t(side)];
-      if (body < 0) return Vector6d::Zero();
+      if (body < 0) return unmoved(side);
       return (at.bodies[size_t(body - component.first_body)].v +
               island.bodies[size_t(body)].*start) /
              2;
@@ -66,10 +69,15 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      work += stored(island, row, at.rows[r].u, at.lambda[r]);
+      const RowAtEnd& end = at.rows[r];
+      work += stored(island, row, end.u, at.lambda[r]);
       if (row.law.hasDrives())
-        work -= drivingImpulse(row.law, at.rows[r].u, at.lambda[r]) *
-                at.rows[r].G.along(mean(0), mean(1));
+        work -= drivingImpulse(row.law, end.u, at.lambda[r]) * end.G.along(mean(0), mean(1));
+      // What a joint gives is what it takes from a body that its owner moves.
+      for (int side = 0; side < 2; ++side)
+        if (joint.body[size_t(side)] < 0)
+          work += at.lambda[r] * (end.G.L(side).dot(unmoved(side).head<3>()) +
+                                  end.G.A(side).dot(unmoved(side).tail<3>()));
     }
   }
   return work;

@@ -4,6 +4,7 @@
 #include <pintle/rows/row.h>
 #include <pintle/rows/row_shape.h>
 #include <pintle/solver/axis_law.h>
+#include <pintle/solver/turn.h>
 #include <pintle/vectors.h>
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -18,8 +19,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class Joint;
-using Vector3d = Eigen::Matrix<double, 3, 1>;
-using Matrix3d = Eigen::Matrix<double, 3, 3>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 inline Vector3d inDouble(const btVector3& v) {
@@ -46,6 +45,13 @@ struct IslandBody {
     for (size_t k = 0; k < 6; ++k) v[Eigen::Index(k)] = locked[k] ? 0 : x[k] / scale[k / 3];
     return v;
   }
+};
+
+/// Where a body ends the step.
+struct BodyAtEnd {
+  Vector6d v = Vector6d::Zero();
+  Turn turn;
+  btTransform pose = btTransform::getIdentity();
 };
 
 /// d u / d(velocities): of body a and of body b, each linear and angular.
@@ -104,14 +110,19 @@ struct IslandRow {
 struct IslandJoint {
   btTypedConstraint* constraint;
   Joint* ours;              ///< null: a joint of Bullet's
-  std::array<int, 2> body;  ///< -1: one that does not move
+  std::array<int, 2> body;  ///< one that nothing moves: below 0 (Island::unmoved)
   int first_row, rows;
   int row_of_component;  ///< where its rows begin among those of its component
   int equalities;        ///< of its own rows
 };
 
 struct Island {
+  /// Bodies that nothing moves, but their owner: 0 is at rest, the others are kinematic.
+  static constexpr int at_rest = 0;
+  static int unmoved(int body) { return -1 - body; }
+
   double dt;
+  std::vector<BodyAtEnd> unmoved_bodies;
   std::vector<IslandBody> bodies;
   std::vector<IslandJoint> joints;
   std::vector<IslandRow> rows;

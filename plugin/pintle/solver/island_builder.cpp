@@ -2,12 +2,14 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joint_rows.h>
+#include <pintle/solver/iterate.h>
 #include <pintle/solver/joint_access.h>
 
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace pintle {
@@ -15,6 +17,7 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 constexpr int max_stock_rows = 16;
+constexpr int unknown = std::numeric_limits<int>::min();
 
 Matrix3d inDouble(const btMatrix3x3& m) {
   Matrix3d to;
@@ -57,6 +60,7 @@ void IslandBuilder::begin(const btContactSolverInfo& info) {
   m_info = info;
   m_island.dt = double(info.m_timeStep);
   m_island.bodies.clear();
+  m_island.unmoved_bodies.assign(1, {});
   m_island.joints.clear();
   m_island.rows.clear();
   m_body_of.clear();
@@ -64,10 +68,11 @@ void IslandBuilder::begin(const btContactSolverInfo& info) {
 
 int IslandBuilder::body(const SolverBodies& bodies, int number) {
   const btSolverBody& from = bodies[number];
-  if (from.m_originalBody == nullptr || !(from.m_originalBody->getInvMass() > 0)) return -1;
-  if (m_body_of.size() <= size_t(number)) m_body_of.resize(size_t(bodies.size()), -1);
+  if (from.m_originalBody == nullptr) return Island::unmoved(Island::at_rest);
+  if (m_body_of.size() <= size_t(number)) m_body_of.resize(size_t(bodies.size()), unknown);
   int& known = m_body_of[size_t(number)];
-  if (known >= 0) return known;
+  if (known != unknown) return known;
+  if (!(from.m_originalBody->getInvMass() > 0)) return known = unmoved(from);
   known = int(m_island.bodies.size());
   const btRigidBody& rigid = *from.m_originalBody;
   IslandBody to;
@@ -99,6 +104,16 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   }
   m_island.bodies.push_back(to);
   return known;
+}
+
+int IslandBuilder::unmoved(const btSolverBody& from) {
+  const btVector3 &v = from.m_linearVelocity, &w = from.m_angularVelocity;
+  if (v.isZero() && w.isZero()) return Island::unmoved(Island::at_rest);
+  BodyAtEnd to;
+  to.v << pintle::inDouble(v), pintle::inDouble(w);
+  moveBody(from.m_originalBody->getCenterOfMassTransform(), m_island.dt, to);
+  m_island.unmoved_bodies.push_back(to);
+  return Island::unmoved(int(m_island.unmoved_bodies.size()) - 1);
 }
 
 double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
@@ -141,8 +156,24 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
   return rest;
 }
 
+// What K would be if the factors of its bodies held nothing. Of their turn, by its mean inertia.
+double IslandBuilder::inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const {
+  double K = 0;
+  for (int side = 0; side < 2; ++side) {
+    if (joint.body[size_t(side)] < 0) continue;
+    const IslandBody& body = m_island.bodies[size_t(joint.body[size_t(side)])];
+    K += J.L(side).squaredNorm() / body.mass +
+         J.A(side).squaredNorm() / (body.scale[1] * body.scale[1]);
+  }
+  return K;
+}
+
+// A row that its bodies can follow by rounding alone is none.
 void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {
-  if (!(row.K > 0) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) return;
+  constexpr auto rounding = double(std::numeric_limits<Scalar>::epsilon());
+  if (!(row.K > rounding * inverseMassUnlocked(to, row.J)) || !(row.K < AxisLaw::unbounded) ||
+      row.law.parts() == 0)
+    return;
   m_island.rows.push_back(row);
   m_island.rows.back().root_K = std::sqrt(row.K);
   ++to.rows;
@@ -192,7 +223,8 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   const Axis& axis = *state.axis;
   const auto v_free = [&](int side) -> Vector6d {
     const int body = of.body[size_t(side)];
-    return body < 0 ? Vector6d(Vector6d::Zero()) : m_island.bodies[size_t(body)].v_free;
+    return body < 0 ? m_island.unmoved_bodies[size_t(Island::unmoved(body))].v
+                    : m_island.bodies[size_t(body)].v_free;
   };
   const AxisMotion motion = JointAccess::motion(*of.ours, row.start, state, pair,
                                                 Scalar(row.J.along(v_free(0), v_free(1))), m_info);

@@ -37,6 +37,9 @@ class IslandBuilder {
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
                      const RowJacobian& J_2) const;
   /// The same of J, when the equalities of the joint hold.
+  /// One that its owner moves: not by what acts on it.
+  int unmoved(const btSolverBody& from);
+  double inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const;
   double inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const;
 
   Island& m_island;

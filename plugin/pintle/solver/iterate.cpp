@@ -8,28 +8,21 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-const BodyAtEnd resting{Vector6d::Zero(), Turn(), btTransform::getIdentity()};
-
 const btTransform& poseOf(const IslandJoint& joint, int side, const BodyAtEnd& end) {
-  if (joint.body[size_t(side)] >= 0) return end.pose;
+  if (Island::unmoved(joint.body[size_t(side)]) != Island::at_rest) return end.pose;
   return side ? joint.constraint->getRigidBodyB().getCenterOfMassTransform()
               : joint.constraint->getRigidBodyA().getCenterOfMassTransform();
 }
 
-btTransform moved(const IslandBody& body, double dt, const Vector6d& v, const Matrix3d& R) {
+btTransform moved(const btTransform& start, double dt, const Vector6d& v, const Matrix3d& R) {
   btTransform to;
   const btMatrix3x3 turned(Scalar(R(0, 0)), Scalar(R(0, 1)), Scalar(R(0, 2)), Scalar(R(1, 0)),
                            Scalar(R(1, 1)), Scalar(R(1, 2)), Scalar(R(2, 0)), Scalar(R(2, 1)),
                            Scalar(R(2, 2)));
-  to.setBasis(turned * body.start.getBasis());
+  to.setBasis(turned * start.getBasis());
   const Vector3d x = dt * v.head<3>();
-  to.setOrigin(body.start.getOrigin() + btVector3(Scalar(x[0]), Scalar(x[1]), Scalar(x[2])));
+  to.setOrigin(start.getOrigin() + btVector3(Scalar(x[0]), Scalar(x[1]), Scalar(x[2])));
   return to;
-}
-
-void moveBody(const IslandBody& body, double dt, BodyAtEnd& end) {
-  end.turn = Turn(end.v.tail<3>(), dt);
-  end.pose = moved(body, dt, end.v, end.turn.rotation());
 }
 
 // A row of the start, as a velocity.
@@ -141,7 +134,8 @@ void moveArms(const IslandRow& row, double horizon, const Arms& arms, const Body
 
 void moveRows(const Island& island, const IslandJoint& joint, const Component& component, Rows& end,
               Iterate& at) {
-  const BodyAtEnd &a = bodyOf(joint, 0, component, at), &b = bodyOf(joint, 1, component, at);
+  const BodyAtEnd &a = bodyOf(island, joint, 0, component, at),
+                  &b = bodyOf(island, joint, 1, component, at);
   end.clear();
   bool asked = false;
   Arms arms;
@@ -178,15 +172,22 @@ void moveRows(const Island& island, const IslandJoint& joint, const Component& c
 
 }  // namespace
 
-const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& component,
-                        const Iterate& at) {
+void moveBody(const btTransform& start, double dt, BodyAtEnd& end) {
+  end.turn = Turn(end.v.tail<3>(), dt);
+  end.pose = moved(start, dt, end.v, end.turn.rotation());
+}
+
+const BodyAtEnd& bodyOf(const Island& island, const IslandJoint& joint, int side,
+                        const Component& component, const Iterate& at) {
   const int body = joint.body[size_t(side)];
-  return body < 0 ? resting : at.bodies[size_t(body - component.first_body)];
+  return body < 0 ? island.unmoved_bodies[size_t(Island::unmoved(body))]
+                  : at.bodies[size_t(body - component.first_body)];
 }
 
 void moveTo(const Island& island, const Component& component, Iterate& at) {
   for (int i = 0; at.horizon > 0 && i < component.bodies; ++i)
-    moveBody(island.bodies[size_t(component.first_body + i)], at.horizon, at.bodies[size_t(i)]);
+    moveBody(island.bodies[size_t(component.first_body + i)].start, at.horizon,
+             at.bodies[size_t(i)]);
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   for (int c = 0; c < component.joints; ++c)
@@ -196,16 +197,17 @@ void moveTo(const Island& island, const Component& component, Iterate& at) {
 void measure(const Island& island, const Component& component, double dt,
              const std::vector<Vector6d>& v, std::vector<MovedBody>& bodies,
              std::vector<double>& u) {
-  static const MovedBody at_rest(Vector6d::Zero(), 0);
   bodies.clear();
   for (const Vector6d& of : v) bodies.emplace_back(of, dt);
+  for (const BodyAtEnd& of : island.unmoved_bodies) bodies.emplace_back(of.v, dt);
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto bodyAt = [&](int side) -> const MovedBody& {
       const int body = joint.body[size_t(side)];
-      return body < 0 ? at_rest : bodies[size_t(body - component.first_body)];
+      return bodies[body < 0 ? v.size() + size_t(Island::unmoved(body))
+                             : size_t(body - component.first_body)];
     };
     const MovedBody &a = bodyAt(0), &b = bodyAt(1);
     Arms arms;
@@ -226,8 +228,9 @@ void measure(const Island& island, const Component& component, double dt,
         const auto pose = [&](int side) {
           const int body = joint.body[size_t(side)];
           const MovedBody& of = bodyAt(side);
-          return body < 0 ? poseOf(joint, side, resting)
-                          : moved(island.bodies[size_t(body)], dt, of.v, of.turn.matrix());
+          return body < 0
+                     ? poseOf(joint, side, island.unmoved_bodies[size_t(Island::unmoved(body))])
+                     : moved(island.bodies[size_t(body)].start, dt, of.v, of.turn.matrix());
         };
         end.clear();
         joint.ours->addRows(PosePair(pose(0), pose(1)), end);

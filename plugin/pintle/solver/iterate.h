@@ -3,17 +3,9 @@
 #pragma once
 
 #include <pintle/solver/island.h>
-#include <pintle/solver/turn.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
-/// Where a body ends the step.
-struct BodyAtEnd {
-  Vector6d v;
-  Turn turn;
-  btTransform pose;
-};
 
 /// A row, if the step ends like this.
 struct RowAtEnd {
@@ -47,9 +39,11 @@ void measure(const Island& island, const Component& component, double dt,
              const std::vector<Vector6d>& v, std::vector<MovedBody>& bodies,
              std::vector<double>& u);
 
-/// The body of a joint; one that does not move rests.
-const BodyAtEnd& bodyOf(const IslandJoint& joint, int side, const Component& component,
-                        const Iterate& at);
+/// To where its velocity leads from `start` within dt.
+void moveBody(const btTransform& start, double dt, BodyAtEnd& end);
+/// The body of a joint.
+const BodyAtEnd& bodyOf(const Island& island, const IslandJoint& joint, int side,
+                        const Component& component, const Iterate& at);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

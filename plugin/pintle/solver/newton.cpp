@@ -169,7 +169,8 @@ void Newton::assemble(const Iterate& at) {
       }
     }
     GeometricDerivative H;
-    const BodyAtEnd &a = bodyOf(of, 0, m_component, at), &b = bodyOf(of, 1, m_component, at);
+    const BodyAtEnd &a = bodyOf(m_island, of, 0, m_component, at),
+                    &b = bodyOf(m_island, of, 1, m_component, at);
     for (int i = 0; i < of.rows; ++i) {
       const auto r = size_t(of.row_of_component + i);
       H.add(row(of, i), at.rows[r], at.lambda[r], a, b, dt);

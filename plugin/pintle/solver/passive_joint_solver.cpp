@@ -266,8 +266,12 @@ void PassiveJointSolver::addContacts(btConstraintArray& pool, bool are_friction)
   for (int i = 0; i < pool.size(); ++i) {
     btSolverConstraint& from = pool[i];
     ContactRow row;
-    row.body = {state.builder.body(m_tmpSolverBodyPool, from.m_solverBodyIdA),
-                state.builder.body(m_tmpSolverBodyPool, from.m_solverBodyIdB)};
+    // Bullet's target of a contact has the velocities of bodies that their owner moves.
+    const auto bodyOf = [&](int number) {
+      return std::max(state.builder.body(m_tmpSolverBodyPool, number),
+                      Island::unmoved(Island::at_rest));
+    };
+    row.body = {bodyOf(from.m_solverBodyIdA), bodyOf(from.m_solverBodyIdB)};
     row.J = {inDouble(from.m_contactNormal1), inDouble(from.m_relpos1CrossNormal),
              inDouble(from.m_contactNormal2), inDouble(from.m_relpos2CrossNormal)};
     // Bullet has both multiplied by its own 1 / K.

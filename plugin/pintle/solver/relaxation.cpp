@@ -12,12 +12,17 @@ struct Relaxed {
   RowJacobian J;
   std::array<Vector6d, 2> answer;
   double K = 0;
+  double of_unmoved = 0;  ///< m/s: by bodies that their owner moves
 
   Relaxed(const Island& island, const std::array<int, 2>& of, const RowJacobian& along)
       : body(of), J(along) {
     for (int side = 0; side < 2; ++side) {
       answer[size_t(side)].setZero();
-      if (body[size_t(side)] < 0) continue;
+      if (body[size_t(side)] < 0) {
+        const Vector6d& v = island.unmoved_bodies[size_t(Island::unmoved(body[size_t(side)]))].v;
+        of_unmoved += J.L(side).dot(v.head<3>()) + J.A(side).dot(v.tail<3>());
+        continue;
+      }
       const IslandBody& by = island.bodies[size_t(body[size_t(side)])];
       Vector6d& to = answer[size_t(side)];
       for (int k = 0; k < 3; ++k) to[k] = by.locked[size_t(k)] ? 0 : J.L(side)[k] / by.mass;
@@ -27,7 +32,7 @@ struct Relaxed {
   }
 
   double velocity(const std::vector<Vector6d>& v) const {
-    double u = 0;
+    double u = of_unmoved;
     for (int side = 0; side < 2; ++side)
       if (body[size_t(side)] >= 0) {
         const Vector6d& of = v[size_t(body[size_t(side)])];
