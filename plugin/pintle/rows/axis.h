@@ -45,7 +45,8 @@ struct AxisState {
   std::array<Scalar, Axis::parts> impulse = {};
   Scalar incoming = 0;  ///< speed towards a limit that this step's row stops, else 0
   Scalar last_incoming =
-      0;  ///< the same of the last step. Two, so that getInfo2 may be called again
+      0;             ///< the same of the last step. Two, so that getInfo2 may be called again
+  Scalar taken = 0;  ///< J: by that row, of which a rebound in the next step may give back
   // Of a part that is an impulse given beforehand (`given`):
   Scalar K = 0;                     ///< J M^-1 J^T of the coordinate
   Scalar expected = 0;              ///< velocity of the coordinate with that impulse and no other

@@ -35,43 +35,55 @@ inline AxisPart springPart(const Spring& spring, Scalar error, Scalar dt, Scalar
           true};
 }
 
+/// A coordinate and the limit that it has broken, or comes nearer to by the motion as it is.
+struct NearLimit {
+  bool at_low;
+  Scalar side;         ///< 1 if the coordinate grows to the inside, else -1
+  Scalar gap, inward;  ///< to the limit, and speed to the inside
+
+  NearLimit(const Axis& axis, const AxisMotion& m) : at_low(m.position <= axis.low) {
+    if (!at_low && m.position < axis.high) {
+      const Scalar next = m.position + m.velocity / m.fps;
+      at_low = next - axis.low < axis.high - next;
+    }
+    side = at_low ? Scalar(1) : Scalar(-1);
+    gap = side * (m.position - (at_low ? axis.low : axis.high));
+    inward = side * m.velocity;
+  }
+};
+
+/// To the inside: of a limit that was reached in the last step, or that is met from beyond it.
+inline Scalar reboundSpeed(const Axis& axis, const AxisMotion& m, const NearLimit& limit) {
+  const bool reached = limit.gap * m.fps < Scalar(0.1) * m.incoming;  // in the last step
+  const Scalar came = limit.gap > 0 && !axis.locked() ? (reached ? m.incoming : Scalar(0))
+                                                      : btMax(m.incoming, -limit.inward);
+  const Scalar speed = axis.bias * axis.relaxation * came;
+  // No rebound goes further than half way to the other limit in a step.
+  return axis.locked() ? speed : btMin(speed, (axis.high - axis.low) * m.fps / 2);
+}
+
 /// `incoming` becomes the speed towards the limit that the part is to stop.
 inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incoming) {
-  // The side that is broken, or nearer after the motion as it is.
   const bool locked = axis.locked();
-  bool at_low = m.position <= axis.low;
-  if (!at_low && m.position < axis.high) {
-    const Scalar next = m.position + m.velocity / m.fps;
-    at_low = next - axis.low < axis.high - next;
-  }
-  const Scalar lower = locked || !at_low ? -infinity : Scalar(0);
-  const Scalar upper = locked || at_low ? infinity : Scalar(0);
-  // Towards the inside is positive from here on, for both sides.
-  const Scalar side = at_low ? Scalar(1) : Scalar(-1);
-  const Scalar gap = side * (m.position - (at_low ? axis.low : axis.high));
-  const Scalar inward = side * m.velocity;
-
+  const NearLimit limit(axis, m);
+  const Scalar lower = locked || !limit.at_low ? -infinity : Scalar(0);
+  const Scalar upper = locked || limit.at_low ? infinity : Scalar(0);
+  // Towards the inside is positive, for both sides.
+  const Scalar side = limit.side, gap = limit.gap;
   if (axis.hasLimitSpring()) {
     if (gap > 0 && !locked) return {};
     return springPart(axis.limit_spring, side * gap, 1 / m.fps, lower, upper);
   }
-  // No rebound goes further than half way to the other limit in a step.
-  const auto away = [&](Scalar speed) {
-    return locked ? speed : btMin(speed, (axis.high - axis.low) * m.fps / 2);
-  };
-  const Scalar rebound = axis.bias * axis.relaxation;
+  const Scalar rebound = reboundSpeed(axis, m, limit);
   if (gap > 0 && !locked) {
-    const bool reached = gap * m.fps < Scalar(0.1) * m.incoming;  // in the last step
-    if (reached && rebound * m.incoming > 0)
-      return rigidPart(side * away(rebound * m.incoming), 0, lower, upper);
+    if (rebound > 0) return rigidPart(side * rebound, 0, lower, upper);
     // Not there yet: the step may close the gap, and no more. Bullet's softness means nothing here.
-    incoming = btMax(Scalar(0), -inward);
+    incoming = btMax(Scalar(0), -limit.inward);
     return rigidPart(side * -gap * m.fps, 0, lower, upper);
   }
   // As in Bullet: a rebound if the joint comes in, of the speed with which it did.
   Scalar speed = btMin(-m.fps * m.limit_erp * axis.bias * gap, m.max_speed);
-  const Scalar came = btMax(m.incoming, -inward);
-  if (rebound * came > 0) speed = btMax(speed, away(rebound * came));
+  if (rebound > 0) speed = btMax(speed, rebound);
   return rigidPart(side * speed, m.limit_cfm, lower, upper);
 }
 

@@ -71,8 +71,12 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const RowAtEnd& end = at.rows[r];
       work += stored(island, row, end.u, at.lambda[r]);
-      if (row.law.hasDrives())
-        work -= drivingImpulse(row.law, end.u, at.lambda[r]) * end.G.along(mean(0), mean(1));
+      const double driving = row.law.hasDrives() ? drivingImpulse(row.law, end.u, at.lambda[r]) : 0;
+      if (driving != 0 || row.rebound_energy > 0) {
+        const double u = end.G.along(mean(0), mean(1));
+        work -=
+            driving * u + std::fmin(row.rebound_energy, std::fmax(0, (at.lambda[r] - driving) * u));
+      }
       // What a joint gives is what it takes from a body that its owner moves.
       for (int side = 0; side < 2; ++side)
         if (joint.body[size_t(side)] < 0)

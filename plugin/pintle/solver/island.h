@@ -82,6 +82,8 @@ struct IslandRow {
   double K;  ///< J M^-1 J^T
   double root_K;
   AxisLaw law;
+  double rebound_energy =
+      0;            ///< J: what its limit took when it was met, which a rebound may give back
   double open = 0;  ///< C of an equality, m or rad: what is to be closed by moving poses
   /// Of a soft equality. It gives like a spring, which starts without tension wherever it is: what the step's velocities
   /// stretch it by pulls it back, and what it was open by before moves poses.

@@ -221,13 +221,13 @@ void IslandBuilder::setEqualityLaw(const Joint& joint, IslandRow& row) const {
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
   AxisState& state = JointAccess::axis(*of.ours, row.start);
   const Axis& axis = *state.axis;
-  const auto v_free = [&](int side) -> Vector6d {
+  const auto v0 = [&](int side) -> const Vector6d& {
     const int body = of.body[size_t(side)];
     return body < 0 ? m_island.unmoved_bodies[size_t(Island::unmoved(body))].v
-                    : m_island.bodies[size_t(body)].v_free;
+                    : m_island.bodies[size_t(body)].v0;
   };
   const AxisMotion motion = JointAccess::motion(*of.ours, row.start, state, pair,
-                                                Scalar(row.J.along(v_free(0), v_free(1))), m_info);
+                                                Scalar(row.J.along(v0(0), v0(1))), m_info);
   state.acted = true;
   state.incoming = 0;
   state.row = {-1, -1, -1};
@@ -261,15 +261,19 @@ void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, Ax
     row.open = double(motion.limit_erp) * (q - low);
     return;
   }
-  const double rebound = double(limitPart(axis, motion, state.incoming).row.target);
-  const double velocity = double(motion.velocity), dt = m_island.dt;
-  const double to_low = (low - q) / dt, to_high = (high - q) / dt;
-  const double bounce = double(axis.bias * axis.relaxation);
-  double up = std::fmin(to_low, 0), down = std::fmax(to_high, 0);
-  if (bounce > 0 && to_low >= 0 && velocity < 0)
-    up = std::fmax(0, std::fmin(rebound, -bounce * velocity));
-  if (bounce > 0 && to_high <= 0 && velocity > 0)
-    down = std::fmin(0, std::fmax(rebound, -bounce * velocity));
+  // It stops at the limit, and rebounds in the next step.
+  const double dt = m_island.dt;
+  double up = std::fmin((low - q) / dt, 0), down = std::fmax((high - q) / dt, 0);
+  const NearLimit limit(axis, motion);
+  if (const double rebound = double(reboundSpeed(axis, motion, limit)); rebound > 0) {
+    if (limit.at_low)
+      up = rebound;
+    else
+      down = -rebound;
+    row.rebound_energy = double(state.taken);
+  } else if (limit.gap > 0) {
+    state.incoming = btMax(Scalar(0), -limit.inward);
+  }
   row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
   row.open = double(motion.limit_erp) * (q < low ? q - low : q > high ? q - high : 0);
