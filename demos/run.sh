@@ -3,6 +3,7 @@
 #   run.sh [options of the demos]           every scene's table, beside the stock joints'
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [--all] [--case TEXT]    what becomes of joints under extreme conditions; --all: 10^6 steps too
+#   run.sh drawings                         draws the joints anew, to plugin/docs/drawings
 #   run.sh reference [--scene NAME]...      solves the stored reference solutions again
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -27,6 +28,11 @@ reference)
   scenes=()
   for argument in "$@"; do [ "$argument" = --scene ] || scenes+=("$argument"); done
   build/release/demos/pintle_reference ${scenes[@]+"${scenes[@]}"}
+  ;;
+drawings)
+  pintle_install_packages
+  build pintle_draw
+  build/release/demos/pintle_draw plugin/docs/drawings
   ;;
 extreme)
   shift

@@ -21,6 +21,8 @@ inline namespace PINTLE_PRECISION {
 /// tilt, and within 3 degrees the joint lets go of it, and takes it up again where it was. Where
 /// the other angles pass 90 degrees use a WedgeJoint. Conditioned: the exact gradient of the angle.
 /// Document: z of a, exact only while x of b is at right angles to it.
+///
+/// \image html angular_limit.svg
 class AngularLimit : public ObservedJoint<AngularLimit, FrameJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

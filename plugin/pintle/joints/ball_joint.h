@@ -14,6 +14,8 @@ inline namespace PINTLE_PRECISION {
 /// The document's formulation holds each body at its own anchor; the conditioned one holds both at
 /// the same point, and so conserves angular momentum while the joint is violated, as long as neither turns by
 /// more than a tenth of a radian in a step.
+///
+/// \image html ball_joint.svg
 class BallJoint : public Joint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

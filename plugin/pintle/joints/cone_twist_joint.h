@@ -30,6 +30,8 @@ inline namespace PINTLE_PRECISION {
 /// locked the joint turns about x only.
 ///
 /// Everything that btConeTwistConstraint has, under the same name, with the same signs and defaults.
+///
+/// \image html cone_twist_joint.svg
 class ConeTwistJoint : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -12,6 +12,8 @@ inline namespace PINTLE_PRECISION {
 /// Two shafts that meet in a point, at any bend below 180 degrees in any direction, and turn each
 /// at the speed of the other: no twist between them. Each shaft is x of the joint frame in its
 /// body. It has no counterpart in Bullet.
+///
+/// \image html constant_velocity_joint.svg
 class ConstantVelocityJoint : public ObservedJoint<ConstantVelocityJoint, FrameJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -14,6 +14,8 @@ inline namespace PINTLE_PRECISION {
 /// rebound. Conditioned: the plane turns with body a. Document: it moves with the body but keeps
 /// the normal that it had in the world when the frames were set, and holds each body at its own
 /// anchor.
+///
+/// \image html contact_joint.svg
 class ContactJoint : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

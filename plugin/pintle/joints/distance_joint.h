@@ -14,6 +14,8 @@ inline namespace PINTLE_PRECISION {
 /// along the world's x if they never had one. Both formulations have the same row; the conditioned
 /// one foresees how points gain distance as they pass each other, so that what swings on a rod
 /// neither stretches it nor loses its swing.
+///
+/// \image html distance_joint.svg
 class DistanceJoint : public ObservedJoint<DistanceJoint, FrameJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

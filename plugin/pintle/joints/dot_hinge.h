@@ -12,6 +12,8 @@ inline namespace PINTLE_PRECISION {
 /// rows of the pivot only.
 ///
 /// The angle, its limit, motor, servo and friction: HingeBase.
+///
+/// \image html dot_hinge.svg
 class DotHinge : public HingeOf<DotHinge> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

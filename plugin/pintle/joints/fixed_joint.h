@@ -17,6 +17,8 @@ class Frame;
 ///
 /// What btFixedConstraint has, under the same name. Not the setters that would drive an axis or put a
 /// spring on it, which it inherits from btGeneric6DofSpring2Constraint.
+///
+/// \image html fixed_joint.svg
 class FixedJoint : public PosedJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -12,6 +12,8 @@ inline namespace PINTLE_PRECISION {
 /// quaternion rows, and its limit in half-sine space.
 ///
 /// Everything that btHingeConstraint has, under the same name, with the same signs and defaults.
+///
+/// \image html quaternion_hinge.svg
 class QuaternionHinge : public HingeOf<QuaternionHinge> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

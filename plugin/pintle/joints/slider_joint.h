@@ -22,6 +22,8 @@ struct Reach;
 /// which it takes for granted, and the conditioned one if not.
 ///
 /// Everything that btSliderConstraint has, under the same name, with the same signs and defaults.
+///
+/// \image html slider_joint.svg
 class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -21,6 +21,8 @@ inline namespace PINTLE_PRECISION {
 /// at its own points (document), or both at the same, and with the curvature of the motion.
 ///
 /// The angle, its limit, motor, servo and friction: HingeBase.
+///
+/// \image html two_point_hinge.svg
 class TwoPointHinge : public HingeOf<TwoPointHinge> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

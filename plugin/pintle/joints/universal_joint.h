@@ -27,6 +27,8 @@ class AngularReach;
 ///
 /// Everything that btUniversalConstraint has, under the same name, with the same signs and
 /// defaults, but what would free the position or drive it (getTranslationalLimitMotor).
+///
+/// \image html universal_joint.svg
 class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -27,6 +27,8 @@ class Frame;
 /// Document: the two planes by dot products, and the extra one while both are broken. Conditioned:
 /// the shortest turns to the same planes, and the extra one as soon as an acute corner is near; from far behind
 /// the edge the shortest turn to it.
+///
+/// \image html wedge_joint.svg
 class WedgeJoint : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

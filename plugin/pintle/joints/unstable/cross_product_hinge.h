@@ -10,6 +10,8 @@ inline namespace PINTLE_PRECISION {
 /// the axes. Where the axes are parallel there is none, and whatever pushes them apart is answered a
 /// step late; across the error nothing is held, so that it goes round instead of away. At 90 degrees
 /// the row is nothing too, and beyond it pulls the axes to 180.
+///
+/// \image html cross_product_hinge.svg
 class CrossProductHinge : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

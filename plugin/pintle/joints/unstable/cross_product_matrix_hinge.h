@@ -10,6 +10,8 @@ inline namespace PINTLE_PRECISION {
 /// hold one says nothing new and their effective mass has no inverse (as a block, the row that depends
 /// on the others is left as it is). Where they do not hold, that row also keeps both bodies from turning
 /// together: it takes their angular momentum away. From 90 degrees apart they pull the axes to 180.
+///
+/// \image html cross_product_matrix_hinge.svg
 class CrossProductMatrixHinge : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

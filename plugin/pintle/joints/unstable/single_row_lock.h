@@ -9,6 +9,8 @@ inline namespace PINTLE_PRECISION {
 /// Not for use: FixedJoint is the lock. One row (3.61) takes the place of three, along the error of the
 /// orientation. Where there is no error there is no row, and whatever turns the bodies is answered a
 /// step late; across the error nothing is held, so that it goes round instead of away.
+///
+/// \image html single_row_lock.svg
 class SingleRowLock : public FrameJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
