@@ -8,7 +8,7 @@ bash demos/run.sh report [options]
   --from NAME --to NAME   a range of scenes
   --peers                 also ODE and MuJoCo, if their Debian packages are installed
   --fresh                 forget what an earlier run has measured
-  --publish               copy the plots and tables that the README shows to demos/results
+  --publish               copy the plots and tables that the pages show to demos/results, the README and plugin/docs
 The run can be interrupted: what was measured is kept, and the same command goes on with it.
 Everything goes to build/release/demos/report (report_quick).
 END
@@ -53,14 +53,45 @@ report_plots() {  # folder, program
   done <"$folder/plots.txt" 2> >(grep -v -e 'Skipping data file' -e 'empty y range' -e '^$' >&2)
 }
 
-# What the README shows: its three plots, and the table between its two marks.
+# What stands between two marks of a page, replaced by a file.
+report_replace() {  # page, mark, file
+  sed -i -e "/<!-- $2 begin/,/<!-- $2 end/{/<!-- $2 end/!{/<!-- $2 begin/!d}}" -e "/<!-- $2 begin/r $3" "$1"
+}
+
+# The README's five figures, from the summary: single precision, each contender's mean error against stock's.
+report_figures() {  # summary
+  awk -F ' *[|] *' '
+    BEGIN {
+      scenes = split("chain crane ragdoll cone_shoulder drive_shaft", scene, " ")
+      contenders = split("pintle exact dantzig multibody", contender, " ")
+      print "| scene | error | Pintle\047s joints | on `ExactJointSolver` | Bullet\047s joints on `btMLCPSolver` | `btMultiBody` |"
+      print "|---|---|---|---|---|---|"
+    }
+    /^## / { who = $0; if (!sub(/ against stock$/, "", who)) who = ""; sub(/^## /, "", who) }
+    who != "" && $4 == "single" && $3 ~ /^[*]/ {
+      split($5, ratio, " ")
+      mean[$2, who] = ratio[1]
+      error[$2] = $3
+      gsub(/[*]/, "", error[$2])
+    }
+    END {
+      for (i = 1; i <= scenes; ++i) {
+        line = "| " scene[i] " | " error[scene[i]] " |"
+        for (k = 1; k <= contenders; ++k) line = line ((scene[i], contender[k]) in mean ? " " mean[scene[i], contender[k]] " |" : " |")
+        print line
+      }
+    }' "$1"
+}
+
+# What the pages show: three plots, the summary, the table of the benchmarks and the figures of the README.
 report_publish() {  # folder
   local folder=$1 scene
   mkdir -p demos/results
   for scene in chain slider_crank ragdoll; do cp "$folder/$scene.png" demos/results/; done
   cp "$folder/summary.md" demos/results/
-  sed -i -e "/<!-- report begins -->/,/<!-- report ends -->/{/<!-- report ends -->/!{/<!-- report begins -->/!d}}" \
-    -e "/<!-- report begins -->/r $folder/brief.md" README.md
+  report_figures demos/results/summary.md >"$folder/figures.md"
+  report_replace README.md figures "$folder/figures.md"
+  report_replace plugin/docs/benchmarks.md report "$folder/brief.md"
 }
 
 report() {

@@ -401,7 +401,7 @@ int main(int argc, char** argv) {
   const StepErrors steps = errors_of_steps(report, measured);
   write_summary(summary, report, steps, measured);
   write_instructions(summary, argv[2], measured, report);
-  std::ofstream brief(out + "/brief.md");  // for the README
+  std::ofstream brief(out + "/brief.md");  // for plugin/docs/benchmarks.md
   write_brief(brief, report, steps, measured);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
   for (const Scene& scene : measured) {

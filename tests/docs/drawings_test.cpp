@@ -12,7 +12,8 @@
 
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(PINTLE_SOURCE_DIR) / "plugin/docs/drawings";
+const std::filesystem::path kFolder =
+    std::filesystem::path(PINTLE_SOURCE_DIR) / "plugin/docs/drawings";
 
 std::string read(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -26,7 +27,8 @@ bool isSame(const std::string& drawn, const std::string& stored) {
   const char *x = drawn.c_str(), *y = stored.c_str();
   while (*x != 0 && *y != 0) {
     const auto begins = [](const char* s) {
-      return std::isdigit(static_cast<unsigned char>(*s)) || (*s == '-' && std::isdigit(static_cast<unsigned char>(s[1])));
+      return std::isdigit(static_cast<unsigned char>(*s)) ||
+             (*s == '-' && std::isdigit(static_cast<unsigned char>(s[1])));
     };
     if (begins(x) && begins(y)) {
       char *x_end = nullptr, *y_end = nullptr;
@@ -49,13 +51,15 @@ TEST(Drawings, StoredOnesAreThoseThatTheProgramMakes) {
     EXPECT_LT(drawing.svg.size(), 50000u) << drawing.name;
   }
   std::set<std::string> stored;
-  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) stored.insert(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder))
+    stored.insert(entry.path().filename().string());
   EXPECT_EQ(names, stored);
 }
 
 TEST(Drawings, EveryJointHasOneAndNamesItInItsHeader) {
   for (const char* folder : {"plugin/pintle/joints", "plugin/pintle/joints/unstable"})
-    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(PINTLE_SOURCE_DIR) / folder)) {
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(PINTLE_SOURCE_DIR) / folder)) {
       if (entry.path().extension() != ".h") continue;
       const std::string header = read(entry.path());
       if (header.find("const char* name() const override { return \"") == std::string::npos &&

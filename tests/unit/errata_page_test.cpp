@@ -1,4 +1,4 @@
-// The page of errata (plugin/ERRATA.md): every file and test that it names exists, every row names
+// The page of errata (plugin/docs/errata.md): every file and test that it names exists, every row names
 // both, and every test of an erratum is on it.
 #include <gtest/gtest.h>
 
@@ -62,7 +62,7 @@ Names all_tests() {
 
 TEST(ErrataPage, EveryRowNamesAFileAndATestThatExist) {
   const Names written = all_tests();
-  const auto table = rows(read(kSource / "plugin/ERRATA.md"));
+  const auto table = rows(read(kSource / "plugin/docs/errata.md"));
   EXPECT_GE(table.size(), 27u);
   for (const std::string& row : table) {
     EXPECT_FALSE(tests_named(row).empty()) << row;
@@ -75,7 +75,7 @@ TEST(ErrataPage, EveryRowNamesAFileAndATestThatExist) {
 }
 
 TEST(ErrataPage, EveryTestOfAnErratumIsOnThePage) {
-  const Names named = tests_named(read(kSource / "plugin/ERRATA.md"));
+  const Names named = tests_named(read(kSource / "plugin/docs/errata.md"));
   for (const std::string& test : all_tests()) {
     EXPECT_TRUE(test.rfind("Errata.", 0) != 0 || named.count(test)) << test;
   }
