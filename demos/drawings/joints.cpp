@@ -602,14 +602,10 @@ Made wedge() {
   sketch.layer(5);
   sketch.axis(A(vec(0, 0, -1.25)), A(vec(0, 0, 1.3)));
   sketch.zero(range.centre, range.at(0));
-  const btScalar sign =
-      signOf<pintle::WedgeJoint>(make, still, false, A, kZ, [&](pintle::WedgeJoint& j) {
-        const btVector3 x =
-            A.inverse().getBasis() * j.getCalculatedTransformB().getBasis().getColumn(0);
-        return btScalar(std::atan2(x.y(), x.x()));
-      });
+  const btScalar sign = signOf<pintle::WedgeJoint>(
+      make, still, false, A, kZ, [](pintle::WedgeJoint& j) { return j.getAngle(); });
   const btVector3 x = A.inverse().getBasis() * B.getBasis().getColumn(0);
-  const btScalar angle = btScalar(std::atan2(x.y(), x.x()));
+  const btScalar angle = joint.getAngle();
   sketch.pointer(B.getOrigin(), B(vec(1.32, 0, 0)));
   sketch.zero(B(vec(1.32, 0, 0)), A(btVector3(btScalar(1.32) * x.x(), btScalar(1.32) * x.y(), 0)));
   sketch.turn(onwards(range, angle, sign, 1.12, 26));
@@ -625,7 +621,7 @@ Made wedge() {
   Sketch::Caption text =
       caption("WedgeJoint", "x of B stays between two half planes that meet in z of A", kBInA,
               degreesOf(make, still, false, A));
-  text.readings = {{"angle about z", degrees(angle)},
+  text.readings = {{"getAngle()", degrees(angle)},
                    {"setLimit(low, high)",
                     between(degrees(joint.getLowerLimit()), degrees(joint.getUpperLimit()))}};
   text.notes = {handed(sign, "B", "z of A"), "0\u00b0: x of A",

@@ -37,7 +37,9 @@ class AngularLimit : public ObservedJoint<AngularLimit, FrameJoint> {
   /// frees, an infinite side is free. A new limit of less than a turn holds in the turn that the
   /// joint is in, unless setAccumulatedAngle has said which one that is.
   void setLimit(btScalar low, btScalar high);
+  /// rad, as setLimit set it.
   btScalar getLowerLimit() const { return m_axis.low; }
+  /// rad, as setLimit set it.
   btScalar getUpperLimit() const { return m_axis.high; }
   /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
   /// is critical) of the bodies as they alone would swing about the axis. Frequency 0: rigid again.
@@ -51,6 +53,7 @@ class AngularLimit : public ObservedJoint<AngularLimit, FrameJoint> {
                      btScalar max_torque);
   /// Turns the motor or servo, as it was set last, on or off.
   void enableMotor(bool enable);
+  /// Whether a motor or servo is on.
   bool getEnableAngularMotor() const { return m_axis.drive != Axis::Drive::off; }
   /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
   void setFriction(btScalar max_torque);
@@ -63,10 +66,12 @@ class AngularLimit : public ObservedJoint<AngularLimit, FrameJoint> {
   /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest.
   void setAccumulatedAngle(btScalar angle);
 
+  ///@{
   /// Impulses of the last step (N m s), positive towards larger angles.
   btScalar getMotorImpulse() const { return axisImpulse(0, Axis::motor); }
   btScalar getLimitImpulse() const { return axisImpulse(0, Axis::limit); }
   btScalar getFrictionImpulse() const { return axisImpulse(0, Axis::friction); }
+  ///@}
 
   /// The frames, and the range of the angle about the axis of a.
   void drawJoint(btIDebugDraw& drawer) const override;

@@ -28,11 +28,16 @@ class BallJoint : public Joint {
   /// The pivots are the origins of joint frames.
   BallJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
             const btTransform& frameInB);
+  /// To the world, where the frame is now.
   BallJoint(btRigidBody& rbA, const btTransform& frameInA);
 
+  /// m, in the frame of body a.
   void setPivotA(const btVector3& pivotA) { m_pivot_a = point("pivotA", pivotA); }
+  /// m, in the frame of body b.
   void setPivotB(const btVector3& pivotB) { m_pivot_b = point("pivotB", pivotB); }
+  /// m, in the frame of body a.
   const btVector3& getPivotInA() const { return m_pivot_a; }
+  /// m, in the frame of body b.
   const btVector3& getPivotInB() const { return m_pivot_b; }
 
   /// As Bullet's: m_damping is the part of the velocity that the joint takes away (1: all of it),
@@ -44,6 +49,7 @@ class BallJoint : public Joint {
   /// ERP (and STOP_ERP), CFM (and STOP_CFM): both >= 0. Axis -1. As in Bullet other axes and
   /// parameters are ignored, and read as SIMD_INFINITY. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set; unset it is 0.
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_P2P_FLAGS_* of the parameters that were set.
   virtual int getFlags() const {

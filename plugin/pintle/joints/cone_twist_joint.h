@@ -45,8 +45,11 @@ class ConeTwistJoint : public FrameJoint {
   ConeTwistJoint(btRigidBody& rbA, const btTransform& rbAFrame);
   ~ConeTwistJoint() override;
 
+  ///@{
+  /// The joint frames in the bodies' frames, x the twist axis.
   const btTransform& getAFrame() const { return m_frame_a; }
   const btTransform& getBFrame() const { return m_frame_b; }
+  ///@}
 
   /// Spans either side (rad). A swing span below the fix threshold locks, two of pi or more are free;
   /// a twist span of 0 locks, of less frees, as does one of pi or more. `softness` (>= 0) times a span
@@ -55,19 +58,31 @@ class ConeTwistJoint : public FrameJoint {
   void setLimit(btScalar swingSpan1, btScalar swingSpan2, btScalar twistSpan,
                 btScalar softness = 1.f, btScalar biasFactor = 0.3f,
                 btScalar relaxationFactor = 1.0f);
+  ///@{
   /// One of the spans: 3 is twist, 4 swing 2, 5 swing 1.
   void setLimit(int limitIndex, btScalar limitValue);
   btScalar getLimit(int limitIndex) const;
+  ///@}
+
+  ///@{
   /// The larger side, if set by setSwingLimits or setTwistLimit.
   btScalar getSwingSpan1() const { return btMax(m_max_1, -m_min_1); }
   btScalar getSwingSpan2() const { return btMax(m_max_2, -m_min_2); }
   btScalar getTwistSpan() const { return btMax(m_twist_high, -m_twist_low); }
+  ///@}
+
+  ///@{
+  /// What setLimit set.
   btScalar getLimitSoftness() const { return m_softness; }
   btScalar getBiasFactor() const { return m_limit_erp.orElse(0); }
   btScalar getRelaxationFactor() const { return m_relaxation; }
+  ///@}
 
+  ///@{
+  /// rad; a swing whose span is below it is locked. Default 0.05.
   btScalar getFixThresh() { return m_fix_threshold; }
   void setFixThresh(btScalar fixThresh);
+  ///@}
 
   /// The next five say what holds now,
   void calcAngleInfo() { m_seen = false; }
@@ -79,32 +94,42 @@ class ConeTwistJoint : public FrameJoint {
   btScalar getTwistAngle() const;
   /// As in Bullet always 0.
   btScalar getTwistLimitSign() { return 0; }
+  ///@{
   /// Whether the twist, the swing is beyond its limit now. As in Bullet a locked swing always is.
   int getSolveTwistLimit() { return m_seen ? m_seen_past_twist : isPastTwistLimit(getTwist()); }
   int getSolveSwingLimit() { return isPastSwingLimit(); }
   bool isPastSwingLimit();
+  ///@}
 
+  ///@{
   /// Kept, and as in Bullet without effect.
   void setDamping(btScalar damping) { m_damping = notNegative("damping", damping); }
   btScalar getDamping() const { return m_damping; }
+  ///@}
 
   /// The motor turns a against b to its target: each step goes biasFactor of the way, and may apply
   /// up to the maximal impulse (N m s; below 0: any) along it, and as much against what turns the
   /// bodies out of the way. Normalized: the impulse that changes the spin of a alone by so much
   /// (rad/s). Unlike Bullet's it brakes, keeps to the limits, and normalizes.
   void enableMotor(bool b);
+  /// What enableMotor set.
   bool isMotorEnabled() const;
+  /// N m s a step; below 0: any.
   void setMaxMotorImpulse(btScalar maxMotorImpulse) { setMotorBound(maxMotorImpulse, false); }
+  /// rad/s of body a alone, a step; below 0: any.
   void setMaxMotorImpulseNormalized(btScalar maxMotorImpulse) {
     setMotorBound(maxMotorImpulse, true);
   }
+  /// As the last of the two set it.
   btScalar getMaxMotorImpulse() const;
+  /// Which of the two was the last.
   bool isMaxMotorImpulseNormalized() const;
   /// q: the rotation of body a against body b (of any length but 0). What is beyond the limits is
   /// cut off.
   void setMotorTarget(const btQuaternion& q);
   /// The same, of the joint frames.
   void setMotorTargetInConstraintSpace(const btQuaternion& q);
+  /// Of the joint frames: the rotation of a against b.
   const btQuaternion& getMotorTarget() const;
 
   /// A point of the cone's edge in the frame of b, `length` (m) from the pivot: where x of a would be
@@ -115,6 +140,7 @@ class ConeTwistJoint : public FrameJoint {
   /// that of the position, or the bias factor; CFM (or STOP_CFM). All >= 0. Other parameters are
   /// ignored, and read as 0, as do axes beyond 0 to 5, -1 too. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set.
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_CONETWIST_FLAGS_* of the parameters that were set.
   int getFlags() const;
@@ -131,28 +157,35 @@ class ConeTwistJoint : public FrameJoint {
   /// low <= twist <= high (rad), both within 2 pi of 0; equal ones lock. low > high, or a range of a
   /// turn or more: free. A twist outside is brought to the nearer end.
   void setTwistLimit(btScalar low, btScalar high);
+  ///@{
   /// Makes a limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0) of
   /// the joint as its bodies alone make it swing. Frequency 0: a hard limit again.
   void setSwingLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
   void setTwistLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
+  ///@}
+
   /// Makes the motor turn a against b at `velocity` (rad/s, along the axes of frame b), as far as the
   /// limits let it and until a target is set, with the same bound.
   void setMotorVelocity(const btVector3& velocity);
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) about each of the axes of frame b.
   void setFriction(btScalar max_torque);
 
+  ///@{
   /// rad, of a against b now: the components of the swing about z and y of frame b, and the twist in
   /// (-pi, pi].
   btScalar getSwing1() const;
   btScalar getSwing2() const;
   btScalar getTwist() const;
+  ///@}
 
+  ///@{
   /// Impulses of the last step (N m s): of the limits outwards (swing), along the twist; and of motor
   /// and friction on body a, in the world.
   btScalar getSwingLimitImpulse() const { return axisImpulse(swing_axis, Axis::limit); }
   btScalar getTwistLimitImpulse() const { return axisImpulse(twist_axis, Axis::limit); }
   btVector3 getMotorImpulse() const { return rotationImpulse(Axis::motor); }
   btVector3 getFrictionImpulse() const { return rotationImpulse(Axis::friction); }
+  ///@}
 
   /// The frames, the cone, and the range of the twist about x of b: as in Bullet with no softness, and about x
   /// of a where b does not move.

@@ -37,6 +37,7 @@ class ConstantVelocityJoint : public ObservedJoint<ConstantVelocityJoint, FrameJ
   btScalar getTwist() const;
   /// The most that the joint may bend (rad, >= 0; pi, infinity or more: anything, the default).
   void setBendLimit(btScalar max_bend);
+  /// rad, as setBendLimit set it.
   btScalar getBendLimit() const { return m_bend.high; }
   /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
   /// is critical). Frequency 0: a hard limit again.
@@ -79,8 +80,10 @@ class ConstantVelocityJoint : public ObservedJoint<ConstantVelocityJoint, FrameJ
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) against the shafts' turning, with the
   /// same lever. 0: none.
   void setFriction(btScalar max_torque);
+  /// The sine of the bend below which the shafts have no motor and no friction.
   static constexpr btScalar minMotorSine() { return btScalar(0.1); }
 
+  ///@{
   /// Impulses of the last step (N m s): of the bend, negative as they straighten it; of motor and
   /// friction of the shafts, positive along the shaft angle.
   btScalar getBendLimitImpulse() const { return axisImpulse(0, Axis::limit); }
@@ -88,6 +91,7 @@ class ConstantVelocityJoint : public ObservedJoint<ConstantVelocityJoint, FrameJ
   btScalar getBendMotorImpulse() const { return axisImpulse(0, Axis::motor); }
   btScalar getMotorImpulse() const { return axisImpulse(1, Axis::motor); }
   btScalar getFrictionImpulse() const { return axisImpulse(1, Axis::friction); }
+  ///@}
 
   /// The frames, and the cone of the bend.
   void drawJoint(btIDebugDraw& drawer) const override;

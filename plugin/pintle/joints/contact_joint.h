@@ -34,11 +34,13 @@ class ContactJoint : public FrameJoint {
 
   /// Whether the point is held on the plane from both sides. Default off.
   void setTwoSided(bool two_sided) { m_axis.high = two_sided ? Scalar(0) : infinity; }
+  /// What setTwoSided set.
   bool getTwoSided() const { return m_axis.locked(); }
   /// Coefficient of restitution of a one-sided contact (document, B.2), in [0, 1]. A point that
   /// reaches the plane between two steps rebounds in the second, with this part of the speed that
   /// it had before the first. Default 0.
   void setRestitution(btScalar restitution);
+  /// What setRestitution set.
   btScalar getRestitution() const { return m_axis.bias * m_axis.relaxation; }
   /// Makes the plane a spring and damper (document, 2.4), which then rebounds as a spring:
   /// frequency (Hz) and damping ratio (>= 0; 1 is critical). Frequency 0: rigid again.

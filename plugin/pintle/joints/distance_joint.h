@@ -36,7 +36,9 @@ class DistanceJoint : public ObservedJoint<DistanceJoint, FrameJoint> {
   /// low <= distance <= high (m). low = high: a rod; low = 0 (or less): a rope; an infinite high: a
   /// strut; low > high: free. A rod's row is an equality, and nothing else acts along it.
   void setLimit(btScalar low, btScalar high);
+  /// m, as setLimit set it; below 0 it is 0.
   btScalar getLowerLimit() const { return m_axis.low > 0 ? m_axis.low : Scalar(0); }
+  /// m, as setLimit set it.
   btScalar getUpperLimit() const { return m_axis.high; }
   /// Makes the limit, that of a rod too, a spring and damper (document, 2.4): frequency (Hz) and
   /// damping ratio (>= 0; 1 is critical) of the bodies as they alone would swing on it. Frequency 0:
@@ -51,14 +53,17 @@ class DistanceJoint : public ObservedJoint<DistanceJoint, FrameJoint> {
                      btScalar max_force);
   /// Turns the motor or servo, as it was set last, on or off.
   void enableMotor(bool enable);
+  /// Whether a motor or servo is on.
   bool getEnableMotor() const { return m_axis.drive != Axis::Drive::off; }
   /// Dry friction along the distance of at most max_force (N, >= 0 or infinite). 0: none.
   void setFriction(btScalar max_force);
 
+  ///@{
   /// Impulses of the last step (N s), positive where they push the points apart.
   btScalar getLimitImpulse() const;
   btScalar getMotorImpulse() const { return axisImpulse(0, Axis::motor); }
   btScalar getFrictionImpulse() const { return axisImpulse(0, Axis::friction); }
+  ///@}
 
   /// The frames, and a line between the points.
   void drawJoint(btIDebugDraw& drawer) const override;

@@ -34,6 +34,7 @@ class FixedJoint : public PosedJoint {
   /// be read (at first 0.9 and 0), and other axes (-1 too) and parameters are ignored, and read as 0.
   /// NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set.
   btScalar getParam(int num, int axis = -1) const override;
 
   // --- how far off it is, of the bodies as they are now -------------------------------------------
@@ -41,11 +42,16 @@ class FixedJoint : public PosedJoint {
   void calculateTransforms() { forgetPoses(); }  ///< as they are now
   /// Origin of b's frame along axis 0 to 2 of a's (m).
   btScalar getRelativePivotPosition(int axis_index) const;
+  ///@{
   /// Euler angle 0 to 2 (x, y, z) of the frames (rad), in Bullet's sense: positive where a is turned
   /// against b; and the axis that it is about, in the world.
   btScalar getAngle(int axis_index) const;
   btVector3 getAxis(int axis_index) const;
+  ///@}
+
+  /// Always.
   bool isLimited(int) const { return true; }
+  ///@{
   /// All limits are 0, and can be set to nothing else.
   void setLimit(int axis, btScalar lo, btScalar hi);
   void setLinearLowerLimit(const btVector3& linearLower);
@@ -56,6 +62,7 @@ class FixedJoint : public PosedJoint {
   void getLinearUpperLimit(btVector3& linearUpper) const { linearUpper.setZero(); }
   void getAngularLowerLimit(btVector3& angularLower) const { angularLower.setZero(); }
   void getAngularUpperLimit(btVector3& angularUpper) const { angularUpper.setZero(); }
+  ///@}
 
   /// The frames, and what Bullet draws of limits that are 0.
   void drawJoint(btIDebugDraw& drawer) const override;

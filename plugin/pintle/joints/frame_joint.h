@@ -18,31 +18,40 @@ inline btMatrix3x3 columns(const btVector3& x, const btVector3& y, const btVecto
   return {x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()};
 }
 
+/// A joint of two joint frames, one in each body.
 class FrameJoint : public Joint {
  public:
   // --- as Bullet's joints have it ----------------------------------------------------------------
+  ///@{
+  /// The joint frames in the bodies' frames.
   btTransform& getFrameOffsetA() { return m_frame_a; }
   btTransform& getFrameOffsetB() { return m_frame_b; }
   const btTransform& getFrameOffsetA() const { return m_frame_a; }
   const btTransform& getFrameOffsetB() const { return m_frame_b; }
+  ///@}
+
+  ///@{
   /// The joint frames in the world, at the bodies' poses of now.
   btTransform getCalculatedTransformA() const {
     return m_rbA.getCenterOfMassTransform() * m_frame_a;
   }
   btTransform getCalculatedTransformB() const {
     return m_rbB.getCenterOfMassTransform() * m_frame_b;
+  ///@}
   }
   /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
   virtual void setFrames(const btTransform& frameInA, const btTransform& frameInB);
 
   /// No position rows: the bodies share directions only.
   void setAngularOnly(bool angularOnly) { m_angular_only = angularOnly; }
+  /// What setAngularOnly set.
   bool getAngularOnly() const { return m_angular_only; }
 
   /// ERP and CFM: the equalities; STOP_ERP, STOP_CFM: the limits. >= 0. Axis -1, or 0 to 5: one value
   /// for all. Other axes and parameters are ignored, and read as 0. NaN and infinity are refused for
   /// all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set; unset it is 0.
   btScalar getParam(int num, int axis = -1) const override;
 
   /// The two frames.

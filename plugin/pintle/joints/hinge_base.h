@@ -23,10 +23,14 @@ struct Acting;
 class HingeBase : public FrameJoint {
  public:
   // --- btHingeConstraint -------------------------------------------------------------------------
+  ///@{
+  /// The joint frames in the bodies' frames, z the hinge axis.
   const btTransform& getAFrame() const { return m_frame_a; }
   const btTransform& getBFrame() const { return m_frame_b; }
   btTransform& getAFrame() { return m_frame_a; }
   btTransform& getBFrame() { return m_frame_b; }
+  ///@}
+
   /// A new axis in body a; the frame of b follows as Bullet sets it.
   void setAxis(const btVector3& axisInA);
 
@@ -35,15 +39,20 @@ class HingeBase : public FrameJoint {
   void enableAngularMotor(bool enableMotor, btScalar targetVelocity, btScalar maxMotorImpulse);
   /// Turns the motor, velocity motor or servo as it was set last, on or off.
   void enableMotor(bool enableMotor);
+  /// N m s a step, >= 0.
   void setMaxMotorImpulse(btScalar maxMotorImpulse);
+  /// rad/s, along the hinge angle.
   void setMotorTargetVelocity(btScalar motorTargetVelocity);
   /// The velocity that reaches the target (rad) in dt (s, > 0); to be called in each step. With a
   /// limit the angle is the accumulated one, clamped to the limit; without, that within the turn.
   void setMotorTarget(btScalar targetAngle, btScalar dt);
   /// The same; qAinB is the rotation of body a against body b.
   void setMotorTarget(const btQuaternion& qAinB, btScalar dt);
+  /// Whether a motor or servo is on.
   bool getEnableAngularMotor() { return m_axis.drive != Axis::Drive::off; }
+  /// rad/s.
   btScalar getMotorTargetVelocity() { return m_axis.motor_velocity; }
+  /// N m s a step.
   btScalar getMaxMotorImpulse() { return m_axis.max_motor_impulse; }
 
   /// low <= accumulated angle <= high (rad), over any number of turns. low = high locks, low > high
@@ -54,41 +63,56 @@ class HingeBase : public FrameJoint {
   /// turn was given by setAccumulatedHingeAngle.
   void setLimit(btScalar low, btScalar high, btScalar softness = 0.9f, btScalar biasFactor = 0.3f,
                 btScalar relaxationFactor = 1.0f);
+  ///@{
+  /// What setLimit set.
   btScalar getLimitSoftness() const { return m_limit_softness; }
   btScalar getLimitBiasFactor() const { return m_axis.bias; }
   btScalar getLimitRelaxationFactor() const { return m_axis.relaxation; }
+  ///@}
+
   /// As in Bullet false also for low = high.
   bool hasLimit() const { return m_axis.low < m_axis.high; }
+  /// rad, as setLimit set it.
   btScalar getLowerLimit() const { return m_axis.low; }
+  /// rad, as setLimit set it.
   btScalar getUpperLimit() const { return m_axis.high; }
   /// Whether the angle at these poses would break the limit; changes only the answers to the next
   /// two.
   void testLimit(const btTransform& transA, const btTransform& transB);
+  ///@{
   /// Whether the limit was broken when the joint last looked, and on which side: +1 low, -1 high.
   int getSolveLimit() { return getLimitSign() != 0; }
   btScalar getLimitSign();
+  ///@}
 
   /// rad, in [-pi, pi].
   btScalar getHingeAngle();
+  /// The same at other poses of the bodies (world).
   btScalar getHingeAngle(const btTransform& transA, const btTransform& transB);
 
+  ///@{
   /// As in Bullet a flag that the constructor has used; changing it changes no sign.
   bool getUseReferenceFrameA() const { return m_use_reference_frame_a; }
   void setUseReferenceFrameA(bool useReferenceFrameA) {
     m_use_reference_frame_a = useReferenceFrameA;
+  ///@}
   }
+  ///@{
   /// Bullet's way to rows that converge; here it is setBlockRows.
   bool getUseFrameOffset() { return getBlockRows(); }
   void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
+  ///@}
 
   /// ERP: position and axis rows, and the limit unless it has its own; CFM: the motor; STOP_ERP,
   /// STOP_CFM: the limit. >= 0. Axis -1 or 5. As in Bullet other axes and parameters are ignored, and
   /// read as 0. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set; unset it is 0.
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_HINGE_FLAGS_* of the parameters that were set.
   virtual int getFlags() const;
 
+  ///@{
   /// The rows at other poses of the bodies; no more than getInfo1 announced. The velocities are the
   /// bodies' own, whatever is given. (Bullet has two more names for it.)
   void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
@@ -100,6 +124,7 @@ class HingeBase : public FrameJoint {
   void getInfo2InternalUsingFrameOffset(btConstraintInfo2* info, const btTransform& transA,
                                         const btTransform& transB, const btVector3& angVelA,
                                         const btVector3& angVelB);
+  ///@}
 
   // --- btHingeAccumulatedAngleConstraint ---------------------------------------------------------
   /// rad, with all turns since the joint was made: exact while no more than half a turn passes
@@ -120,10 +145,12 @@ class HingeBase : public FrameJoint {
                      btScalar max_torque);
   /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
   void setFriction(btScalar max_torque);
+  ///@{
   /// Impulses of the last step (N m s), positive towards larger hinge angles.
   btScalar getMotorImpulse() const { return axisImpulse(0, Axis::motor); }
   btScalar getLimitImpulse() const { return axisImpulse(0, Axis::limit); }
   btScalar getFrictionImpulse() const { return axisImpulse(0, Axis::friction); }
+  ///@}
 
   /// The frames, and the range of the angle about the axis of b.
   void drawJoint(btIDebugDraw& drawer) const override;

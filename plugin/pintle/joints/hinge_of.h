@@ -25,6 +25,7 @@ class HingeOf : public ObservedJoint<Self, HingeBase> {
   /// stand in `rbAFrame`, not turned with the body.
   HingeOf(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false);
 
+  /// The type's name, as errors say it.
   const char* name() const override { return Self::joint_name; }
 };
 

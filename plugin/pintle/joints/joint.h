@@ -63,31 +63,39 @@ class Joint : public btTypedConstraint {
   /// the force at the pivot, N s, and the moment about it, N m s. (Of plain rows Bullet compares each
   /// impulse, as it does where its solver does not show its passes.)
   void setBlockRows(bool block) { m_block_rows = block; }
+  /// What setBlockRows set.
   bool getBlockRows() const { return m_block_rows; }
 
+  /// Default conditioned.
   void setFormulation(Formulation formulation) { m_formulation = formulation; }
+  /// What setFormulation set.
   Formulation getFormulation() const { return m_formulation; }
 
   /// The angular speed (rad/s, > 0) at which a step may at most take away an error of orientation,
   /// or that of a broken limit. Default 8: a joint that starts far off neither explodes nor
   /// lingers.
   void setMaxCorrectionSpeed(btScalar speed);
+  /// rad/s.
   btScalar getMaxCorrectionSpeed() const { return m_max_correction_speed; }
 
   /// The speed (m/s, > 0) at which the pivots of a joint that starts apart are brought together: one that is new or
   /// enabled again, or of which a body has been put elsewhere. Default 1, and more where the
   /// gap would take more than a second. Gaps that a load opens are closed as ERP says.
   void setMaxLinearCorrectionSpeed(btScalar speed);
+  /// m/s.
   btScalar getMaxLinearCorrectionSpeed() const { return m_max_linear_correction_speed; }
 
   /// Draws the joint as Bullet draws its own: frames, axes and limits, of the size getDbgDrawSize().
   virtual void drawJoint(btIDebugDraw& drawer) const = 0;
 
-  // Bullet's solver calls these. A subclass that overrides one calls it, too, once a step.
+  ///@{
+  /// Bullet's solver calls these. A subclass that overrides one calls it, too, once a step.
   void buildJacobian() override;
   void getInfo1(btConstraintInfo1* info) override;
   void getInfo2(btConstraintInfo2* info) override;
   void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) override;
+  ///@}
+
   /// As Bullet has it: getInfo1 of the joint itself, whatever a subclass makes of it.
   void getInfo1NonVirtual(btConstraintInfo1* info) { Joint::getInfo1(info); }
   /// As in Bullet nothing to do.

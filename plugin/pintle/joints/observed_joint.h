@@ -14,9 +14,11 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// The way from a pose to rows of a joint that counts the turns of its angles.
 template <class Self, class Base>
 class ObservedJoint : public Base {
  public:
+  /// As Joint has it.
   PINTLE_FLATTEN void addRows(const PosePair& poses, Rows& rows) const override;
 
  protected:

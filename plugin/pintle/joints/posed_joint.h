@@ -8,15 +8,18 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// A joint that can say what holds at other poses of its bodies than theirs of now.
 class PosedJoint : public FrameJoint {
  public:
   /// What the joint says of itself (frames, position, angles) is from here on what holds at these poses
   /// of the bodies (world), until the next step, new frames or the subclass's calculateTransforms():
   /// else it is what holds now.
   void calculateTransforms(const btTransform& transA, const btTransform& transB);
+  ///@{
   /// The joint frames in the world.
   btTransform getCalculatedTransformA() const { return seenPoseOfA() * m_frame_a; }
   btTransform getCalculatedTransformB() const { return seenPoseOfB() * m_frame_b; }
+  ///@}
 
  protected:
   using FrameJoint::FrameJoint;

@@ -35,16 +35,21 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// To the world, where the body is now. As in Bullet the body is b, and a is Bullet's fixed body.
   SliderJoint(btRigidBody& rbB, const btTransform& frameInB, bool useLinearReferenceFrameA = true);
 
+  /// What the constructor was given.
   bool getUseLinearReferenceFrameA() const { return m_sign > 0; }
   /// m, in body a: its anchor, moved to the middle between the linear limits; that of b is fixed.
   btVector3 getAncorInA() const;
+  /// m, in body b.
   btVector3 getAncorInB() const { return m_frame_b.getOrigin(); }
 
   /// lower <= position <= upper (m). lower = upper locks, lower > upper (as at first) frees, an
   /// infinite side is free.
   void setLowerLinLimit(btScalar lowerLimit);
+  /// m; the other side of setLowerLinLimit.
   void setUpperLinLimit(btScalar upperLimit);
+  /// m.
   btScalar getLowerLinLimit() const { return m_linear.low; }
+  /// m.
   btScalar getUpperLinLimit() const { return m_linear.high; }
   /// lower <= accumulated angle <= upper (rad), over any number of turns. lower = upper (as at first,
   /// 0) locks, lower > upper frees, an infinite side is free. New limits of less than a turn hold,
@@ -52,19 +57,23 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// to lie inside them or as near as can be. Not if the turn was given by
   /// setAccumulatedAngularPos.
   void setLowerAngLimit(btScalar lowerLimit);
+  /// rad; the other side of setLowerAngLimit.
   void setUpperAngLimit(btScalar upperLimit);
+  /// rad.
   btScalar getLowerAngLimit() const { return m_angular.low; }
+  /// rad.
   btScalar getUpperAngLimit() const { return m_angular.high; }
 
-  // As in Bullet, what they do:
-  //   softness LimLin, LimAng      >= 0, default 1: scales the speed at which a step corrects a broken
-  //                                limit, or a locked angle, and the rebound
-  //   softness OrthoLin, OrthoAng  >= 0, default 1: scales the ERP of the rows across the axis
-  //   damping LimLin, LimAng       default 1: |1 - damping| is the rebound from a limit, of the speed
-  //                                with which it is met. (Bullet's linear rebound has the wrong
-  //                                sign, and lets go of the limit.)
-  //   the others                   nothing; kept to be read
-  // A STOP_ERP that is set and the softness of the same rows are one number, as in Bullet.
+  ///@{
+  /// As in Bullet, what they do:
+  /// - softness LimLin, LimAng (>= 0, default 1): scales the speed at which a step corrects a broken limit, or a
+  ///   locked angle, and the rebound;
+  /// - softness OrthoLin, OrthoAng (>= 0, default 1): scales the ERP of the rows across the axis;
+  /// - damping LimLin, LimAng (default 1): |1 - damping| is the rebound from a limit, of the speed with which it is
+  ///   met. (Bullet's linear rebound has the wrong sign, and lets go of the limit.);
+  /// - the others: nothing; kept to be read.
+  ///
+  /// A STOP_ERP that is set and the softness of the same rows are one number, as in Bullet.
   btScalar getSoftnessDirLin() const { return m_dir_lin.softness; }
   btScalar getRestitutionDirLin() const { return m_dir_lin.restitution; }
   btScalar getDampingDirLin() const { return m_dir_lin.damping; }
@@ -101,23 +110,34 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   void setSoftnessOrthoAng(btScalar softness) { setSoftness(m_ortho_ang, softness); }
   void setRestitutionOrthoAng(btScalar restitution) { setRestitution(m_ortho_ang, restitution); }
   void setDampingOrthoAng(btScalar damping) { setDamping(m_ortho_ang, damping); }
+  ///@}
 
   /// Velocity motor along the axis: target velocity (m/s) of the position, and the most force (N,
   /// >= 0). setPoweredLinMotor turns the motor, velocity motor or servo as it was set last, on or
   /// off.
   void setPoweredLinMotor(bool onOff);
+  /// m/s, of the position.
   void setTargetLinMotorVelocity(btScalar targetLinMotorVelocity);
+  /// N, >= 0.
   void setMaxLinMotorForce(btScalar maxLinMotorForce);
+  /// Whether a motor or servo along the axis is on.
   bool getPoweredLinMotor() const { return m_linear.drive != Axis::Drive::off; }
+  /// m/s.
   btScalar getTargetLinMotorVelocity() const { return m_linear.motor_velocity; }
+  /// N.
   btScalar getMaxLinMotorForce() const { return m_linear.max_motor_force; }
   /// The same about the axis: the angle moves at minus the target velocity (rad/s); the most torque
   /// (N m, >= 0). A locked angle does not move.
   void setPoweredAngMotor(bool onOff);
+  /// rad/s; the angle moves at minus this.
   void setTargetAngMotorVelocity(btScalar targetAngMotorVelocity);
+  /// N m, >= 0.
   void setMaxAngMotorForce(btScalar maxAngMotorForce);
+  /// Whether a motor or servo about the axis is on.
   bool getPoweredAngMotor() const { return m_angular.drive != Axis::Drive::off; }
+  /// rad/s.
   btScalar getTargetAngMotorVelocity() const { return 0 - m_angular.motor_velocity; }
+  /// N m.
   btScalar getMaxAngMotorForce() const { return m_angular.max_motor_force; }
 
   /// m, where the bodies are now.
@@ -126,19 +146,26 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// more, on the side of the nearer one. With a limit beyond half a turn the accumulated angle.
   btScalar getAngularPos() const;
 
+  ///@{
   /// Look at the bodies, or where calculateTransforms says that they are; the next four say what was
   /// seen then, or in the last step.
   void testLinLimits();
   void testAngLimits();
+  ///@}
+
+  ///@{
   /// Whether the limit was broken, and by how much (m, rad), above zero beyond the upper one.
   bool getSolveLinLimit() const { return getLinDepth() != 0; }
   btScalar getLinDepth() const { return depth(m_linear, m_seen_position); }
   bool getSolveAngLimit() const { return getAngDepth() != 0; }
   btScalar getAngDepth() const { return depth(m_angular, m_seen.value()); }
+  ///@}
 
+  ///@{
   /// Bullet's way to rows that converge; here it is setBlockRows.
   bool getUseFrameOffset() const { return getBlockRows(); }
   void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
+  ///@}
 
   /// By axis, all >= 0:
   ///   STOP_ERP, STOP_CFM   0 (or -1): linear limit; 1, 2: rows across the axis; 3: angular limit and
@@ -147,6 +174,7 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// As in Bullet an axis below 0 is 0, and other parameters (ERP) and axes are ignored, and read as
   /// SIMD_INFINITY. NaN and infinity are refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set.
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_SLIDER_FLAGS_* of the parameters that were set.
   virtual int getFlags() const { return m_flags; }
@@ -164,10 +192,14 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// fits the pose and is nearest to `angle`.
   void setAccumulatedAngularPos(btScalar angle);
 
+  ///@{
   /// Makes a limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1 is
   /// critical) of the coordinate as its bodies alone make it swing. Frequency 0: hard again.
   void setLinLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
   void setAngLimitSpring(btScalar frequency_hz, btScalar damping_ratio);
+  ///@}
+
+  ///@{
   /// Holds a position (m) or an accumulated angle (rad) by a spring (frequency > 0 in Hz, damping
   /// ratio >= 0) of at most max_force (N) or max_torque (N m, both >= 0 or infinite), until told
   /// otherwise. Takes the place of the velocity motor.
@@ -175,19 +207,29 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
                         btScalar max_force);
   void setAngMotorServo(btScalar target_angle, btScalar frequency_hz, btScalar damping_ratio,
                         btScalar max_torque);
+  ///@}
+
+  ///@{
   /// Dry friction of at most this force (N) or torque (N m), >= 0 or infinite. 0: none.
   void setLinFriction(btScalar max_force);
   void setAngFriction(btScalar max_torque);
+  ///@}
+
+  ///@{
   /// Impulses of the last step (N s), positive towards larger positions.
   btScalar getLinMotorImpulse() const { return axisImpulse(linear, Axis::motor); }
   btScalar getLinLimitImpulse() const { return axisImpulse(linear, Axis::limit); }
   btScalar getLinFrictionImpulse() const { return axisImpulse(linear, Axis::friction); }
+  ///@}
+
+  ///@{
   /// Impulses of the last step (N m s), positive towards larger angles (so a positive target velocity
   /// gives a negative one). A locked angle without a spring is held with the axes' directions, and
   /// has none of its own.
   btScalar getAngMotorImpulse() const { return axisImpulse(angular, Axis::motor); }
   btScalar getAngLimitImpulse() const { return axisImpulse(angular, Axis::limit); }
   btScalar getAngFrictionImpulse() const { return axisImpulse(angular, Axis::friction); }
+  ///@}
 
   /// The frames, the stretch between the linear limits, and the range of the angle.
   void drawJoint(btIDebugDraw& drawer) const override;

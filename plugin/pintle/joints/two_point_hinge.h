@@ -38,7 +38,9 @@ class TwoPointHinge : public HingeOf<TwoPointHinge> {
   /// `separation` of the points (m, > 0; default 1): far apart they hold the direction, close
   /// together the place.
   void setPlacement(Placement placement, btScalar separation = 1);
+  /// What setPlacement set.
   Placement getPlacement() const { return m_placement; }
+  /// m, as setPlacement set it.
   btScalar getSeparation() const { return m_separation; }
 
   /// All three rows of either point, as the document has them. Where the joint holds, one of them says
@@ -48,6 +50,7 @@ class TwoPointHinge : public HingeOf<TwoPointHinge> {
     m_six_rows = six;
     setBlockRows(!six);
   }
+  /// What setSixRows set.
   bool getSixRows() const { return m_six_rows; }
 
   /// The frames, the range of the angle, and the two points.

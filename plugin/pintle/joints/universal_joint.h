@@ -44,19 +44,31 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   /// To the world, where the body is now.
   UniversalJoint(btRigidBody& rbA, const btTransform& frameInA);
 
+  ///@{
   /// The anchors in body a and in body b, where they are now (m, world).
   btVector3 getAnchor() const { return getCalculatedTransformA().getOrigin(); }
   btVector3 getAnchor2() const { return getCalculatedTransformB().getOrigin(); }
+  ///@}
+
+  ///@{
   /// As in Bullet the axes as they were given, in the world of that moment.
   const btVector3& getAxis1() const { return m_axis1; }
   const btVector3& getAxis2() const { return m_axis2; }
+  ///@}
+
+  ///@{
   /// rad, in [-pi, pi].
   btScalar getAngle1() const { return getAngle(2); }
   btScalar getAngle2() const { return getAngle(1); }
+  ///@}
+
+  ///@{
   /// As in Bullet the first bound is that of angle 2 and the second that of angle 1, whatever their
   /// names say.
   void setUpperLimit(btScalar ang1max, btScalar ang2max);
   void setLowerLimit(btScalar ang1min, btScalar ang2min);
+  ///@}
+
   /// Axes in the world (unit or not, at right angles), through the anchor that the constructor was
   /// given: as in Bullet where that point of the world is, not where the bodies took it.
   void setAxis(const btVector3& axis1, const btVector3& axis2);
@@ -79,16 +91,22 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   /// in the turn that the joint is in, unless setAccumulatedAngle said which that is. Defaults:
   /// +-(pi - 0.01) and +-(pi/2 - 0.01). Axes 0 to 3 are held: 0 and 0 only.
   void setLimit(int axis, btScalar lo, btScalar hi);
+  ///@{
   /// All 0, and can be set to nothing else.
   void setLinearLowerLimit(const btVector3& linearLower);
   void setLinearUpperLimit(const btVector3& linearUpper);
   void getLinearLowerLimit(btVector3& linearLower) const { linearLower.setZero(); }
   void getLinearUpperLimit(btVector3& linearUpper) const { linearUpper.setZero(); }
+  ///@}
+
+  ///@{
   /// Of (nothing: 0, angle 2, angle 1).
   void setAngularLowerLimit(const btVector3& angularLower);
   void setAngularUpperLimit(const btVector3& angularUpper);
   void getAngularLowerLimit(btVector3& angularLower) const;
   void getAngularUpperLimit(btVector3& angularUpper) const;
+  ///@}
+
   /// Axes 0 to 3 are held: limited.
   bool isLimited(int limitIndex) const;
   /// Limit and motor of angle 1 (index 2), angle 2 (1) and of the axis that is held (0), as Bullet has
@@ -105,22 +123,27 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   btRotationalLimitMotor* getRotationalLimitMotor(int index);
   /// Looks at the angle and its limit now (fields m_current..): whether limit or motor acts.
   bool testAngularLimitMotor(int axis_index);
+  ///@{
   /// Kept, and without effect.
   bool getUseLinearReferenceFrameA() const { return m_use_linear_reference_frame_a; }
   void setUseLinearReferenceFrameA(bool linearReferenceFrameA) {
     m_use_linear_reference_frame_a = linearReferenceFrameA;
+  ///@}
   }
   /// As in Bullet without effect.
   bool m_useSolveConstraintObsolete = false;
+  ///@{
   /// Bullet's way to rows that converge; here it is setBlockRows.
   bool getUseFrameOffset() const { return getBlockRows(); }
   void setUseFrameOffset(bool frameOffsetOnOff) { setBlockRows(frameOffsetOnOff); }
+  ///@}
 
   /// STOP_ERP and STOP_CFM of axis 4 or 5: its limit; of 0 to 3: all that is held, one value for
   /// them. CFM of axis 4 or 5: its motor; of 0 to 3: no effect, as in Bullet. >= 0. As in Bullet
   /// other axes (-1, too) and parameters (ERP) are ignored, and read as 0. NaN and infinity are
   /// refused for all.
   void setParam(int num, btScalar value, int axis = -1) override;
+  /// What setParam set; unset it is 0.
   btScalar getParam(int num, int axis = -1) const override;
   /// BT_6DOF_FLAGS_* of the parameters that were set, three bits an axis.
   virtual int getFlags() const { return m_flags; }
@@ -132,9 +155,13 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
                           const btVector3& angVelB);
 
   // --- beyond Bullet -----------------------------------------------------------------------------
-  // `axis` is 5 (angle 1) or 4 (angle 2).
+  // In all of these `axis` is 5 (angle 1) or 4 (angle 2).
+  ///@{
+  /// rad, as setLimit set it.
   btScalar getLowerLimit(int axis) const { return limitOf(indexOf(axis)).low; }
   btScalar getUpperLimit(int axis) const { return limitOf(indexOf(axis)).high; }
+  ///@}
+
   /// rad, with all turns since the joint was made.
   btScalar getAccumulatedAngle(int axis) const;
   /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest
@@ -158,10 +185,12 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   void setLimitBounce(int axis, btScalar bounce);
   /// Dry friction of at most max_torque (N m, >= 0 or infinite). 0: none.
   void setFriction(int axis, btScalar max_torque);
+  ///@{
   /// Impulses of the last step (N m s), positive towards larger angles.
   btScalar getMotorImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::motor); }
   btScalar getLimitImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::limit); }
   btScalar getFrictionImpulse(int axis) const { return axisImpulse(indexOf(axis), Axis::friction); }
+  ///@}
 
   /// The frames, and as Bullet draws it the patch of a sphere in both ranges: all round where angle 1 has a
   /// turn or more, and angle 2 within a quarter of a turn.

@@ -47,7 +47,9 @@ class WedgeJoint : public FrameJoint {
   /// low <= angle <= high (rad, phi_- and phi_+ of the document). Their difference is from 0 to
   /// below 2 pi, and 0 need not be between. low > high, an infinite side, or a whole turn: free.
   void setLimit(btScalar low, btScalar high);
+  /// rad, as setLimit set it.
   btScalar getLowerLimit() const { return m_side.low; }
+  /// rad, as setLimit set it.
   btScalar getUpperLimit() const { return m_side.high; }
   /// Makes the limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1
   /// is critical) of the bodies as they alone would swing. Frequency 0: rigid again.
@@ -60,6 +62,7 @@ class WedgeJoint : public FrameJoint {
                      btScalar max_torque);
   /// Turns the motor or servo, as it was set last, on or off.
   void enableMotor(bool enable);
+  /// Whether a motor or servo is on.
   bool getEnableAngularMotor() const { return m_side.drive != Axis::Drive::off; }
   /// Dry friction of at most max_torque (N m, >= 0 or infinite) against a change of the angle; not
   /// against leaning towards w, nor against turning about c_b. 0: none.
@@ -70,12 +73,14 @@ class WedgeJoint : public FrameJoint {
   /// Whether c_b is within the limit, as the bodies are now.
   bool isInside() const;
 
+  ///@{
   /// Impulses of the last step (N m s): of both sides, positive towards larger angles; of an acute
   /// corner, away from it; of motor and friction, positive towards larger angles.
   btScalar getLimitImpulse() const { return sideImpulse(Axis::limit); }
   btScalar getCornerImpulse() const { return axisImpulse(corner, Axis::limit); }
   btScalar getMotorImpulse() const { return sideImpulse(Axis::motor); }
   btScalar getFrictionImpulse() const { return sideImpulse(Axis::friction); }
+  ///@}
 
   /// The frames, and the wedge as a sector of the plane normal to w.
   void drawJoint(btIDebugDraw& drawer) const override;
