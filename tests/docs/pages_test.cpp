@@ -112,6 +112,15 @@ TEST(Pages, AreAllReachedFromTheReadme) {
   EXPECT_LE(pages::lines(readme).size(), 100u);
 }
 
+TEST(Changelog, BeginsWithTheVersionOfTheProject) {
+  const Strings project = matches(page("CMakeLists.txt"), R"(project\(pintle VERSION ([0-9.]+))");
+  const Strings versions = matches(page("CHANGELOG.md"), R"(\n## ([0-9]+\.[0-9]+\.[0-9]+)\n)");
+  ASSERT_EQ(project.size(), 1u);
+  ASSERT_GE(versions.size(), 2u);
+  EXPECT_EQ(versions.front(), project.front());
+  EXPECT_EQ(versions.size(), std::set<std::string>(versions.begin(), versions.end()).size());
+}
+
 // --- sentences -----------------------------------------------------------------------------------
 
 // Of running text: neither tables nor headings nor pictures, without links and marks.
