@@ -3,7 +3,17 @@
 # and its size in bytes, beside its stock counterpart's; and which part of its instructions a limit takes
 # that is far, or a motor that is off. Instruction counts repeat exactly.
 #   count.sh [PROGRAM]   default: the release build in single precision, which it makes
+#   count.sh --publish   the same, to plugin/docs/benchmarks.md
 set -euo pipefail
+if [ "${1-}" = --publish ]; then
+  cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+  source demos/report/report.sh
+  table=$(mktemp)
+  { echo '```'; bash tests/bench/count.sh; echo '```'; } >"$table"
+  report_replace plugin/docs/benchmarks.md count "$table"
+  rm "$table"
+  exit
+fi
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 program=${1:-$here/../../build/release/tests/bench/pintle_count_single}
 if [ $# -eq 0 ]; then
