@@ -11,6 +11,7 @@ constexpr double kWidth = 760, kHeight = 400;
 constexpr double kMiddleX = 225, kMiddleY = 232;
 constexpr double kPanel = 462;  // where the text beside the picture begins
 constexpr int kShades = 5;
+constexpr btScalar kMargin = btScalar(0.25);  // a count of segments is the same in both precisions
 
 // Okabe and Ito's colours, which the colour-blind tell apart: blue (A), orange (B), green (what is free).
 constexpr const char* kStyle = R"(<style>
@@ -225,7 +226,7 @@ void Sketch::range(const Arc& arc) {
   const bool whole = !(arc.low <= arc.high && arc.high - arc.low < SIMD_2_PI);
   const btScalar low = whole ? 0 : arc.low, high = whole ? SIMD_2_PI : arc.high;
   std::vector<btVector3> corners;
-  const int segments = btMax(2, int((high - low) / radians(6)));
+  const int segments = btMax(2, int((high - low) / radians(6) + kMargin));
   for (int i = 0; i <= segments; ++i)
     corners.push_back(arc.at(low + (high - low) * btScalar(i) / btScalar(segments)));
   if (!whole) corners.push_back(arc.centre);
@@ -263,7 +264,7 @@ void Sketch::zero(const btVector3& from, const btVector3& to) { stroke("zero", {
 
 void Sketch::turn(const Arc& arc) {
   std::vector<btVector3> points;
-  const int segments = btMax(4, int(btFabs(arc.high - arc.low) / radians(5)));
+  const int segments = btMax(4, int(btFabs(arc.high - arc.low) / radians(5) + kMargin));
   for (int i = 0; i <= segments; ++i)
     points.push_back(arc.at(arc.low + (arc.high - arc.low) * btScalar(i) / btScalar(segments)));
   stroke("go", points, true);
