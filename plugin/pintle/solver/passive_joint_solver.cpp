@@ -54,7 +54,7 @@ void PassiveJointSolver::State::solve(const Component& component) {
     return done.converged;
   };
   begin();
-  kept.findStiffness(island, component, options.newmark_beta);
+  kept.findStiffness(island, component, options.stable_swing);
   double work_done = 0;
   bool solved = false;
   const NewtonReport chord = solveByChord(island, component, options, kept.fronts, kept.K, work);

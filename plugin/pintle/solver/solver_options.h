@@ -40,9 +40,9 @@ struct SolverOptions {
   double least_pivot = 1e-13;
   /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
   double ledger_share = 0.01;
-  /// beta of Newmark's rule, with which bodies swing under their joints' load in the first tier: from 1/4 on, the average
-  /// acceleration, it is stable for any stiffness. Neutral in energy.
-  double newmark_beta = 0.5;
+  /// (w dt)^2 of a body that swings about its joints' load by w rad/s, up to which the first tier leaves it as it is. Explicit steps
+  /// are stable below 4. A faster one gets as much inertia as makes it swing no faster: no step resolves it.
+  double stable_swing = 2;
   /// m and rad: an error up to which poses are corrected by the factor that Newton's iteration ended with.
   double largest_residue = 1e-6;
 };
