@@ -41,6 +41,10 @@ function(pintle_add_library precision wanted)
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/adapters>"
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/plugin>"
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+  # Where a program's recorder finds the page (pintle/record.h).
+  target_compile_definitions(${target} INTERFACE
+    "$<BUILD_INTERFACE:PINTLE_PAGE_TEMPLATE=\"${PROJECT_BINARY_DIR}/page/pintle_page.html\">"
+    "$<INSTALL_INTERFACE:PINTLE_PAGE_TEMPLATE=\"$<INSTALL_PREFIX>/${CMAKE_INSTALL_DATADIR}/pintle/pintle_page.html\">")
   target_link_libraries(${target} PUBLIC PintleBullet::${precision} PRIVATE "$<BUILD_INTERFACE:Eigen3::Eigen>")
   add_library(pintle_extend_${precision} INTERFACE)
   add_library(pintle::extend_${precision} ALIAS pintle_extend_${precision})
@@ -75,11 +79,13 @@ function(pintle_install)
   install(DIRECTORY adapters/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
     PATTERN joint_rows.h EXCLUDE PATTERN prefetch.h EXCLUDE PATTERN row_writer.h EXCLUDE PATTERN solver_body.h EXCLUDE)
   install(DIRECTORY plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
-    PATTERN solver EXCLUDE
+    PATTERN solver EXCLUDE PATTERN record EXCLUDE
     PATTERN axis_part.h EXCLUDE PATTERN block.h EXCLUDE
     PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN joint_passes.h EXCLUDE PATTERN single_row.h EXCLUDE
     PATTERN turning.h EXCLUDE)
   install(FILES plugin/pintle/solver/exact_joint_solver.h DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/pintle/solver")
+  # Made with Node (demos/page): where there is none, a program names its own.
+  install(FILES "${PROJECT_BINARY_DIR}/page/pintle_page.html" DESTINATION "${CMAKE_INSTALL_DATADIR}/pintle" OPTIONAL)
   set(version_file "${PROJECT_BINARY_DIR}/pintle-config-version.cmake")
   write_basic_package_version_file("${version_file}" COMPATIBILITY SameMinorVersion)
   install(FILES adapters/cmake/pintle-config.cmake adapters/cmake/FindPintleBullet.cmake "${version_file}"

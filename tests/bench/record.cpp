@@ -1,0 +1,96 @@
+// What a Recorder adds to a step: worlds with and without one take turns, and each step counts with its shortest
+// time. Usage: record [repeats]
+
+#include <pintle/joints/quaternion_hinge.h>
+#include <pintle/record.h>
+#include <scenes/chain.h>
+#include <scenes/frame_scenes.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+namespace {
+
+using scenes::PintleJoints;
+using scenes::PlaygroundPtr;
+
+// A world of some kind, and what keeps it alive.
+struct Running {
+  std::shared_ptr<void> owner;
+  scenes::World* world;
+};
+
+Running chain(int links) {
+  const auto world = std::make_shared<scenes::World>();
+  const scenes::Scene scene = scenes::chain_scene(links, 1);
+  const std::vector<btRigidBody*> bodies = world->add_bodies(scene);
+  for (const scenes::Joint& joint : scene.joints)
+    world->add_joint<pintle::QuaternionHinge>(
+        *bodies[std::size_t(joint.a)], *bodies[std::size_t(joint.b)], scenes::to_bullet(joint.in_a),
+        scenes::to_bullet(joint.in_b), true);
+  return {world, world.get()};
+}
+
+Running keep(PlaygroundPtr scene) {
+  const std::shared_ptr<scenes::Playground> owner = std::move(scene);
+  return {owner, &owner->world()};
+}
+
+struct Case {
+  const char* name;
+  Running (*make)();
+};
+const Case cases[] = {{"chain of 10", [] { return chain(10); }},
+                      {"chain of 100", [] { return chain(100); }},
+                      {"20 ragdolls", [] { return keep(scenes::make_ragdolls<PintleJoints>({})); }},
+                      {"100 doors", [] { return keep(scenes::make_doors<PintleJoints>({})); }}};
+
+constexpr int steps = 240;
+constexpr double dt = 1. / 60;
+
+// us, of each step, with frames so often a second; 0: without a recorder.
+std::vector<double> run(const Case& of, double frames_per_second) {
+  using Clock = std::chrono::steady_clock;
+  const Running running = of.make();
+  std::unique_ptr<pintle::Recorder> recorder;
+  pintle::RecorderOptions options;
+  if (frames_per_second > 0) {
+    options.frames_per_second = frames_per_second;
+    recorder = std::make_unique<pintle::Recorder>(running.world->bullet(), options);
+  }
+  std::vector<double> times;
+  for (int i = 0; i < steps; ++i) {
+    const auto before = Clock::now();
+    running.world->bullet().stepSimulation(btScalar(dt), 0);
+    if (recorder) recorder->step();
+    times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+  }
+  return times;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int repeats = argc > 1 ? std::atoi(argv[1]) : 20;
+  const double rates[] = {0, 60, 30};  // Hz, of frames
+  std::printf("%-14s %12s %14s %14s\n", "world", "step us", "60 frames/s", "30 frames/s");
+  for (const Case& of : cases) {
+    std::vector<double> best[3];
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      for (int i = 0; i < 3; ++i) {
+        const std::vector<double> times = run(of, rates[i]);
+        if (best[i].empty()) best[i] = times;
+        for (std::size_t k = 0; k < times.size(); ++k) best[i][k] = std::min(best[i][k], times[k]);
+      }
+    }
+    double sum[3];
+    for (int i = 0; i < 3; ++i) sum[i] = std::accumulate(best[i].begin(), best[i].end(), 0.);
+    std::printf("%-14s %12.1f %+13.2f%% %+13.2f%%\n", of.name, sum[0] / steps,
+                100 * (sum[1] / sum[0] - 1), 100 * (sum[2] / sum[0] - 1));
+  }
+}
