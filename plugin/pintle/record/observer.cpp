@@ -174,6 +174,8 @@ void Observer::readContacts(Frame& frame) {
   btDispatcher& dispatcher = *m_world.getDispatcher();
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+    // Bullet has some between bodies that never move, too.
+    if (manifold.getBody0()->isStaticObject() && manifold.getBody1()->isStaticObject()) continue;
     for (int j = 0; j < manifold.getNumContacts(); ++j) {
       const btManifoldPoint& point = manifold.getContactPoint(j);
       if (point.getDistance() > 0 && !(point.getAppliedImpulse() > 0)) continue;

@@ -10,6 +10,7 @@ inline namespace PINTLE_PRECISION {
 namespace record {
 namespace {
 
+constexpr std::size_t max_written_contacts = 40;  // of a frame
 constexpr float not_there = std::numeric_limits<float>::quiet_NaN();
 
 // What is plotted over time: one number a frame.
@@ -46,14 +47,17 @@ class Analysis {
     for (const Constraint& constraint : recording.constraints)
       m_meters.emplace_back(constraint.description);
     for (const Frame& frame : recording.frames) measure(frame);
+    m_series[overshoot].unit = unitOfLimits();
   }
 
   std::string json() const {
     Json all('[');
     for (const Series& series : m_series) {
-      const bool is_known = std::any_of(series.values.begin(), series.values.end(),
-                                        [](float value) { return std::isfinite(value); });
-      if (!is_known) continue;
+      // What is nothing all the time, or not known, is left out.
+      const bool is_known =
+          std::any_of(series.values.begin(), series.values.end(),
+                      [](float value) { return std::isfinite(value) && value != 0; });
+      if (!is_known && !(&series == &m_series[gap] && std::isfinite(series.values[0]))) continue;
       Json one('{');
       one.text("key", series.key).text("label", series.label).text("unit", series.unit);
       all.item(one.raw("values", base64(series.values)).str());
@@ -62,6 +66,18 @@ class Analysis {
   }
 
  private:
+  const char* unitOfLimits() const {
+    bool lengths = false, angles = false;
+    for (const Constraint& constraint : m_recording.constraints) {
+      for (const Limit& limit : constraint.description.limits) {
+        const bool is_length =
+            limit.kind == Limit::Kind::slide || limit.kind == Limit::Kind::distance;
+        (is_length ? lengths : angles) = true;
+      }
+    }
+    return lengths && angles ? "rad or m" : lengths ? "m" : "rad";
+  }
+
   // In this order.
   enum {
     gap,
@@ -163,8 +179,15 @@ std::string Recording::json() const {
   std::vector<float> times, contact_counts, contact_points;
   for (const Frame& frame : frames) {
     times.push_back(float(frame.time));
-    contact_counts.push_back(float(frame.contacts.size()));
-    for (const Contact& contact : frame.contacts) {
+    // The strongest: a page is to stay small.
+    std::vector<Contact> contacts = frame.contacts;
+    if (contacts.size() > max_written_contacts) {
+      std::nth_element(contacts.begin(), contacts.begin() + max_written_contacts, contacts.end(),
+                       [](const Contact& a, const Contact& b) { return a.impulse > b.impulse; });
+      contacts.resize(max_written_contacts);
+    }
+    contact_counts.push_back(float(contacts.size()));
+    for (const Contact& contact : contacts) {
       contact_points.insert(contact_points.end(), contact.point, contact.point + 3);
       contact_points.push_back(contact.impulse);
     }
