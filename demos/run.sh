@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Builds the demos and runs them in single, then in double precision.
-#   run.sh [options of the demos]           every scene's table, beside the stock joints'
+#   run.sh                                  every scene's table, beside the stock joints', and the page that plays them
+#   run.sh [options of the demos]           tables alone
+#   run.sh page [--scene NAME]...           the page alone, of all scenes or of these
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [--all] [--case TEXT]    what becomes of joints under extreme conditions; --all: 10^6 steps too
 #   run.sh drawings                         draws the joints anew, to plugin/docs/drawings
@@ -15,7 +17,26 @@ build() {  # targets
   cmake --build --preset release --parallel "$(nproc)" --target "$@" >&2
 }
 
+# The gallery as one file. Where there is no Node, and none can be had, all else has run.
+make_page() {  # options of the gallery
+  local page=build/pintle.html form=build/release/page/pintle_page.html
+  pintle_install_page_packages
+  rm -f "$page"
+  build pintle_page pintle_gallery_double
+  if [ -f "$form" ]; then
+    build/release/demos/pintle_gallery_double "$page" --template "$form" "$@"
+    echo "$page plays the scenes side by side: open it in a browser."
+  else
+    echo "No page was made: it needs Node and npm (Debian: nodejs, npm). All else has run."
+  fi
+}
+
 case "${1-}" in
+page)
+  shift
+  pintle_install_packages
+  make_page "$@"
+  ;;
 report)
   shift
   source demos/report/report.sh
@@ -46,5 +67,6 @@ extreme)
   for precision in single double; do
     build/release/demos/pintle_demos_$precision --csv build/release/demos/results_$precision.csv "$@"
   done
+  [ $# -gt 0 ] || make_page
   ;;
 esac

@@ -25,3 +25,10 @@ pintle_install_packages() {  # more packages
   "${as_root[@]}" apt-get update
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
+
+# What the page needs, and more packages: Node, from wherever it comes. Without them there is no page, and no more is lost.
+pintle_install_page_packages() {
+  local packages=("$@")
+  { command -v node && command -v npm; } >/dev/null || packages+=(nodejs npm)
+  (pintle_install_packages ${packages[@]+"${packages[@]}"}) || echo "Without ${packages[*]}: the page, or its test, is left out" >&2
+}

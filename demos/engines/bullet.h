@@ -32,6 +32,7 @@ class BulletEngine : public Engine {
   void step(double dt) override { world_.step(dt); }
   State state(int body) const override;
   int rows() const override;
+  btDynamicsWorld* bullet_world() override { return &world_.bullet(); }
 
   btDiscreteDynamicsWorld& world() { return world_.bullet(); }
   btRigidBody& body(int index) { return *bodies_[size_t(index)]; }

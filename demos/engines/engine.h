@@ -9,6 +9,8 @@
 
 #include "../scenes/scene.h"
 
+class btDynamicsWorld;
+
 namespace engines {
 
 struct State {
@@ -27,6 +29,8 @@ class Engine {
   virtual State state(int body) const = 0;
   // Rows of all joints as they stand; 0: not known.
   virtual int rows() const { return 0; }
+  // For who looks at all that is in it, and draws it; null: it is none of Bullet's.
+  virtual btDynamicsWorld* bullet_world() { return nullptr; }
 };
 
 // Whether the number of iterations matters to a contender.

@@ -3,6 +3,7 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include "bullet.h"
 
@@ -34,7 +35,8 @@ bool is_free_tree(const Scene& scene) {
 class MultiBodyEngine : public Engine {
  public:
   explicit MultiBodyEngine(const Scene& scene)
-      : dispatcher_(&configuration_),
+      : scene_(scene),
+        dispatcher_(&configuration_),
         world_(&dispatcher_, &broadphase_, &solver_, &configuration_),
         tree_(int(scene.joints.size()), 0, btVector3(0, 0, 0), true, false) {
     world_.setGravity(btVector3(0, 0, btScalar(-scene.gravity)));
@@ -46,7 +48,10 @@ class MultiBodyEngine : public Engine {
     world_.addMultiBody(&tree_);
     look();
   }
-  ~MultiBodyEngine() override { world_.removeMultiBody(&tree_); }
+  ~MultiBodyEngine() override {
+    for (const auto& collider : colliders_) world_.removeCollisionObject(collider.get());
+    world_.removeMultiBody(&tree_);
+  }
 
   void drive(double, double) override {}
   void step(double dt) override { world_.stepSimulation(btScalar(dt), 0); }
@@ -62,6 +67,23 @@ class MultiBodyEngine : public Engine {
     state.velocity = state.pose.linear() * scenes::to_eigen(linear_[body]);
     state.angular_velocity = state.pose.linear() * scenes::to_eigen(angular_[body]);
     return state;
+  }
+
+  // Links have shapes from then on, which collide with nothing.
+  btDynamicsWorld* bullet_world() override {
+    if (!colliders_.empty()) return &world_;
+    for (int i = 0; i < tree_.getNumLinks(); ++i) {
+      shapes_.push_back(scenes::make_shape(scene_.bodies[size_t(i) + 1]));
+      colliders_.push_back(std::make_unique<btMultiBodyLinkCollider>(&tree_, i));
+      colliders_.back()->setCollisionShape(shapes_.back().get());
+      tree_.getLink(i).m_collider = colliders_.back().get();
+      world_.addCollisionObject(colliders_.back().get(), 0, 0);
+    }
+    btAlignedObjectArray<btQuaternion> turns;
+    btAlignedObjectArray<btVector3> origins;
+    tree_.forwardKinematics(turns, origins);
+    tree_.updateCollisionObjectWorldTransforms(turns, origins);
+    return &world_;
   }
 
  private:
@@ -111,6 +133,9 @@ class MultiBodyEngine : public Engine {
     tree_.compTreeLinkVelocities(&angular_[0], &linear_[0]);
   }
 
+  const Scene scene_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;

@@ -44,6 +44,7 @@ Joint& Scene::connect(Kind kind, int a, int b, const Isometry3d& frame) {
 
 Body Scene::ground() {
   Body body;
+  body.half_extents = Vector3d::Constant(0.05);  // to be seen
   body.pose.setIdentity();
   return body;
 }
@@ -56,6 +57,36 @@ Body box(double mass, const Vector3d& half_extents, const Vector3d& position,
   const Vector3d squares = half_extents.cwiseAbs2();
   body.inertia = mass / 3 * (Vector3d::Constant(squares.sum()) - squares);
   body.pose = Eigen::Translation3d(position) * turn;
+  return body;
+}
+
+Body sphere(double mass, double radius, const Vector3d& position) {
+  Body body = box(mass, Vector3d::Constant(radius), position);
+  body.form = Form::sphere;
+  body.inertia = Vector3d::Constant(0.4 * mass * radius * radius);
+  return body;
+}
+
+Body cylinder(double mass, double radius, double half_height, const Vector3d& position,
+              const Eigen::Quaterniond& turn) {
+  Body body = box(mass, {radius, radius, half_height}, position, turn);
+  body.form = Form::cylinder;
+  const double across = mass * (radius * radius / 4 + half_height * half_height / 3);
+  body.inertia = {across, across, mass * radius * radius / 2};
+  return body;
+}
+
+Body capsule(double mass, double radius, double half_height, const Vector3d& position,
+             const Eigen::Quaterniond& turn) {
+  // As a cylinder of its whole length: near enough for a limb.
+  Body body = cylinder(mass, radius, half_height + radius, position, turn);
+  body.form = Form::capsule;
+  body.half_extents.z() = half_height;
+  return body;
+}
+
+Body solid(Body body) {
+  body.collides = true;
   return body;
 }
 

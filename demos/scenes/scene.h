@@ -18,9 +18,16 @@ namespace scenes {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+enum class Form {
+  box,
+  sphere,   // of radius half_extents.x
+  capsule,  // along z: of radius half_extents.x, its caps' centres half_extents.z from its own
+  cylinder  // along z
+};
+
 struct Body {
   double mass = 0;                        // kg; 0: does not move
-  Vector3d half_extents = {1, 1, 1};      // m, of the box that it is
+  Vector3d half_extents = {1, 1, 1};      // m, of the box that it is, or as its form has it
   Vector3d inertia = {0, 0, 0};           // kg m^2, about its axes
   Isometry3d pose;                        // of its centre of mass
   Vector3d velocity = {0, 0, 0};          // m/s
@@ -28,6 +35,7 @@ struct Body {
   Vector3d torque = {0, 0, 0};            // N m, world: acts all the time
   double damping = 0;                     // the part of its speeds that Bullet takes away a second
   bool collides = false;
+  Form form = Form::box;
 };
 
 // What a joint's own frames mean is Bullet's convention for its kind.
@@ -127,6 +135,15 @@ struct Scene {
 // A homogeneous one, upright at a point unless turned.
 Body box(double mass, const Vector3d& half_extents, const Vector3d& position,
          const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+
+// The same of other forms; along z unless turned.
+Body sphere(double mass, double radius, const Vector3d& position);
+Body cylinder(double mass, double radius, double half_height, const Vector3d& position,
+              const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+Body capsule(double mass, double radius, double half_height, const Vector3d& position,
+             const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+// One that collides.
+Body solid(Body body);
 
 // Lets a body turn about a point of the world, which stays where it is.
 void spin(Body& body, const Vector3d& angular_velocity, const Vector3d& about);

@@ -13,6 +13,9 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
@@ -86,7 +89,11 @@ class World {
   // Mass 0 makes a static body.
   btRigidBody& add_box(double mass, const btVector3& half_extents, const btTransform& pose,
                        bool collides = false) {
-    shapes_.push_back(std::make_unique<btBoxShape>(half_extents));
+    return add(mass, std::make_unique<btBoxShape>(half_extents), pose, collides);
+  }
+  btRigidBody& add(double mass, std::unique_ptr<btCollisionShape> shape, const btTransform& pose,
+                   bool collides) {
+    shapes_.push_back(std::move(shape));
     btVector3 inertia(0, 0, 0);
     if (mass > 0) shapes_.back()->calculateLocalInertia(btScalar(mass), inertia);
     btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, shapes_.back().get(),
@@ -137,7 +144,7 @@ class World {
   btDbvtBroadphase broadphase_;
   std::unique_ptr<btConstraintSolver> solver_;
   btDiscreteDynamicsWorld world_;
-  std::vector<std::unique_ptr<btBoxShape>> shapes_;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
   std::vector<std::unique_ptr<btTypedConstraint>> joints_;
   double microseconds_ = 0;
@@ -162,11 +169,21 @@ inline btTransform to_bullet(const Isometry3d& pose) {
   return btTransform(matrix_to_bullet(pose.linear()), to_bullet(pose.translation().eval()));
 }
 
+inline std::unique_ptr<btCollisionShape> make_shape(const Body& body) {
+  const btVector3 half = to_bullet(body.half_extents);
+  switch (body.form) {
+    case Form::box: break;
+    case Form::sphere: return std::make_unique<btSphereShape>(half.x());
+    case Form::capsule: return std::make_unique<btCapsuleShapeZ>(half.x(), 2 * half.z());
+    case Form::cylinder: return std::make_unique<btCylinderShapeZ>(half);
+  }
+  return std::make_unique<btBoxShape>(half);
+}
+
 inline std::vector<btRigidBody*> World::add_bodies(const Scene& scene) {
   std::vector<btRigidBody*> added;
   for (const Body& from : scene.bodies) {
-    added.push_back(
-        &add_box(from.mass, to_bullet(from.half_extents), to_bullet(from.pose), from.collides));
+    added.push_back(&add(from.mass, make_shape(from), to_bullet(from.pose), from.collides));
     btRigidBody& body = *added.back();
     if (from.mass == 0) continue;
     body.setMassProps(btScalar(from.mass), to_bullet(from.inertia));

@@ -1,0 +1,182 @@
+// Runs the gallery's scenes with each contender, and writes the recordings as one page.
+
+#include <pintle/record.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "engines/engine.h"
+#include "measures/run.h"
+#include "scenes/gallery.h"
+
+namespace {
+
+using engines::Engine;
+using scenes::Exhibit;
+
+constexpr double dt = 1. / 60;
+// Of a run: a page of all scenes is to stay small.
+constexpr double max_poses = 40e3;  // bytes
+constexpr double max_frames = 200;
+
+// Records the engine that it drives.
+class Recorded : public Engine {
+ public:
+  Recorded(std::unique_ptr<Engine> engine, const pintle::RecorderOptions& options)
+      : engine_(std::move(engine)), recorder_(*engine_->bullet_world(), options) {}
+
+  void drive(double time, double length) override { engine_->drive(time, length); }
+  void step(double length) override {
+    recorder_.begin();
+    engine_->step(length);
+    recorder_.step();
+  }
+  engines::State state(int body) const override { return engine_->state(body); }
+  int rows() const override { return engine_->rows(); }
+  pintle::Recorder& recorder() { return recorder_; }
+
+ private:
+  std::unique_ptr<Engine> engine_;
+  pintle::Recorder recorder_;
+};
+
+// A contender as it is shown.
+struct Kind {
+  const char *contender, *name;
+  int iterations;
+  const char* detail;
+};
+const Kind kinds[] = {
+    {"stock", "stock", 10, "Bullet's joints, sequential impulses, 10 iterations"},
+    {"pintle", "pintle", 10, "Pintle's joints, sequential impulses, 10 iterations"},
+    {"exact", "exact", 10, "Pintle's joints on ExactJointSolver"},
+    {"multibody", "multibody", 10, "btMultiBody, reduced coordinates"},
+    {"stock", "stock, 50 iterations", 50, "Bullet's joints, sequential impulses, 50 iterations"},
+    {"pintle", "pintle, 50 iterations", 50, "Pintle's joints, sequential impulses, 50 iterations"},
+};
+
+struct Words {
+  const char *label, *unit;
+};
+Words words(scenes::Error error) {
+  switch (error) {
+    case scenes::Error::gap: return {"gap, mean of the worst", "m"};
+    case scenes::Error::axis: return {"angle off, mean of the worst", "rad"};
+    case scenes::Error::overshoot: return {"beyond a limit, most", "rad"};
+    case scenes::Error::energy: return {"energy, largest change", "relative"};
+    case scenes::Error::gained: return {"energy, largest gain", "relative"};
+    case scenes::Error::momentum: return {"momentum, largest change", "relative"};
+    case scenes::Error::trajectory: return {"distance from the true path", "m"};
+    case scenes::Error::recovery: return {"time to come together", "s"};
+    case scenes::Error::count: break;
+  }
+  return {"", ""};
+}
+
+// A rate at which the poses of what moves have room.
+double frame_rate(const scenes::Scene& scene) {
+  double moving = 0;
+  for (const scenes::Body& body : scene.bodies) moving += body.mass > 0 ? 1 : 0;
+  const double frames = std::min(max_frames, max_poses / (28 * moving));
+  const double wanted = frames / scene.seconds;
+  for (const double rate : {60., 30., 20.}) {
+    if (wanted >= rate) return rate;
+  }
+  return 15;
+}
+
+using Runs = std::vector<std::unique_ptr<Recorded>>;
+
+void record(const Exhibit& exhibit, const Kind& kind, Runs& runs) {
+  const engines::Contender& contender = *engines::find_contender(kind.contender);
+  if (kind.iterations != 10 && !contender.iterates_in(exhibit.scene)) return;
+  std::unique_ptr<Engine> engine = contender.make(exhibit.scene, kind.iterations);
+  if (!engine || engine->bullet_world() == nullptr) return;
+  pintle::RecorderOptions options;
+  options.name = kind.name;
+  options.scene = exhibit.scene.name;
+  options.title = exhibit.title;
+  options.text = exhibit.text;
+  options.group = exhibit.group;
+  options.detail = kind.detail;
+  options.frames_per_second = frame_rate(exhibit.scene);
+  options.measure_forces = true;
+  runs.push_back(std::make_unique<Recorded>(std::move(engine), options));
+  Recorded& recorded = *runs.back();
+  const measures::Outcome outcome = measures::run(exhibit.scene, recorded, dt);
+  for (const scenes::Error error : exhibit.scene.errors) {
+    const Words text = words(error);
+    recorded.recorder().addFigure(text.label, text.unit, outcome[error]);
+  }
+  recorded.recorder().addFigure("time of a step", "us", 1e6 * outcome.seconds / outcome.steps);
+}
+
+// Scenes of one name are told apart by their place.
+std::vector<Exhibit> named_apart() {
+  std::vector<Exhibit> all = scenes::gallery();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (all[k].scene.name == all[i].scene.name) all[i].scene.name += "_" + std::to_string(i);
+    }
+  }
+  return all;
+}
+
+int usage(std::FILE* to) {
+  std::fprintf(to,
+               "Writes the gallery of scenes as one page.\n"
+               "  gallery FILE [--scene NAME]... [--template FILE] [--list]\n");
+  return to == stdout ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int run(int argc, char** argv) {
+  std::string page, form;
+  std::vector<std::string> wanted;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--help") return usage(stdout);
+    if (argument == "--list") {
+      for (const Exhibit& exhibit : named_apart())
+        std::printf("%-20s %s\n", exhibit.scene.name.c_str(), exhibit.title.c_str());
+      return EXIT_SUCCESS;
+    }
+    if (argument == "--scene" && i + 1 < argc) {
+      wanted.push_back(argv[++i]);
+    } else if (argument == "--template" && i + 1 < argc) {
+      form = argv[++i];
+    } else if (page.empty() && argument[0] != '-') {
+      page = argument;
+    } else {
+      return usage(stderr);
+    }
+  }
+  if (page.empty()) return usage(stderr);
+
+  Runs runs;
+  for (const Exhibit& exhibit : named_apart()) {
+    bool is_wanted = wanted.empty();
+    for (const std::string& name : wanted) is_wanted = is_wanted || name == exhibit.scene.name;
+    if (!is_wanted) continue;
+    for (const Kind& kind : kinds) record(exhibit, kind, runs);
+  }
+  pintle::Recordings recordings;
+  for (const auto& recorded : runs) recordings.push_back(recorded->recorder());
+  pintle::writePage(page, recordings, form);
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

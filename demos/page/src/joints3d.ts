@@ -1,0 +1,248 @@
+// Joints as they stand: anchors, axes, limits and the gap between anchors.
+
+import * as THREE from 'three';
+
+import type {Joint, Limit, OpenRun} from './data';
+import {Many} from './many';
+import {radiusOf} from './shapes';
+
+export interface JointOptions {
+  joints: boolean;
+  limits: boolean;
+  magnified: boolean;  // gaps, ten times
+}
+
+const gapColour = '#e5173f', anchorColour = '#f2c200', axisColour = '#2b2b2b', limitColour = '#8a4fd0';
+
+// Seen through bodies.
+function overlay(colour: string, opacity = 1): THREE.MeshBasicMaterial {
+  return new THREE.MeshBasicMaterial({
+    color: colour, transparent: true, opacity, depthTest: false, depthWrite: false, side: THREE.DoubleSide, fog: false,
+  });
+}
+
+function copies(geometry: THREE.BufferGeometry, material: THREE.MeshBasicMaterial, count: number, order: number): Many {
+  const many = new Many(geometry, Math.max(1, count), material, false);
+  many.mesh.renderOrder = order;
+  geometry.dispose();
+  return many;
+}
+
+// A fan of directions about a centre, of unit length.
+function fan(directions: THREE.Vector3[], closed: boolean): THREE.BufferGeometry {
+  const points: number[] = [];
+  const last = closed ? directions.length : directions.length - 1;
+  for (let i = 0; i < last; ++i) {
+    const from = directions[i]!, to = directions[(i + 1) % directions.length]!;
+    points.push(0, 0, 0, from.x, from.y, from.z, to.x, to.y, to.z);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(points, 3));
+  return geometry;
+}
+
+function arc(low: number, high: number): THREE.BufferGeometry {
+  const directions: THREE.Vector3[] = [];
+  const steps = Math.max(2, Math.ceil(Math.abs(high - low) / 0.12));
+  // What spans more than a turn is a spiral, so that its turns are told apart.
+  const turns = (high - low) / (2 * Math.PI);
+  for (let i = 0; i <= steps; ++i) {
+    const part = i / steps, angle = low + part * (high - low);
+    const radius = turns > 1 ? 0.55 + 0.45 * part : 1;
+    directions.push(new THREE.Vector3(radius * Math.cos(angle), radius * Math.sin(angle), 0));
+  }
+  return fan(directions, false);
+}
+
+function cone(aboutY: number, aboutZ: number): THREE.BufferGeometry {
+  const directions: THREE.Vector3[] = [];
+  for (let i = 0; i < 40; ++i) {
+    const angle = (2 * Math.PI * i) / 40, y = Math.cos(angle), z = Math.sin(angle);
+    const swing = Math.min(Math.PI, 1 / Math.hypot(y / Math.max(aboutY, 1e-3), z / Math.max(aboutZ, 1e-3)));
+    directions.push(new THREE.Vector3(1, 0, 0).applyAxisAngle(new THREE.Vector3(0, y, z), swing));
+  }
+  return fan(directions, true);
+}
+
+// In the frame it stands in: that of a, or of b.
+function limitGeometry(limit: Limit): {geometry: THREE.BufferGeometry; inB: boolean} | null {
+  switch (limit.kind) {
+    case 'angle':
+    case 'wedge': return {geometry: arc(limit.low, limit.high), inB: false};
+    case 'twist': {
+      const geometry = arc(limit.low, limit.high).scale(0.5, 0.5, 0.5);
+      geometry.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(1, 0, 0)));
+      return {geometry: geometry.translate(0.25, 0, 0), inB: true};
+    }
+    case 'cone':
+      if (limit.low >= Math.PI && limit.high >= Math.PI) return null;
+      return {geometry: cone(limit.low, limit.high), inB: true};
+    case 'bend': return {geometry: cone(limit.high, limit.high), inB: false};
+    case 'slide':
+    case 'distance': return null;  // drawn in metres, by lines
+  }
+}
+
+const anchorA = new THREE.Vector3(), anchorB = new THREE.Vector3(), direction = new THREE.Vector3(),
+      matrix = new THREE.Matrix4(), scale = new THREE.Vector3(), turn = new THREE.Quaternion(),
+      middle = new THREE.Vector3(), up = new THREE.Vector3(0, 1, 0), frameA = new THREE.Matrix4(), frameB = new THREE.Matrix4();
+
+function frame(of: number[], to: THREE.Matrix4): THREE.Matrix4 {
+  const [x, y, z, qx, qy, qz, qw] = of as [number, number, number, number, number, number, number];
+  return to.compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), new THREE.Vector3(1, 1, 1));
+}
+
+interface Drawn {
+  joint: Joint;
+  inA: THREE.Matrix4;
+  inB: THREE.Matrix4;
+  size: number;      // m
+  axis: THREE.Vector3 | null;  // of frame a: what it turns about or slides along
+  slides: Limit[];
+}
+
+interface LimitGroup {
+  many: Many;
+  joints: Drawn[];
+  inB: boolean;
+}
+
+/** The joints of one run in one pane. */
+export class Joints3d {
+  readonly group = new THREE.Group();
+  readonly gaps: Many;
+  private readonly drawn: Drawn[] = [];
+  private readonly visibleGap: number;  // m
+  private readonly sparse: boolean;
+  private readonly anchorsA: Many;
+  private readonly anchorsB: Many;
+  private readonly axes: Many;
+  private readonly slides: Many;
+  private readonly limits: LimitGroup[] = [];
+
+  /** `plain`: for a renderer in software, where of many joints no more than anchors and gaps are drawn. */
+  constructor(private readonly run: OpenRun, sceneRadius: number, plain: boolean) {
+    this.visibleGap = 4e-4 * sceneRadius;
+    this.sparse = plain && run.joints.length > 150;
+    const groups = new Map<string, {geometry: THREE.BufferGeometry; inB: boolean; joints: Drawn[]}>();
+    for (const joint of run.joints) {
+      if (joint.inA === null || joint.inB === null) continue;
+      const radii = [joint.a, joint.b].filter((body) => body >= 0 && run.bodies[body]!.mass > 0)
+        .map((body) => radiusOf(run.shapes[run.bodies[body]!.shape]!));
+      const size = Math.min(Math.max(0.7 * Math.min(...radii, sceneRadius), 0.012 * sceneRadius), 0.16 * sceneRadius);
+      const axis = joint.align === 'z' || joint.limits.some((l) => l.kind === 'angle' || l.kind === 'wedge') ? new THREE.Vector3(0, 0, 1)
+        : joint.align === 'x' || (joint.align === 'all' && joint.holds[0] === 0) ? new THREE.Vector3(1, 0, 0)
+        : joint.align === 'across' ? new THREE.Vector3(0, 0, 1) : null;
+      const one: Drawn = {
+        joint, size, axis,
+        inA: frame(joint.inA, new THREE.Matrix4()),
+        inB: frame(joint.inB, new THREE.Matrix4()),
+        slides: joint.limits.filter((limit) => limit.kind === 'slide' && limit.high - limit.low < 1e3),
+      };
+      this.drawn.push(one);
+      for (const limit of joint.limits) {
+        const key = [limit.kind, limit.axis, limit.low, limit.high].join();
+        let group = groups.get(key);
+        if (group === undefined) {
+          const made = limitGeometry(limit);
+          if (made === null) continue;
+          group = {...made, joints: []};
+          groups.set(key, group);
+        }
+        group.joints.push(one);
+      }
+    }
+    const count = this.drawn.length;
+    const ball = count > 100 ? new THREE.OctahedronGeometry(1) : new THREE.IcosahedronGeometry(1, 2);
+    const rod = new THREE.CylinderGeometry(1, 1, 1, count > 100 ? 3 : 8, 1, true);
+    this.anchorsA = copies(ball, overlay(anchorColour, 0.95), count, 12);
+    this.anchorsB = copies(ball, overlay('#ffffff', 0.95), count, 13);
+    this.axes = copies(rod, overlay(axisColour, 0.95), count, 11);
+    this.slides = copies(rod, overlay(limitColour, 0.95), 3 * count, 11);
+    this.gaps = copies(rod, overlay(gapColour, 0.95), count, 14);
+    for (const {geometry, inB, joints} of groups.values())
+      this.limits.push({many: copies(geometry, overlay(limitColour, 0.3), joints.length, 10), joints, inB});
+    this.group.add(...this.all().map((many) => many.mesh));
+  }
+
+  private all(): Many[] {
+    return [this.anchorsA, this.anchorsB, this.axes, this.slides, this.gaps, ...this.limits.map(({many}) => many)];
+  }
+
+  /** `poseOf`: the matrix of a body, null where it is not drawn. */
+  update(frameIndex: number, poseOf: (body: number) => THREE.Matrix4 | null, options: JointOptions, dark: boolean): void {
+    let anchors = 0, axes = 0, gaps = 0, slides = 0;
+    (this.axes.mesh.material as THREE.MeshBasicMaterial).color.set(dark ? '#f2f2f2' : axisColour);
+    const shown = new Set<Drawn>();
+    for (const one of this.drawn) {
+      if (!this.run.isAlive(one.joint.alive, frameIndex)) continue;
+      const a = poseOf(one.joint.a), b = poseOf(one.joint.b);
+      if (a === null || b === null) continue;
+      shown.add(one);
+      frameA.multiplyMatrices(a, one.inA);
+      frameB.multiplyMatrices(b, one.inB);
+      anchorA.setFromMatrixPosition(frameA);
+      anchorB.setFromMatrixPosition(frameB);
+      const thick = 0.055 * one.size;
+      if (options.joints) {
+        this.ball(this.anchorsA, anchors, anchorA, 0.11 * one.size);
+        if (!this.sparse) this.ball(this.anchorsB, anchors, anchorB, 0.06 * one.size);
+        ++anchors;
+        if (one.axis !== null && !this.sparse) {
+          direction.copy(one.axis).transformDirection(frameA).multiplyScalar(one.size);
+          this.rod(this.axes, axes++, anchorA.clone().sub(direction), anchorA.clone().add(direction), 0.5 * thick);
+        }
+      }
+      if (options.limits) {
+        for (const slide of one.slides) {
+          direction.setFromMatrixColumn(frameA, slide.axis);
+          this.rod(this.slides, slides++, anchorA.clone().addScaledVector(direction, slide.low),
+                   anchorA.clone().addScaledVector(direction, slide.high), 0.6 * thick);
+        }
+      }
+      direction.subVectors(anchorB, anchorA);
+      // Only what the joint holds is a gap: not the way along a slider.
+      for (let axis = 0; axis < 3; ++axis) {
+        if (one.joint.holds[axis] !== 0) continue;
+        middle.setFromMatrixColumn(frameA, axis);
+        direction.addScaledVector(middle, -direction.dot(middle));
+      }
+      if (options.joints && direction.length() > this.visibleGap / (options.magnified ? 10 : 1) && one.joint.holds.some((held) => held !== 0)) {
+        const end = anchorA.clone().addScaledVector(direction, options.magnified ? 10 : 1);
+        this.rod(this.gaps, gaps++, anchorA, end, thick);
+      }
+    }
+    this.finish(this.anchorsA, anchors);
+    this.finish(this.anchorsB, this.sparse ? 0 : anchors);
+    this.finish(this.axes, axes);
+    this.finish(this.gaps, gaps);
+    this.finish(this.slides, slides);
+    for (const {many, joints, inB} of this.limits) {
+      let count = 0;
+      for (const one of options.limits ? joints : []) {
+        if (!shown.has(one)) continue;
+        const from = inB ? poseOf(one.joint.b)! : poseOf(one.joint.a)!;
+        matrix.multiplyMatrices(from, inB ? one.inB : one.inA);
+        many.setMatrix(count++, matrix.scale(scale.setScalar(1.25 * one.size)));
+      }
+      this.finish(many, count);
+    }
+  }
+
+  private ball(many: Many, index: number, at: THREE.Vector3, radius: number): void {
+    many.setMatrix(index, matrix.makeScale(radius, radius, radius).setPosition(at));
+  }
+  private rod(many: Many, index: number, from: THREE.Vector3, to: THREE.Vector3, radius: number): void {
+    const way = to.clone().sub(from), length = way.length();
+    turn.setFromUnitVectors(up, way.divideScalar(Math.max(length, 1e-12)));
+    many.setMatrix(index, matrix.compose(middle.addVectors(from, to).multiplyScalar(0.5), turn, scale.set(radius, length, radius)));
+  }
+  private finish(many: Many, count: number): void {
+    many.setCount(count);
+    if (count > 0) many.update();
+  }
+
+  dispose(): void {
+    for (const many of this.all()) many.dispose();
+  }
+}
