@@ -14,6 +14,8 @@ source tests/setup.sh
 packages=()
 [ "$preset" != sanitizers ] || packages+=(clang libclang-rt-dev)
 pintle_install_packages ${packages[@]+"${packages[@]}"}
+# For the tests of the page, which are skipped without them.
+[ "$preset" = sanitizers ] || pintle_install_page_packages chromium
 
 cmake --preset "$preset"
 cmake --build --preset "$preset" --parallel "$(nproc)" --target pintle_tests

@@ -1,0 +1,216 @@
+// The page as a user has it: in a browser, with mouse and keys. What is drawn is read from the scene graph.
+import assert from 'node:assert/strict';
+import {readFileSync, statSync, writeFileSync} from 'node:fs';
+import {after, before, test} from 'node:test';
+
+const {chromium} = await import(process.env.PINTLE_PLAYWRIGHT);
+const file = process.env.PINTLE_PAGE, pictures = process.env.PINTLE_PICTURES;
+const html = readFileSync(file, 'utf8');
+const open = '<script type="application/json" class="pintle-run">';
+const runs = html.split(open).slice(1).map((part) => JSON.parse(part.slice(0, part.indexOf('</script>'))));
+const scenes = [...new Set(runs.map((run) => run.scene))];
+
+// The same page with other recordings, given as text.
+const head = html.slice(0, html.indexOf(open)), tail = html.slice(html.indexOf('</script>', html.lastIndexOf(open)) + 9);
+const writePage = (name, texts) => {
+  writeFileSync(`${file}.${name}.html`, head + texts.map((text) => `${open}${text}</script>\n`).join('') + tail);
+  return `file://${file}.${name}.html`;
+};
+const few = ['rope_bridge', 'valve', 'chain_heavy', 'valve_9', 'chain'];  // they open sooner than all
+const small = writePage('few', runs.filter((run) => few.includes(run.scene)).map((run) => JSON.stringify(run)));
+
+const floats = (base64) => {
+  const bytes = Buffer.from(base64, 'base64');
+  return Array.from({length: bytes.length / 4}, (_, i) => bytes.readFloatLE(4 * i));
+};
+
+let browser, page, errors;
+const state = () => page.evaluate(() => window.pintle.state());
+const newPage = async (options = {}) => {
+  const made = await browser.newPage({viewport: {width: 800, height: 450}, reducedMotion: 'reduce', ...options});
+  errors = [];
+  made.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
+  made.on('pageerror', (error) => errors.push(error.message));
+  made.on('request', (request) => request.url().startsWith('http') && errors.push(`asked for ${request.url()}`));
+  return made;
+};
+const drawn = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+before(async () => {
+  browser = await chromium.launch({
+    executablePath: process.env.PINTLE_BROWSER,
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+  });
+  page = await newPage();
+  await page.goto(`file://${file}`);
+});
+after(() => browser?.close());
+
+test('is small, and asks for nothing else', () => {
+  assert.ok(statSync(file).size < 8e6, `${statSync(file).size} bytes`);
+  assert.doesNotMatch(html, /<(script|link|img)[^>]+(src|href)="https?:/);
+});
+
+test('the gallery lists every scene', async () => {
+  assert.deepEqual((await state()).scenes.map((scene) => scene.name), scenes);
+  assert.equal(await page.locator('.card').count(), scenes.length);
+  await page.locator('.card canvas.drawn').first().waitFor({timeout: 20000});
+  await page.screenshot({path: `${pictures}/gallery.png`});
+  assert.deepEqual(errors, []);
+});
+
+test('every scene opens, and its bodies stand as they were recorded', async () => {
+  for (const scene of scenes) {
+    await page.evaluate((name) => (location.hash = `#scene=${encodeURIComponent(name)}&time=0`), scene);
+    await page.waitForFunction((name) => window.pintle.state().scene === name, scene);
+    const first = runs.find((run) => run.scene === scene);
+    const times = floats(first.times), poses = floats(first.poses);
+    const frame = Math.floor(0.6 * times.length);
+    await page.evaluate((time) => {
+      const scrubber = document.getElementById('scrubber');
+      scrubber.value = String(time);
+      scrubber.dispatchEvent(new Event('input'));
+    }, times[frame]);
+    await drawn();
+    const now = await state();
+    assert.ok(Math.abs(now.time - times[frame]) < 1e-3, scene);
+    const pane = now.panes[0];
+    assert.equal(pane.run, first.name);
+    first.bodies.forEach((body, index) => {
+      if (body.track === undefined) return;
+      const pose = poses.slice(7 * (body.track * times.length + frame));
+      const matrix = pane.bodies[index];
+      if (!pose.slice(0, 7).every(Number.isFinite)) return assert.equal(matrix, null, `${scene}, body ${index}`);
+      const size = 1 + Math.hypot(...pose.slice(0, 3));
+      const [x, y, z, w] = pose.slice(3, 7);
+      const wanted = [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)];
+      for (let i = 0; i < 3; ++i) {
+        assert.ok(Math.abs(matrix[12 + i] - pose[i]) < 2e-3 * size, `${scene}, body ${index}: ${matrix[12 + i]} and ${pose[i]}`);
+        assert.ok(Math.abs(matrix[i] - wanted[i]) < 0.02, `${scene}, body ${index}, turn`);
+      }
+    });
+    await page.screenshot({path: `${pictures}/${scene}.png`});
+    assert.deepEqual(errors, [], scene);
+  }
+});
+
+test('the plots have the clock as a cursor, and a click goes there', async () => {
+  await page.goto('about:blank');
+  await page.setViewportSize({width: 1280, height: 720});
+  await page.goto(`${small}#scene=chain_heavy&time=1.2`);
+  await drawn();
+  const cursor = () => page.evaluate(() => window.pintle.cursorTime('gap'));
+  assert.ok(Math.abs((await cursor()) - 1.2) < 0.02, `${await cursor()}`);
+  const box = await page.locator('.plot[data-key="gap"] .u-over').boundingBox();
+  await page.mouse.click(box.x + 0.7 * box.width, box.y + 20);
+  await drawn();
+  const {time} = await state();
+  assert.ok(Math.abs(time - 0.7 * 5) < 0.05, `${time}`);
+  assert.ok(Math.abs((await cursor()) - time) < 0.02);
+});
+
+test('keys play, step, change panes, speed and options', async () => {
+  const press = async (key) => {
+    await page.keyboard.press(key);
+    await drawn();
+    return state();
+  };
+  const times = floats(runs.find((run) => run.scene === 'chain_heavy').times);
+  await press('Home');
+  let now = await press('ArrowRight');
+  assert.ok(Math.abs(now.time - times[1]) < 1e-4);
+  now = await press('Shift+ArrowRight');
+  assert.ok(Math.abs(now.time - times[11]) < 1e-4);
+  now = await press('ArrowLeft');
+  assert.ok(Math.abs(now.time - times[10]) < 1e-4);
+  assert.equal((await press('End')).time, times[times.length - 1]);
+  await press('Home');
+  assert.equal((await press('Space')).playing, true);
+  await page.waitForFunction(() => window.pintle.state().time > 0.1);
+  assert.equal((await press('Space')).playing, false);
+  assert.equal((await press('[')).speed, 0.5);
+  assert.equal((await press(']')).speed, 1);
+  assert.equal((await press('2')).panes.length, 2);
+  assert.equal((await press('4')).panes.length, 4);
+  for (const [key, option] of [['j', 'joints'], ['l', 'limits'], ['g', 'magnified'], ['c', 'contacts'], ['h', 'shadows']]) {
+    const before = (await state()).options[option];
+    assert.equal((await press(key)).options[option], !before, option);
+    await press(key);
+  }
+  const {view} = await state();
+  assert.notDeepEqual((await press('a')).view, view);
+  assert.notDeepEqual((await press('Shift+D')).view.slice(3), view.slice(3));
+  await press('f');
+  (await press('?'));
+  assert.equal(await page.locator('#keys').evaluate((dialog) => dialog.open), true);
+  await press('Escape');
+  const scene = (await press('n')).scene;
+  assert.equal(scene, 'valve_9');
+  assert.equal((await press('p')).scene, 'chain_heavy');
+  assert.equal((await press('Escape')).scene, null);
+  assert.equal((await press('Enter')).scene, 'chain_heavy');  // the card that it came from
+  assert.deepEqual(errors, []);
+});
+
+test('a link keeps scene, panes, time and camera', async () => {
+  await page.keyboard.press('Home');
+  await page.keyboard.press('2');
+  await page.keyboard.press('Shift+ArrowRight');
+  await page.keyboard.press('d');
+  await page.waitForTimeout(500);
+  const was = await state(), link = page.url();
+  await page.goto('about:blank');
+  await page.goto(link);
+  await drawn();
+  const now = await state();
+  assert.equal(now.scene, was.scene);
+  assert.deepEqual(now.panes.map((pane) => pane.run), was.panes.map((pane) => pane.run));
+  assert.ok(Math.abs(now.time - was.time) < 1e-3);
+  now.view.forEach((value, i) => assert.ok(Math.abs(value - was.view[i]) < 1e-2 * (1 + Math.abs(value))));
+});
+
+test('the table compares what is shown, and a point opens its run', async () => {
+  await page.click('#tab-table');
+  assert.equal(await page.locator('#table thead th').count(), 2);
+  await page.click('#tab-tradeoff');
+  const points = page.locator('#tradeoff .point');
+  assert.ok((await points.count()) >= 4);
+  await page.locator('#tradeoff .point[aria-label^="Open multibody"]').press('Enter');
+  assert.ok((await state()).panes.some((pane) => pane.run === 'multibody'));
+  assert.deepEqual(errors, []);
+});
+
+test('damaged recordings are said, and the others are shown', async () => {
+  const short = JSON.parse(JSON.stringify(runs.find((run) => run.scene === 'chain')));
+  const lost = JSON.parse(JSON.stringify(short));
+  const poses = floats(lost.poses);
+  poses.fill(NaN, 0, 7);
+  lost.poses = Buffer.from(Float32Array.from(poses).buffer).toString('base64');
+  short.name = 'short';
+  short.poses = short.poses.slice(0, 400);
+  const damaged = writePage('damaged', ['{"format": "pintle-run", "ver', '{"format": "something else"}', JSON.stringify(lost), JSON.stringify(short)]);
+  await page.close();
+  page = await newPage();
+  await page.goto(`${damaged}#scene=chain&time=0`);
+  await drawn();
+  const problems = await page.locator('#problems').innerText();
+  assert.match(problems, /Recording 1 can't be read: it is no JSON/);
+  assert.match(problems, /Recording 2 can't be read: it is no recording/);
+  assert.match(problems, /"short" of "Chain" is damaged: poses have 300 bytes/);
+  assert.match(await page.locator('.pane .note').first().innerText(), /1 body not finite: not drawn/);
+  assert.equal((await state()).panes.length, 1);
+  await page.screenshot({path: `${pictures}/damaged.png`});
+  assert.deepEqual(errors, []);
+});
+
+test('is read on a phone, in the dark', async () => {
+  await page.close();
+  page = await newPage({viewport: {width: 390, height: 844}, colorScheme: 'dark', hasTouch: true});
+  await page.goto(`${small}#scene=rope_bridge&time=1.5`);
+  await drawn();
+  assert.equal((await state()).panes.length, 2);
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(wide <= 390, `${wide} px wide`);
+  await page.screenshot({path: `${pictures}/phone.png`});
+  assert.deepEqual(errors, []);
+});
