@@ -2,7 +2,7 @@
 
 get_target_property(include_dir pintle::${PRECISION} INTERFACE_INCLUDE_DIRECTORIES)
 file(GLOB headers RELATIVE "${include_dir}" "${include_dir}/pintle/joints/*.h" "${include_dir}/pintle/joints/unstable/*.h"
-  "${include_dir}/pintle/solver/*.h" "${include_dir}/pintle/pintle.h" "${include_dir}/pintle/fwd.h")
+  "${include_dir}/pintle/solver/*.h" "${include_dir}/pintle/pintle.h" "${include_dir}/pintle/fwd.h" "${include_dir}/pintle/record.h")
 # With Eigen: it is for pintle/extend.h.
 list(FILTER headers EXCLUDE REGEX "/observed_joint_rows.h$")
 list(LENGTH headers count)

@@ -14,6 +14,8 @@
 static_assert(std::is_same<btScalar, double>::value == bool(EXPECT_DOUBLE),
               "Pintle's target brings Bullet's precision along");
 
+bool can_record(btDynamicsWorld& world);  // record.cpp
+
 // A motor turns a door for one second.
 int main() {
   btDefaultCollisionConfiguration configuration;
@@ -41,10 +43,11 @@ int main() {
   int warning;  // unused on purpose: Pintle's own warnings as errors must not reach this file
   for (int step = 0; step < 60; ++step) world.stepSimulation(btScalar(1) / 60, 0);
   const btScalar angle = hinge.getHingeAngle();
+  const bool records = can_record(world);
   world.removeConstraint(&hinge);
   world.removeRigidBody(&door);
   world.removeRigidBody(&frame);
 
   std::printf("turned by %g rad\n", double(angle));
-  return btFabs(angle) > btScalar(0.5) && btFabs(angle) < btScalar(1.5) ? 0 : 1;
+  return records && btFabs(angle) > btScalar(0.5) && btFabs(angle) < btScalar(1.5) ? 0 : 1;
 }
