@@ -82,6 +82,8 @@ export class Controls {
 
   setTime(time: number): void {
     this.time = Math.min(Math.max(time, 0), this.duration);
+  }
+  showTime(): void {
     this.scrubber.value = String(this.time);
     this.scrubber.style.setProperty('--part', `${(100 * this.time) / this.duration}%`);
     this.scrubber.setAttribute('aria-valuetext', seconds(this.time));

@@ -97,6 +97,7 @@ interface Drawn {
   inA: THREE.Matrix4;
   inB: THREE.Matrix4;
   size: number;      // m
+  reach: number;     // m, of its limits
   axis: THREE.Vector3 | null;  // of frame a: what it turns about or slides along
   slides: Limit[];
 }
@@ -135,6 +136,7 @@ export class Joints3d {
         : joint.align === 'across' ? new THREE.Vector3(0, 0, 1) : null;
       const one: Drawn = {
         joint, size, axis,
+        reach: Math.min(Math.max(0.9 * Math.min(...radii, sceneRadius), size), 0.45 * sceneRadius),
         inA: frame(joint.inA, new THREE.Matrix4()),
         inB: frame(joint.inB, new THREE.Matrix4()),
         slides: joint.limits.filter((limit) => limit.kind === 'slide' && limit.high - limit.low < 1e3),
@@ -223,7 +225,7 @@ export class Joints3d {
         if (!shown.has(one)) continue;
         const from = inB ? poseOf(one.joint.b)! : poseOf(one.joint.a)!;
         matrix.multiplyMatrices(from, inB ? one.inB : one.inA);
-        many.setMatrix(count++, matrix.scale(scale.setScalar(1.25 * one.size)));
+        many.setMatrix(count++, matrix.scale(scale.setScalar(one.reach)));
       }
       this.finish(many, count);
     }

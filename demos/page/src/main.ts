@@ -27,6 +27,8 @@ class App {
   private stale = true;  // something is to be drawn
   private tab: Tab = 'plots';
   private linkTimer = 0;
+  private said = 0;      // ms: when the words were last brought up to date
+  private saidTime = 0;  // s: and to which time
 
   constructor() {
     performance.mark('read');
@@ -233,8 +235,18 @@ class App {
 
   private seek(time: number): void {
     this.controls.setTime(time);
-    this.plots.setTime(this.controls.time);
+    // Where a processor draws, words that change cost as much as the scene.
+    const now = performance.now(), often = this.controls.playing && this.stage.plain;
+    if (!often || now - this.said > 120) this.sayTime(now);
     this.changed();
+  }
+
+  private sayTime(now: number): void {
+    this.said = now;
+    this.saidTime = this.controls.time;
+    this.controls.showTime();
+    this.plots.setTime(this.controls.time);
+    for (const {pane, own} of this.elements) updatePane(own, pane, this.controls.time);
   }
 
   private step(frames: number): void {
@@ -253,12 +265,13 @@ class App {
     if (time !== this.controls.time) this.seek(time);
     if (this.controls.playing) this.stage.count(now);
     else this.stage.pauseCount();
+    if (!this.controls.playing && this.saidTime !== this.controls.time) this.stale = true;
     if (!this.stale) return;
     this.stale = false;
     this.stage.draw(this.controls.time, this.options);
-    for (const {pane, own} of this.elements) updatePane(own, pane, this.controls.time);
+    if (!this.controls.playing) this.sayTime(now);
     const rate = this.controls.playing && this.stage.framesPerSecond > 0 ? `${this.stage.framesPerSecond.toFixed(0)} fps` : '';
-    byId('rate').textContent = rate;
+    if (byId('rate').textContent !== rate) byId('rate').textContent = rate;
   }
 
   private changed(): void {

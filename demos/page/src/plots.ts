@@ -75,9 +75,8 @@ export class Plots {
         const series = kind.values(run);
         return series === undefined ? [] : [{run, ...series}];
       });
-      // What is nothing in all runs is left out.
-      const size = Math.max(0, ...found.map(({values}) => largest(values)));
-      if (found.length > 0 && (size > 1e-9 || kind.key === 'gap')) this.add(kind, scene, found);
+      // What is nothing in all runs, but for rounding, is left out.
+      if (Math.max(0, ...found.map(({values}) => largest(values))) > 1e-9) this.add(kind, scene, found);
     }
     this.time = time;
   }
