@@ -111,12 +111,13 @@ void Observer::capture() {
   frame.states = m_slots;
   frame.state.reset(new State[std::size_t(m_slots)]);
   for (const Object& object : m_objects) {
-    if (object.slot >= 0) read(*object.object, frame.state[object.slot]);
+    if (object.slot >= 0) read(*object.object, frame.state[std::size_t(object.slot)]);
   }
   for (btMultiBody* const tree : m_tree_list) readVelocities(*tree, frame);
   frame.impulses = int(m_recording.constraints.size());
   frame.impulse.reset(new float[std::size_t(frame.impulses)]());
-  for (const Seen& seen : m_constraints) frame.impulse[seen.index] = impulseOf(*seen.constraint);
+  for (const Seen& seen : m_constraints)
+    frame.impulse[std::size_t(seen.index)] = impulseOf(*seen.constraint);
   readContacts(frame);
   m_bytes += frame.bytes();
   m_recording.frames.push_back(std::move(frame));
@@ -162,7 +163,7 @@ void Observer::readVelocities(btMultiBody& tree, Frame& frame) {
     const btCollisionObject* const collider = colliderOf(tree, link);
     const int body = bodyOf(collider);
     if (body < 0 || m_recording.bodies[std::size_t(body)].slot < 0) continue;
-    State& state = frame.state[m_recording.bodies[std::size_t(body)].slot];
+    State& state = frame.state[std::size_t(m_recording.bodies[std::size_t(body)].slot)];
     const btMatrix3x3& turn = collider->getWorldTransform().getBasis();
     copy(turn * m_tree_linear[link + 1], state.velocity);
     copy(turn * m_tree_angular[link + 1], state.angular_velocity);

@@ -96,7 +96,8 @@ struct Recording {
   /// Null where it is not there.
   const State* state(const Body& body, const Frame& frame) const {
     if (!body.lifetime.contains(frame.number)) return nullptr;
-    return body.slot >= 0 && body.slot < frame.states ? &frame.state[body.slot] : &body.initial;
+    return body.slot >= 0 && body.slot < frame.states ? &frame.state[std::size_t(body.slot)]
+                                                      : &body.initial;
   }
   std::string json() const;
 };
