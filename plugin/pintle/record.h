@@ -66,6 +66,7 @@ class Recorder {
   /// A number of this run that the program knows, for the page's table. Throws std::invalid_argument without a name.
   void addFigure(const std::string& name, const std::string& unit, double value);
 
+  /// Of frames that are kept.
   int getNumFrames() const;
   /// 1, 2, 4, ...: of so many frames one is kept.
   int getStride() const;
