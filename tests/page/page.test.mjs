@@ -27,7 +27,7 @@ const floats = (base64) => {
 let browser, page, errors;
 const state = () => page.evaluate(() => window.pintle.state());
 const newPage = async (options = {}) => {
-  const made = await browser.newPage({viewport: {width: 800, height: 450}, reducedMotion: 'reduce', ...options});
+  const made = await browser.newPage({viewport: {width: 640, height: 400}, reducedMotion: 'reduce', ...options});
   errors = [];
   made.on('console', (message) => message.type() === 'error' && errors.push(message.text()));
   made.on('pageerror', (error) => errors.push(error.message));
@@ -177,6 +177,19 @@ test('the table compares what is shown, and a point opens its run', async () => 
   assert.ok((await points.count()) >= 4);
   await page.locator('#tradeoff .point[aria-label^="Open multibody"]').press('Enter');
   assert.ok((await state()).panes.some((pane) => pane.run === 'multibody'));
+  assert.deepEqual(errors, []);
+});
+
+test('another run is chosen in a pane, and the mouse turns the camera', async () => {
+  const list = page.locator('.pane select').first();
+  await list.selectOption({label: 'stock, 50 iterations'});
+  assert.equal((await state()).panes[0].run, 'stock, 50 iterations');
+  const {view} = await state();
+  await page.mouse.move(300, 300);
+  await page.mouse.down();
+  await page.mouse.move(360, 320);
+  await page.mouse.up();
+  assert.notDeepEqual((await state()).view, view);
   assert.deepEqual(errors, []);
 });
 

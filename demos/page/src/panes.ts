@@ -23,6 +23,8 @@ export function makePane(scene: Scene, run: Run, choose: (run: Run) => void): Pa
   note.hidden = true;
   const detail = make('span', 'detail', run.detail);
   const label = make('div', 'label', make('i', isVariant(run) ? 'dot variant' : 'dot'), list, gap);
+  // The camera does not follow what is done here.
+  for (const event of ['pointerdown', 'wheel']) label.addEventListener(event, (of) => of.stopPropagation());
   const root = make('div', 'pane', label, detail, note);
   root.style.setProperty('--colour', onBackground(colourOf(run, scene.runs.indexOf(run))));
   return {root, list, gap, note};
