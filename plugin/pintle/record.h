@@ -24,7 +24,7 @@ struct RecorderOptions {
   std::string detail;           ///< of this run, such as its solver
   std::string colour;           ///< of this run, "#rrggbb"; empty: the page chooses
   /// Frames a second of simulated time (> 0, finite). A step that is longer is a frame.
-  double frames_per_second = 60;
+  double frames_per_second = 30;
   /// Of memory (> 0). When they are full every second frame is dropped, and frames come half as often from then
   /// on; at least four are kept.
   std::size_t max_bytes = std::size_t(64) << 20;

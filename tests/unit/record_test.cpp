@@ -27,6 +27,12 @@ using support::vec;
 
 constexpr double dt = 1. / 60;
 
+RecorderOptions every_step() {
+  RecorderOptions options;
+  options.frames_per_second = 1 / dt;
+  return options;
+}
+
 // A link that swings on a hinge at the origin.
 struct Pendulum {
   scenes::World world;
@@ -45,7 +51,9 @@ struct Pendulum {
 
 TEST(Recorder, PosesAreThoseOfTheWorld) {
   Pendulum pendulum;
-  Recorder record(pendulum.world.bullet(), "mine");
+  RecorderOptions options = every_step();
+  options.name = "mine";
+  Recorder record(pendulum.world.bullet(), options);
   std::vector<btTransform> poses = {pendulum.link.getWorldTransform()};
   for (int i = 0; i < 30; ++i) {
     pendulum.run(record, 1);
@@ -68,7 +76,7 @@ TEST(Recorder, PosesAreThoseOfTheWorld) {
 
 TEST(Recorder, WorldsNumbersStayTheSame) {
   Pendulum plain, recorded;
-  RecorderOptions options;
+  RecorderOptions options = every_step();
   options.measure_forces = true;
   Recorder record(recorded.world.bullet(), options);
   for (int i = 0; i < 60; ++i) {
@@ -81,7 +89,7 @@ TEST(Recorder, WorldsNumbersStayTheSame) {
 
 TEST(Recorder, EnergyAndForces) {
   Pendulum pendulum;
-  RecorderOptions options;
+  RecorderOptions options = every_step();
   options.measure_forces = true;
   Recorder record(pendulum.world.bullet(), options);
   pendulum.run(record, 60);
@@ -106,7 +114,7 @@ TEST(Recorder, EnergyAndForces) {
 
 TEST(Recorder, TimeOfStepsOnlyWhereItIsMeasured) {
   Pendulum pendulum;
-  Recorder record(pendulum.world.bullet());
+  Recorder record(pendulum.world.bullet(), every_step());
   for (int i = 0; i < 5; ++i) {
     pendulum.world.step(dt);
     record.step();
@@ -116,7 +124,7 @@ TEST(Recorder, TimeOfStepsOnlyWhereItIsMeasured) {
 
 TEST(Recorder, FramesComeAsOftenAsAskedFor) {
   Pendulum pendulum;
-  RecorderOptions options;
+  RecorderOptions options = every_step();
   options.frames_per_second = 20;
   Recorder record(pendulum.world.bullet(), options);
   pendulum.run(record, 60);
@@ -130,7 +138,7 @@ TEST(Recorder, FramesComeAsOftenAsAskedFor) {
 
 TEST(Recorder, MemoryIsBounded) {
   Pendulum pendulum;
-  RecorderOptions options;
+  RecorderOptions options = every_step();
   options.max_bytes = 20000;
   Recorder record(pendulum.world.bullet(), options);
   for (int i = 0; i < 2000; ++i) {
@@ -152,7 +160,7 @@ TEST(Recorder, BodiesComeAndGo) {
   btRigidBody guest(1, nullptr, &shape, vec(1, 1, 1));
   guest.setCenterOfMassTransform(scenes::pose_at(vec(0, 9, 0)));
   btPoint2PointConstraint joint(guest, vec(0, 0, 0));
-  Recorder record(world.bullet());
+  Recorder record(world.bullet(), every_step());
   const auto run = [&](int steps) {
     for (int i = 0; i < steps; ++i) {
       world.step(dt);
@@ -182,7 +190,7 @@ TEST(Recorder, BodiesComeAndGo) {
 
 TEST(Recorder, NotFiniteIsWrittenAsSuch) {
   Pendulum pendulum;
-  Recorder record(pendulum.world.bullet());
+  Recorder record(pendulum.world.bullet(), every_step());
   pendulum.run(record, 2);
   pendulum.link.setWorldTransform(scenes::pose_at(vec(NAN, 0, 0)));
   pendulum.run(record, 1);
@@ -195,7 +203,7 @@ TEST(Recorder, StaticBodiesAreWrittenOnceUntilTheyMove) {
   scenes::World world;
   btRigidBody& still = world.add_box(0, vec(1, 1, 1), scenes::pose_at(vec(0, 0, -1)));
   btRigidBody& moved = world.add_box(0, vec(1, 1, 1), scenes::pose_at(vec(5, 0, -1)));
-  Recorder record(world.bullet());
+  Recorder record(world.bullet(), every_step());
   for (int i = 0; i < 4; ++i) {
     if (i == 2) moved.setWorldTransform(scenes::pose_at(vec(5, 0, 7)));
     world.step(dt);
@@ -236,7 +244,7 @@ TEST(Recorder, LinksOfMultiBodies) {
   tree.forwardKinematics(turns, origins);
   tree.updateCollisionObjectWorldTransforms(turns, origins);
   {
-    Recorder record(world);
+    Recorder record(world, every_step());
     for (int i = 0; i < 30; ++i) {
       world.stepSimulation(scalar(dt), 0);
       record.step();
