@@ -20,11 +20,11 @@ foreach(way package headers subdirectory bullet_sources)
       COMMAND "${CMAKE_CTEST_COMMAND}" --build-and-test "${CMAKE_CURRENT_SOURCE_DIR}/consumer" "${build_dir}"
               --build-generator "${CMAKE_GENERATOR}" --build-config $<CONFIG> --build-noclean --build-target consumer
               --build-options -DWAY=${way} -DPRECISION=${precision}
-                "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0
+                "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=24
                 "-Dpintle_ROOT=${CMAKE_CURRENT_BINARY_DIR}/consumer/prefix" "-DEigen3_DIR=${Eigen3_DIR}" ${bullet}
               --test-command consumer)
     # They take longest: first come, and nothing waits for them at the end.
-    set_tests_properties(${test} PROPERTIES LABELS consumer COST 1000)
+    set_tests_properties(${test} PROPERTIES LABELS consumer COST 1000 ENVIRONMENT MAKEFLAGS=-j2)
     if(way MATCHES "package|headers")
       set_tests_properties(${test} PROPERTIES FIXTURES_REQUIRED installed)
     endif()

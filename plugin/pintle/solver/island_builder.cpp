@@ -214,7 +214,8 @@ void IslandBuilder::setEqualityLaw(const Joint& joint, IslandRow& row) const {
   }
   const double erp = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp);
   row.law.add({0, double(soft.cfm) * row.K, -bound, bound});
-  row.open = erp * position;
+  const double most = double(row.start.max_speed) * m_island.dt;
+  row.open = std::fmax(-most, std::fmin(erp * position, most));
   if (soft.cfm > 0) row.spring = {erp, row.open, 0};
 }
 
@@ -244,7 +245,9 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   };
   if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction);
   if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion), Axis::motor);
-  if (axis.drive == Axis::Drive::rate) row.has_position = false;
+  // What is asked of its velocity alone need not be a coordinate: friction about any axis of the world, and the like.
+  row.has_position =
+      row.start.limit || axis.drive == Axis::Drive::servo || axis.drive == Axis::Drive::pose;
   if (!row.start.limit || !axis.limited()) return;
   if (axis.hasLimitSpring() || motion.limit_cfm > 0)
     addPart(limitPart(axis, motion, state.incoming), Axis::limit);
@@ -276,7 +279,9 @@ void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, Ax
   }
   row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
-  row.open = double(motion.limit_erp) * (q < low ? q - low : q > high ? q - high : 0);
+  const double most = double(motion.max_speed) * dt;
+  const double beyond = q < low ? q - low : q > high ? q - high : 0;
+  row.open = std::fmax(-most, std::fmin(double(motion.limit_erp) * beyond, most));
 }
 
 void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {

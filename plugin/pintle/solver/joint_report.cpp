@@ -65,6 +65,13 @@ void report(const Island& island, const Component& component, const Iterate& at)
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)
         state.impulse[size_t(row.law.part(k).role)] += Scalar(impulse[k]);
+      // As in Bullet, where each part is a row and the last one is known.
+      const Axis& axis = *state.axis;
+      const Axis::Part last = state.impulse[Axis::limit] != 0  ? Axis::limit
+                              : axis.drive != Axis::Drive::off ? Axis::motor
+                              : axis.max_friction > 0          ? Axis::friction
+                                                               : Axis::limit;
+      constraint.internalSetAppliedImpulse(Scalar(-row.sign) * state.impulse[size_t(last)]);
       if (state.incoming > 0 && state.impulse[Axis::limit] != 0)
         state.taken =
             btMax(Scalar(0), -state.impulse[Axis::limit] * Scalar(end.G.along(mean(0), mean(1))));
