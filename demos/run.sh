@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the demos and runs them in single, then in double precision.
 #   run.sh                                  every scene's table, beside the stock joints', and the page that plays them
-#   run.sh [options of the demos]           tables alone
-#   run.sh page [--scene NAME]...           the page alone, of all scenes or of these
+#   run.sh [options]                        tables alone: --list, --scene, --contender, --csv, --json (--help says more)
+#   run.sh page [options]                   the page alone: --list, --scene, --contender
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [--all] [--case TEXT]    what becomes of joints under extreme conditions; --all: 10^6 steps too
 #   run.sh drawings                         draws the joints anew, to plugin/docs/drawings
@@ -25,7 +25,7 @@ make_page() {  # options of the gallery
   build pintle_page pintle_gallery_double
   if [ -f "$form" ]; then
     build/release/demos/pintle_gallery_double "$page" --template "$form" "$@"
-    echo "$page plays the scenes side by side: open it in a browser."
+    [ ! -f "$page" ] || echo "$page plays the scenes side by side: open it in a browser."
   else
     echo "No page was made: it needs Node and npm (Debian: nodejs, npm). All else has run."
   fi
@@ -46,9 +46,7 @@ reference)
   shift
   pintle_install_packages
   build pintle_reference
-  scenes=()
-  for argument in "$@"; do [ "$argument" = --scene ] || scenes+=("$argument"); done
-  build/release/demos/pintle_reference ${scenes[@]+"${scenes[@]}"}
+  build/release/demos/pintle_reference "$@"
   ;;
 drawings)
   pintle_install_packages
@@ -63,9 +61,14 @@ extreme)
   ;;
 *)
   pintle_install_packages
-  build pintle_demos_single pintle_demos_double
-  for precision in single double; do
-    build/release/demos/pintle_demos_$precision --csv build/release/demos/results_$precision.csv "$@"
+  precisions=(single double)
+  for argument in "$@"; do
+    case "$argument" in -h | --help | --list) precisions=(double) ;; esac  # they say the same in both
+  done
+  build "${precisions[@]/#/pintle_demos_}"
+  for precision in "${precisions[@]}"; do
+    results=build/release/demos/results_$precision
+    build/release/demos/pintle_demos_$precision --csv $results.csv --json $results.json "$@"
   done
   [ $# -gt 0 ] || make_page
   ;;

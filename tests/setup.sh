@@ -4,7 +4,7 @@ pintle_install_packages() {  # more packages
   command -v dpkg-query >/dev/null || return 0 # no Debian: CMake says what it misses
 
   local missing=() package
-  for package in cmake g++ make libbullet-dev libeigen3-dev libgtest-dev libbenchmark-dev "$@"; do
+  for package in cmake g++ make libbullet-dev libeigen3-dev libgtest-dev libbenchmark-dev libcli11-dev "$@"; do
     # A tool may come from elsewhere.
     command -v "$package" >/dev/null ||
       dpkg-query --show --showformat='${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed ||

@@ -2,6 +2,7 @@
 
 #include <pintle/record.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "engines/engine.h"
 #include "measures/run.h"
+#include "progress.h"
 #include "scenes/gallery.h"
 
 namespace {
@@ -127,56 +129,72 @@ std::vector<Exhibit> named_apart() {
   return all;
 }
 
-int usage(std::FILE* to) {
-  std::fprintf(to,
-               "Writes the gallery of scenes as one page.\n"
-               "  gallery FILE [--scene NAME]... [--template FILE] [--list]\n");
-  return to == stdout ? EXIT_SUCCESS : EXIT_FAILURE;
-}
-
-int run(int argc, char** argv) {
+struct Options {
   std::string page, form;
-  std::vector<std::string> wanted;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--help") return usage(stdout);
-    if (argument == "--list") {
-      for (const Exhibit& exhibit : named_apart())
-        std::printf("%-20s %s\n", exhibit.scene.name.c_str(), exhibit.title.c_str());
-      return EXIT_SUCCESS;
-    }
-    if (argument == "--scene" && i + 1 < argc) {
-      wanted.push_back(argv[++i]);
-    } else if (argument == "--template" && i + 1 < argc) {
-      form = argv[++i];
-    } else if (page.empty() && argument[0] != '-') {
-      page = argument;
-    } else {
-      return usage(stderr);
-    }
-  }
-  if (page.empty()) return usage(stderr);
+  std::vector<std::string> scenes, contenders;  // empty: all
 
+  static bool has(const std::vector<std::string>& chosen, const std::string& name) {
+    return chosen.empty() || std::find(chosen.begin(), chosen.end(), name) != chosen.end();
+  }
+};
+
+void write(const Options& options, std::vector<Exhibit> exhibits) {
+  const auto is_left_out = [&](const Exhibit& exhibit) {
+    return !Options::has(options.scenes, exhibit.scene.name);
+  };
+  exhibits.erase(std::remove_if(exhibits.begin(), exhibits.end(), is_left_out), exhibits.end());
+  Progress progress(double(exhibits.size()));
   Runs runs;
-  for (const Exhibit& exhibit : named_apart()) {
-    bool is_wanted = wanted.empty();
-    for (const std::string& name : wanted) is_wanted = is_wanted || name == exhibit.scene.name;
-    if (!is_wanted) continue;
-    for (const Kind& kind : kinds) record(exhibit, kind, runs);
+  for (const Exhibit& exhibit : exhibits) {
+    for (const Kind& kind : kinds) {
+      if (Options::has(options.contenders, kind.contender)) record(exhibit, kind, runs);
+    }
+    progress.advance(1, exhibit.title);
   }
   pintle::Recordings recordings;
   for (const auto& recorded : runs) recordings.push_back(recorded->recorder());
-  pintle::writePage(page, recordings, form);
-  return EXIT_SUCCESS;
+  pintle::writePage(options.page, recordings, options.form);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::vector<Exhibit> exhibits = named_apart();
+  std::vector<std::string> scenes;
+  for (const Exhibit& exhibit : exhibits) scenes.push_back(exhibit.scene.name);
+  std::vector<std::string> contenders;
+  for (const Kind& kind : kinds) contenders.push_back(kind.contender);
+
+  Options options;
+  bool list = false;
+  CLI::App app("Writes the gallery of scenes as one page.");
+  app.add_option("page", options.page, "The file that is written");
+  app.add_option("--template", options.form, "The page without recordings, as it is built")
+      ->check(CLI::ExistingFile);
+  app.add_option("--scene", options.scenes, "Only this scene; may be given more than once")
+      ->check(CLI::IsMember(scenes))
+      ->allow_extra_args(false);
+  app.add_option("--contender", options.contenders,
+                 "Only this contender; may be given more than once")
+      ->check(CLI::IsMember(contenders))
+      ->allow_extra_args(false);
+  app.add_flag("--list", list, "Name the scenes, and run nothing");
+  CLI11_PARSE(app, argc, argv);
+
+  if (list) {
+    for (const Exhibit& exhibit : exhibits)
+      std::printf("%-20s %s\n", exhibit.scene.name.c_str(), exhibit.title.c_str());
+    return EXIT_SUCCESS;
+  }
+  if (options.page.empty()) {
+    std::fprintf(stderr, "page is required: the file that is written\n");
+    return EXIT_FAILURE;
+  }
   try {
-    return run(argc, argv);
+    write(options, exhibits);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return EXIT_FAILURE;
   }
+  return EXIT_SUCCESS;
 }

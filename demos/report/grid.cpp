@@ -6,8 +6,8 @@
 // which leaves out what disturbed one of them; the run time is their mean. Nothing but the step is
 // timed.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -19,6 +19,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "../progress.h"
 #include "../scenes/catalog.h"
 #include "table.h"
 
@@ -29,7 +30,7 @@ using report::Row;
 using scenes::Scene;
 
 struct Options {
-  std::vector<std::string> scenes;  // empty: all
+  std::vector<std::string> scenes, contenders;  // empty: all
   std::vector<int> iterations = {1, 2, 4, 10, 20, 50, 100, 200};
   std::vector<int> hz = {60, 120, 240, 1000};
   int repeats = 5;
@@ -58,6 +59,10 @@ std::vector<Scene> compared() {
   return all;
 }
 
+bool is_chosen(const std::string& name, const std::vector<std::string>& chosen) {
+  return chosen.empty() || std::find(chosen.begin(), chosen.end(), name) != chosen.end();
+}
+
 double mean_of_medians(const std::vector<std::vector<double>>& repeats) {
   const size_t steps = repeats.front().size();
   double sum = 0;
@@ -72,12 +77,13 @@ double mean_of_medians(const std::vector<std::vector<double>>& repeats) {
 }
 
 // What the group still lacks.
-std::vector<Row> measure(const Group& group, int repeats, const std::set<Key>& done) {
+std::vector<Row> measure(const Group& group, const Options& options, const std::set<Key>& done) {
   const double dt = 1. / group.hz;
   std::vector<Row> rows;
   std::vector<const Contender*> who;
   std::vector<int> steps;
   for (const Contender& contender : engines::contenders()) {
+    if (!is_chosen(contender.name, options.contenders)) continue;
     const bool iterates = contender.iterates_in(*group.scene);
     if (!iterates && !group.first) continue;
     Row row{engines::precision(), group.scene->name, contender.name,
@@ -96,7 +102,7 @@ std::vector<Row> measure(const Group& group, int repeats, const std::set<Key>& d
         std::clamp(int(seconds_a_repeat / step), std::min(10, outcome.steps), outcome.steps));
   }
   std::vector<std::vector<std::vector<double>>> times(who.size());  // by contender and repeat
-  for (int repeat = 0; repeat < repeats; ++repeat) {
+  for (int repeat = 0; repeat < options.repeats; ++repeat) {
     for (size_t i = 0; i < who.size(); ++i) {
       times[i].push_back(
           measures::step_times(*group.scene, *who[i], group.iterations, dt, steps[i]));
@@ -110,15 +116,12 @@ int run_grid(const Options& options) {
   const std::vector<Scene> all = compared();
   std::vector<Group> groups;
   for (const Scene& scene : all) {
-    if (!options.scenes.empty() &&
-        std::find(options.scenes.begin(), options.scenes.end(), scene.name) == options.scenes.end())
-      continue;
+    if (!is_chosen(scene.name, options.scenes)) continue;
     for (const int hz : options.hz) {
       for (const int iterations : options.iterations)
         groups.push_back({&scene, iterations, hz, iterations == options.iterations.front()});
     }
   }
-  if (groups.empty()) return std::fprintf(stderr, "no such scene\n"), EXIT_FAILURE;
 
   std::set<Key> done;
   for (const Row& row : report::read(options.csv)) done.insert(key(row));
@@ -126,54 +129,55 @@ int run_grid(const Options& options) {
   if (csv.tellp() == 0) csv << report::head();
   csv << '\n';  // ends a line that was cut off
 
-  double weight = 0, weight_done = 0, weight_skipped = 0;
+  double weight = 0;
   for (const Group& group : groups) weight += group.weight();
-  const auto start = std::chrono::steady_clock::now();
+  Progress progress(weight);
   for (const Group& group : groups) {
-    const std::vector<Row> rows = measure(group, options.repeats, done);
+    const std::vector<Row> rows = measure(group, options, done);
     for (const Row& row : rows) csv << line(row) << std::endl;  // kept if the run is interrupted
-    if (!csv) return std::fprintf(stderr, "cannot write %s\n", options.csv.c_str()), EXIT_FAILURE;
-    (rows.empty() ? weight_skipped : weight_done) += group.weight();
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left =
-        weight_done > 0 ? elapsed * (weight - weight_skipped - weight_done) / weight_done : 0;
-    std::fprintf(stderr, "\r%s: %3.0f %%, %s, %3d iterations, %4d Hz, %.0f s left        ",
-                 engines::precision(), 100 * (weight_done + weight_skipped) / weight,
-                 group.scene->name.c_str(), group.iterations, group.hz, left);
+    if (!csv) {
+      progress.clear();
+      std::fprintf(stderr, "--csv: cannot write %s\n", options.csv.c_str());
+      return EXIT_FAILURE;
+    }
+    if (rows.empty()) {
+      progress.skip(group.weight());
+    } else {
+      progress.advance(group.weight(), std::string(engines::precision()) + ", " +
+                                           group.scene->name + ", " + std::to_string(group.hz) +
+                                           " Hz");
+    }
   }
-  std::fprintf(stderr, "\n");
   return EXIT_SUCCESS;
 }
 
+struct Steps {
+  std::string scene, contender;
+  int iterations = 10, hz = 60, count = 0;
+};
+
 // For an instruction counter: so many steps, and no more.
-int run_steps(const std::string& scene_name, const std::string& contender_name, int iterations,
-              int hz, int steps) {
-  const Contender* const contender = engines::find_contender(contender_name);
+int run_steps(const Steps& steps) {
+  const Contender* const contender = engines::find_contender(steps.contender);
   for (const Scene& scene : compared()) {
-    if (scene.name != scene_name || contender == nullptr) continue;
-    const auto engine = contender->make(scene, iterations);
+    if (scene.name != steps.scene || contender == nullptr) continue;
+    const auto engine = contender->make(scene, steps.iterations);
     if (!engine) return EXIT_FAILURE;
-    for (int step = 0; step < steps; ++step) {
-      engine->drive(double(step) / hz, 1. / hz);
-      engine->step(1. / hz);
+    for (int step = 0; step < steps.count; ++step) {
+      engine->drive(double(step) / steps.hz, 1. / steps.hz);
+      engine->step(1. / steps.hz);
     }
     return EXIT_SUCCESS;
   }
   return EXIT_FAILURE;
 }
 
-int usage(std::FILE* out) {
-  std::fprintf(out,
-               "  --scene NAME   only this scene; may be given more than once\n"
-               "  --from NAME --to NAME   a range of them\n"
-               "  --quick        fewer iterations and steps\n"
-               "  --csv FILE     where the numbers go; what it holds already is not run again\n"
-               "  --list         names the scenes, and the contenders with their colours\n"
-               "scenes:");
-  for (const Scene& scene : compared()) std::fprintf(out, " %s", scene.name.c_str());
-  std::fprintf(out, "\n");
-  return out == stderr ? EXIT_FAILURE : EXIT_SUCCESS;
+// From one scene to another, in the catalog's order; empty: from the first, to the last.
+std::vector<std::string> range(const std::vector<std::string>& scenes, const std::string& from,
+                               const std::string& to) {
+  const auto first = from.empty() ? scenes.begin() : std::find(scenes.begin(), scenes.end(), from);
+  const auto last = to.empty() ? scenes.end() : std::find(first, scenes.end(), to);
+  return {first, last == scenes.end() ? last : last + 1};
 }
 
 // Where nothing moves across an axis, rounding errors decay below the smallest normal number, and
@@ -189,43 +193,50 @@ void flush_denormals() {
 
 int main(int argc, char** argv) {
   flush_denormals();
+  std::vector<std::string> scenes, contenders;
+  for (const Scene& scene : compared()) scenes.push_back(scene.name);
+  for (const Contender& contender : engines::contenders()) contenders.push_back(contender.name);
+
   Options options;
+  Steps count;
   std::string from, to;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const auto value = [&] { return i + 1 < argc ? std::string(argv[++i]) : std::string(); };
-    if (argument == "steps" && argc == 7) {
-      return run_steps(argv[2], argv[3], std::atoi(argv[4]), std::atoi(argv[5]),
-                       std::atoi(argv[6]));
-    }
-    if (argument == "--scene") {
-      options.scenes.push_back(value());
-    } else if (argument == "--from") {
-      from = value();
-    } else if (argument == "--to") {
-      to = value();
-    } else if (argument == "--quick") {
-      options.iterations = {1, 10, 50};
-      options.hz = {60, 240};
-    } else if (argument == "--csv") {
-      options.csv = value();
-    } else if (argument == "--list") {
-      for (const Scene& scene : compared()) std::printf("scene %s\n", scene.name.c_str());
-      for (const Contender& contender : engines::contenders())
-        std::printf("contender %s %s\n", contender.name.c_str(), contender.colour.c_str());
-      return EXIT_SUCCESS;
-    } else {
-      return usage(argument == "--help" ? stdout : stderr);
-    }
+  bool quick = false, list = false;
+  CLI::App app("Measures error against run time of all contenders.");
+  app.add_option("--scene", options.scenes, "Only this scene; may be given more than once")
+      ->check(CLI::IsMember(scenes))
+      ->allow_extra_args(false);
+  app.add_option("--contender", options.contenders,
+                 "Only this contender; may be given more than once")
+      ->check(CLI::IsMember(contenders))
+      ->allow_extra_args(false);
+  app.add_option("--from", from, "The first of a range of scenes")->check(CLI::IsMember(scenes));
+  app.add_option("--to", to, "The last of a range of scenes")->check(CLI::IsMember(scenes));
+  app.add_flag("--quick", quick, "Fewer iterations and steps");
+  app.add_option("--csv", options.csv,
+                 "Where the numbers go; what it holds already is not run again")
+      ->take_last();
+  app.add_flag("--list", list, "Name the scenes, and the contenders with their colours");
+  CLI::App& steps = *app.add_subcommand("steps", "So many steps alone, for instruction counters");
+  steps.add_option("scene", count.scene)->required();
+  steps.add_option("contender", count.contender)->required();
+  steps.add_option("iterations", count.iterations)->required();
+  steps.add_option("hz", count.hz)->required();
+  steps.add_option("steps", count.count)->required();
+  CLI11_PARSE(app, argc, argv);
+
+  if (steps) return run_steps(count);
+  if (list) {
+    for (const std::string& scene : scenes) std::printf("scene %s\n", scene.c_str());
+    for (const Contender& contender : engines::contenders())
+      std::printf("contender %s %s\n", contender.name.c_str(), contender.colour.c_str());
+    return EXIT_SUCCESS;
+  }
+  if (quick) {
+    options.iterations = {1, 10, 50};
+    options.hz = {60, 240};
   }
   if (!from.empty() || !to.empty()) {
-    bool inside = from.empty();
-    for (const Scene& scene : compared()) {
-      inside = inside || scene.name == from;
-      if (inside) options.scenes.push_back(scene.name);
-      if (scene.name == to) break;
-    }
-    if (!inside) return usage(stderr);
+    for (const std::string& name : range(scenes, from, to)) options.scenes.push_back(name);
   }
   return run_grid(options);
 }

@@ -6,6 +6,7 @@ bash demos/run.sh report [options]
   --quick                 few iterations and steps: at most 2 minutes (the whole: at most 30)
   --scene NAME            only this scene; may be given more than once
   --from NAME --to NAME   a range of scenes
+  --contender NAME        only this contender; may be given more than once
   --peers                 also ODE and MuJoCo, if their Debian packages are installed
   --fresh                 forget what an earlier run has measured
   --publish               copy the plots and tables that the pages show to demos/results, the README and plugin/docs

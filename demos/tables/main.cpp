@@ -1,0 +1,126 @@
+// Runs every scene with Bullet's joints and with Pintle's, and prints what was measured.
+//
+// The ratios are Pintle's number over the stock joint's: below 1 Pintle is better, above 1 worse.
+// Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
+// not: the joints take turns, the fastest turn of each counts, and only the ratio is shown.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "../engines/engine.h"
+#include "tables.h"
+
+namespace {
+
+using tables::Entry;
+using tables::NumberFile;
+using tables::Output;
+using tables::Plan;
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : tables::all_tables) names.push_back(entry.name);
+  return names;
+}
+
+// Without a run.
+Plan plan_of(const std::vector<const Entry*>& entries) {
+  Plan plan;
+  Output out;
+  out.plan = &plan;
+  for (const Entry* entry : entries) entry->run(out);
+  return plan;
+}
+
+void print_list(const std::vector<const Entry*>& entries) {
+  for (const Entry* entry : entries) {
+    const Plan plan = plan_of({entry});
+    for (const std::string& title : plan.titles)
+      std::printf("%-14s%s\n", &title == &plan.titles.front() ? entry->name : "", title.c_str());
+    std::printf("%-14s  contenders:", "");
+    for (const std::string& who : plan.contenders)
+      std::printf("%s %s", who == *plan.contenders.begin() ? "" : ",", who.c_str());
+    std::printf("\n");
+  }
+}
+
+void print_legend() {
+  std::printf(
+      "Pintle and Bullet's hinge, %s precision. A ratio below 1: better than stock;\n"
+      "above 1: worse. Times are those of the world's whole step.\n"
+      "  stock   btHingeConstraint; stock c. btHingeAccumulatedAngleConstraint;\n"
+      "          s. cfm btHingeConstraint with the spring as ERP and CFM of its stop\n"
+      "  pintle  pintle::QuaternionHinge; plain without block rows;\n"
+      "          doc. with Formulation::document\n"
+      "In rope, stock: sticks on btPoint2PointConstraint, and pintle::DistanceJoint;\n"
+      "in wedge, stock: btGeneric6DofSpring2Constraint, and pintle::WedgeJoint;\n"
+      "in bounce, stock: a collision, and pintle::ContactJoint.\n",
+      engines::precision());
+}
+
+bool open(NumberFile& file, const char* option, const std::string& path, NumberFile::Form form) {
+  if (path.empty() || file.open(path, form)) return true;
+  std::fprintf(stderr, "%s: cannot write %s\n", option, path.c_str());
+  return false;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> scenes, contenders;
+  std::string csv, json;
+  bool list = false;
+  CLI::App app("Runs the scenes with Bullet's joints and with Pintle's, and compares them.");
+  app.add_option("--scene", scenes, "Only this scene; may be given more than once")
+      ->check(CLI::IsMember(scene_names()))
+      ->allow_extra_args(false);
+  app.add_option("--contender", contenders,
+                 "Only this contender, as --list names it; may be given more than once")
+      ->allow_extra_args(false);
+  app.add_option("--csv", csv,
+                 "Also write every number to this file, one a line\n"
+                 "(inf: never reached, or lost; nan: no such quantity)")
+      ->take_last();
+  app.add_option("--json", json,
+                 "The same as an array of objects\n"
+                 "(\"inf\": never reached, or lost; null: no such quantity)")
+      ->take_last();
+  app.add_flag("--list", list, "Name the scenes and their contenders, and run nothing");
+  CLI11_PARSE(app, argc, argv);
+
+  std::vector<const Entry*> chosen;
+  for (const std::string& name : scenes.empty() ? scene_names() : scenes) {
+    for (const Entry& entry : tables::all_tables)
+      if (entry.name == name) chosen.push_back(&entry);
+  }
+  if (list) {
+    print_list(chosen);
+    return EXIT_SUCCESS;
+  }
+  const Plan plan = plan_of(chosen);
+  for (const std::string& who : contenders) {
+    if (plan.contenders.count(who) > 0) continue;
+    std::fprintf(stderr, "--contender: %s is in none of the scenes; --list names who is\n",
+                 who.c_str());
+    return EXIT_FAILURE;
+  }
+  Output out;
+  out.contenders = contenders;
+  if (!open(out.csv, "--csv", csv, NumberFile::Form::csv) ||
+      !open(out.json, "--json", json, NumberFile::Form::json))
+    return EXIT_FAILURE;
+
+  Progress progress(plan.cases);
+  out.progress = &progress;
+  print_legend();
+  for (const Entry* entry : chosen) entry->run(out);
+  progress.clear();
+  if (!out.csv.close() || !out.json.close()) {
+    std::fprintf(stderr, "--csv, --json: a file could not be written to its end\n");
+    return EXIT_FAILURE;
+  }
+  return out.all_repeated ? EXIT_SUCCESS : EXIT_FAILURE;
+}
