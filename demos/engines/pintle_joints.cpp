@@ -41,11 +41,20 @@ BulletJoint slider(const Joint& joint, btRigidBody& a, btRigidBody& b, const btT
     slider->setLowerLinLimit(btScalar(joint.range.low));
     slider->setUpperLinLimit(btScalar(joint.range.high));
   }
+  if (joint.restitution > 0) slider->setDampingLimLin(btScalar(1 - joint.restitution));
   if (joint.spring.frequency > 0) {
     slider->setLinMotorServo(0, btScalar(joint.spring.frequency),
                              btScalar(joint.spring.damping_ratio), SIMD_INFINITY);
   }
   return {std::move(slider)};
+}
+
+BulletJoint universal(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                      const btTransform& in_b) {
+  auto universal = std::make_unique<pintle::UniversalJoint>(a, b, in_a, in_b);
+  if (joint.range.limited())
+    universal->setLimit(4, btScalar(joint.range.low), btScalar(joint.range.high));
+  return {std::move(universal)};
 }
 
 BulletJoint cone_twist(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
@@ -92,7 +101,7 @@ BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
     case Kind::slider: return slider(joint, a, b, in_a, in_b);
     case Kind::fixed: return {std::make_unique<pintle::FixedJoint>(a, b, in_a, in_b)};
     case Kind::cone_twist: return cone_twist(joint, a, b, in_a, in_b);
-    case Kind::universal: return {std::make_unique<pintle::UniversalJoint>(a, b, in_a, in_b)};
+    case Kind::universal: return universal(joint, a, b, in_a, in_b);
     case Kind::constant_velocity:
       return {std::make_unique<pintle::ConstantVelocityJoint>(a, b, in_a, in_b)};
     case Kind::wedge: return wedge(joint, a, b, in_a, in_b);

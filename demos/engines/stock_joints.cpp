@@ -36,6 +36,7 @@ BulletJoint slider(const Joint& joint, btRigidBody& a, btRigidBody& b, const btT
       slider->setLowerLinLimit(btScalar(joint.range.low));
       slider->setUpperLinLimit(btScalar(joint.range.high));
     }
+    if (joint.restitution > 0) slider->setDampingLimLin(btScalar(1 - joint.restitution));
     return {std::move(slider)};
   }
   // btSliderConstraint has no spring.
@@ -62,12 +63,15 @@ BulletJoint cone_twist(const Joint& joint, btRigidBody& a, btRigidBody& b, const
 }
 
 // Also for a constant velocity joint, which Bullet does not have.
-BulletJoint universal(btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+BulletJoint universal(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
                       const btTransform& in_b) {
   const btTransform frame_a = a.getCenterOfMassTransform() * in_a,
                     frame_b = b.getCenterOfMassTransform() * in_b;
-  return {std::make_unique<btUniversalConstraint>(
-      a, b, frame_a.getOrigin(), frame_a.getBasis().getColumn(2), frame_b.getBasis().getColumn(1))};
+  auto universal = std::make_unique<btUniversalConstraint>(
+      a, b, frame_a.getOrigin(), frame_a.getBasis().getColumn(2), frame_b.getBasis().getColumn(1));
+  if (joint.range.limited())
+    universal->setLimit(4, btScalar(joint.range.low), btScalar(joint.range.high));
+  return {std::move(universal)};
 }
 
 // Its first angle, about z, is limited: singular where the direction nears the axis.
@@ -93,7 +97,7 @@ BulletJoint make_stock_joint(const Joint& joint, btRigidBody& a, btRigidBody& b)
     case Kind::fixed: return {std::make_unique<btFixedConstraint>(a, b, in_a, in_b)};
     case Kind::cone_twist: return cone_twist(joint, a, b, in_a, in_b);
     case Kind::universal:
-    case Kind::constant_velocity: return universal(a, b, in_a, in_b);
+    case Kind::constant_velocity: return universal(joint, a, b, in_a, in_b);
     case Kind::wedge: return wedge(joint, a, b, in_a, in_b);
     case Kind::angle:
     case Kind::distance:

@@ -14,12 +14,12 @@
 #include "engines/engine.h"
 #include "measures/run.h"
 #include "progress.h"
-#include "scenes/gallery.h"
+#include "scenes/catalog.h"
 
 namespace {
 
 using engines::Engine;
-using scenes::Exhibit;
+using scenes::Scene;
 
 constexpr double dt = 1. / 60;
 // Of a run: a page of all scenes is to stay small.
@@ -92,40 +92,44 @@ double frame_rate(const scenes::Scene& scene) {
   return 15;
 }
 
+std::string headline(const Scene& scene) {
+  return scene.headline.empty() ? scene.name : scene.headline;
+}
+
 using Runs = std::vector<std::unique_ptr<Recorded>>;
 
-void record(const Exhibit& exhibit, const Kind& kind, Runs& runs) {
+void record(const Scene& scene, const Kind& kind, Runs& runs) {
   const engines::Contender& contender = *engines::find_contender(kind.contender);
-  if (kind.iterations != 10 && !contender.iterates_in(exhibit.scene)) return;
-  std::unique_ptr<Engine> engine = contender.make(exhibit.scene, kind.iterations);
+  // A scene that is there for its bug alone has the iterations that its numbers hold for.
+  const bool bug_alone = scene.group == scenes::Group::wrong && !scene.in_report;
+  const bool more = contender.iterates_in(scene) && !bug_alone;
+  if (kind.iterations != 10 && !more) return;
+  std::unique_ptr<Engine> engine = contender.make(scene, kind.iterations);
   if (!engine || engine->bullet_world() == nullptr) return;
   pintle::RecorderOptions options;
   options.name = kind.name;
-  options.scene = exhibit.scene.name;
-  options.title = exhibit.title;
-  options.text = exhibit.text;
-  options.group = exhibit.group;
+  options.scene = scene.name;
+  options.title = headline(scene);
+  options.text = scene.text.empty() ? scene.title : scene.text;
+  options.group = name(scene.group);
   options.detail = kind.detail;
-  options.frames_per_second = frame_rate(exhibit.scene);
+  options.frames_per_second = frame_rate(scene);
   options.measure_forces = true;
   runs.push_back(std::make_unique<Recorded>(std::move(engine), options));
   Recorded& recorded = *runs.back();
-  const measures::Outcome outcome = measures::run(exhibit.scene, recorded, dt);
-  for (const scenes::Error error : exhibit.scene.errors) {
+  const measures::Outcome outcome = measures::run(scene, recorded, dt);
+  for (const scenes::Error error : scene.errors) {
     const Words text = words(error);
     recorded.recorder().addFigure(text.label, text.unit, outcome[error]);
   }
   recorded.recorder().addFigure("time of a step", "us", 1e6 * outcome.seconds / outcome.steps);
 }
 
-// Scenes of one name are told apart by their place.
-std::vector<Exhibit> named_apart() {
-  std::vector<Exhibit> all = scenes::gallery();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (all[k].scene.name == all[i].scene.name) all[i].scene.name += "_" + std::to_string(i);
-    }
-  }
+// By groups, each in the catalog's order.
+std::vector<Scene> gallery() {
+  std::vector<Scene> all = scenes::catalog();
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Scene& a, const Scene& b) { return a.group < b.group; });
   return all;
 }
 
@@ -138,18 +142,18 @@ struct Options {
   }
 };
 
-void write(const Options& options, std::vector<Exhibit> exhibits) {
-  const auto is_left_out = [&](const Exhibit& exhibit) {
-    return !Options::has(options.scenes, exhibit.scene.name);
+void write(const Options& options, std::vector<Scene> scenes) {
+  const auto is_left_out = [&](const Scene& scene) {
+    return !Options::has(options.scenes, scene.name);
   };
-  exhibits.erase(std::remove_if(exhibits.begin(), exhibits.end(), is_left_out), exhibits.end());
-  Progress progress(double(exhibits.size()));
+  scenes.erase(std::remove_if(scenes.begin(), scenes.end(), is_left_out), scenes.end());
+  Progress progress(double(scenes.size()));
   Runs runs;
-  for (const Exhibit& exhibit : exhibits) {
+  for (const Scene& scene : scenes) {
     for (const Kind& kind : kinds) {
-      if (Options::has(options.contenders, kind.contender)) record(exhibit, kind, runs);
+      if (Options::has(options.contenders, kind.contender)) record(scene, kind, runs);
     }
-    progress.advance(1, exhibit.title);
+    progress.advance(1, scene.name);
   }
   pintle::Recordings recordings;
   for (const auto& recorded : runs) recordings.push_back(recorded->recorder());
@@ -159,10 +163,9 @@ void write(const Options& options, std::vector<Exhibit> exhibits) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<Exhibit> exhibits = named_apart();
-  std::vector<std::string> scenes;
-  for (const Exhibit& exhibit : exhibits) scenes.push_back(exhibit.scene.name);
-  std::vector<std::string> contenders;
+  const std::vector<Scene> all = gallery();
+  std::vector<std::string> names, contenders;
+  for (const Scene& scene : all) names.push_back(scene.name);
   for (const Kind& kind : kinds) contenders.push_back(kind.contender);
 
   Options options;
@@ -172,7 +175,7 @@ int main(int argc, char** argv) {
   app.add_option("--template", options.form, "The page without recordings, as it is built")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", options.scenes, "Only this scene; may be given more than once")
-      ->check(CLI::IsMember(scenes))
+      ->check(CLI::IsMember(names))
       ->allow_extra_args(false);
   app.add_option("--contender", options.contenders,
                  "Only this contender; may be given more than once")
@@ -182,8 +185,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
 
   if (list) {
-    for (const Exhibit& exhibit : exhibits)
-      std::printf("%-20s %s\n", exhibit.scene.name.c_str(), exhibit.title.c_str());
+    for (const Scene& scene : all)
+      std::printf("%-20s %s\n", scene.name.c_str(), headline(scene).c_str());
     return EXIT_SUCCESS;
   }
   if (options.page.empty()) {
@@ -191,7 +194,7 @@ int main(int argc, char** argv) {
     return EXIT_FAILURE;
   }
   try {
-    write(options, exhibits);
+    write(options, all);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return EXIT_FAILURE;

@@ -8,6 +8,7 @@ namespace scenes {
 Scene bounce_scene(double restitution) {
   const double height = 1;
   Scene scene{"bounce", "a ball is dropped on a plane"};
+  scene.show(Group::measured, "Bounce", "A ball on a plane, as a joint.");
   const int ball = scene.add(box(1, {0.1, 0.1, 0.1}, {0, 0, height}));
   Joint& contact = scene.connect(Kind::contact, 0, ball, at({0, 0, 0}));
   contact.in_b.setIdentity();

@@ -15,6 +15,7 @@ Scene bridge_scene(int planks) {
   };
 
   Scene scene{"bridge", std::to_string(planks) + " planks and three boxes, with contacts"};
+  scene.show(Group::measured, "A long bridge", "A hundred planks and three boxes.");
   int last = 0;
   for (int i = 0; i < planks; ++i) {
     const Eigen::Quaterniond slope(

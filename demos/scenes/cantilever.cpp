@@ -8,6 +8,7 @@ namespace scenes {
 Scene cantilever_scene() {
   constexpr int boxes = 5;
   Scene scene{"cantilever", "five boxes fixed to each other"};
+  scene.show(Group::measured, "Cantilever", "A beam of fixed joints bears its weight.");
   for (int i = 0; i < boxes; ++i) {
     const int next = scene.add(box(1, {0.25, 0.1, 0.1}, {0.5 * i + 0.25, 0, 0}));
     scene.connect(Kind::fixed, next - 1, next, at({0.5 * i, 0, 0}));

@@ -9,6 +9,7 @@ Scene car_scene() {
   const double speed = 16;                                     // rad/s, of the driven wheels
 
   Scene scene{"car", "springs, wheels and a motor over bumps"};
+  scene.show(Group::known, "Car", "Springs, axles and a motor over bumps.");
   scene.bodies[0].half_extents = {60, 60, 1};
   scene.bodies[0].pose = at({0, 0, -1});
   scene.bodies[0].collides = true;

@@ -2,33 +2,53 @@
 
 namespace scenes {
 
+// One that only this list names.
+#define PINTLE_SCENE(function) \
+  [] {                         \
+    extern Scene function();   \
+    return function();         \
+  }()
+
+// A new scene is a file of data, and a line here.
 std::vector<Scene> catalog() {
-  return {pendulum_scene(),
-          chain_scene(10, 1),
-          chain_scene(10, 100),
-          crane_scene(),
-          bridge_scene(100),
-          ragdoll_scene(),
-          drive_shaft_scene(Kind::universal),
-          drive_shaft_scene(Kind::constant_velocity),
-          slider_crank_scene(),
-          four_bar_scene(),
-          wedge_elbow_scene(radians(60)),
-          wedge_elbow_scene(radians(270)),
-          cone_shoulder_scene(),
-          spring_scene(),
-          top_scene(),
-          steering_scene(),
-          suspension_scene(),
-          free_pair_scene(),
-          cantilever_scene(),
-          recovery_scene(),
-          valve_scene(),
-          door_scene(),
-          rope_scene(true),
-          rope_scene(false),
-          bounce_scene(),
-          tilt_scene()};
+  return {
+      pendulum_scene(),
+      chain_scene(10, 1),
+      PINTLE_SCENE(stairs_scene),
+      PINTLE_SCENE(rope_bridge_scene),
+      chain_scene(10, 100),
+      PINTLE_SCENE(crane_scene),
+      PINTLE_SCENE(car_scene),
+      PINTLE_SCENE(wrecking_ball_scene),
+      PINTLE_SCENE(robot_arm_scene),
+      bridge_scene(100),
+      ragdoll_scene(),
+      drive_shaft_scene(Kind::universal),
+      drive_shaft_scene(Kind::constant_velocity),
+      slider_crank_scene(),
+      four_bar_scene(),
+      wedge_elbow_scene(radians(60)),
+      wedge_elbow_scene(radians(270)),
+      cone_shoulder_scene(),
+      spring_scene(),
+      top_scene(),
+      PINTLE_SCENE(steering_scene),
+      PINTLE_SCENE(suspension_scene),
+      free_pair_scene(),
+      cantilever_scene(),
+      recovery_scene(),
+      valve_scene(),
+      door_scene(),
+      rope_scene(true),
+      rope_scene(false),
+      bounce_scene(),
+      tilt_scene(),
+      PINTLE_SCENE(limits_of_turns_scene),
+      PINTLE_SCENE(opposite_axes_scene),
+      PINTLE_SCENE(flat_cone_scene),
+      PINTLE_SCENE(bent_universal_scene),
+      PINTLE_SCENE(slider_rebound_scene),
+  };
 }
 
 }  // namespace scenes

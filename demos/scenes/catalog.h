@@ -1,4 +1,5 @@
-// Every scene that is described as data, each in the file of its name.
+// Every scene that is described as data, each in the file of its name; declared here if more than the catalog asks
+// for it.
 
 #pragma once
 
@@ -8,14 +9,8 @@ namespace scenes {
 
 Scene pendulum_scene(double amplitude = radians(120), double tilt = radians(30));
 Scene chain_scene(int links, double ratio);
-Scene crane_scene();
 Scene bridge_scene(int planks);
 Scene ragdoll_scene();
-Scene stairs_scene();
-Scene rope_bridge_scene();
-Scene car_scene();
-Scene wrecking_ball_scene();
-Scene robot_arm_scene();
 Scene drive_shaft_scene(Kind coupling, double bend = radians(30), double rpm = 300);
 Scene slider_crank_scene(double speed = 2 * pi, double crank = 0.3, double rod = 0.9);
 Scene four_bar_scene();
@@ -26,8 +21,6 @@ Scene cone_shoulder_scene(const Spans& spans = {0.8, 0.6, 0.5},
                           const Vector3d& throw_spin = {3, 6, -5});  // rad/s
 Scene spring_scene();
 Scene top_scene();
-Scene steering_scene();
-Scene suspension_scene();
 Scene free_pair_scene();
 Scene cantilever_scene();
 // The second box starts turned by the angle (rad) about a direction.
@@ -39,7 +32,7 @@ Scene stick_rope_scene(bool slack = true);  // the same of sticks, for who has n
 Scene bounce_scene(double restitution = 0.5);
 Scene tilt_scene(double tilt = radians(60));  // rad, between x and the plane of the angle
 
-// As the regression figures have them, and the report those in_report.
+// What tests, regression figures and page go over, and the report where a scene is in_report.
 std::vector<Scene> catalog();
 
 }  // namespace scenes

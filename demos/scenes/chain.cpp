@@ -12,6 +12,14 @@ Scene chain_scene(int links, double ratio) {
   scene.name = ratio == 1 ? "chain" : "chain_heavy";
   scene.title =
       "chain of " + std::to_string(links) + ", last link " + std::to_string(int(ratio)) + ":1";
+  if (ratio == 1) {
+    scene.show(Group::measured, "Chain", "Ten links on hinges of two directions.");
+  } else {
+    scene.show(
+        Group::wrong, "A chain that tears",
+        "The last of ten links weighs a hundred times the others. Look at the gaps between them.");
+    scene.mended = {Error::gap, 0.2, 0.05};
+  }
   for (int i = 0; i < links; ++i) {
     const double mass = i + 1 == links ? ratio : 1;
     const int link = scene.add(box(mass, {0.5, 0.1, 0.1}, {i + 0.5, 0, 0}));

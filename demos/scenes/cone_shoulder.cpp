@@ -8,6 +8,8 @@ namespace scenes {
 Scene cone_shoulder_scene(const Spans& spans, const Vector3d& throw_spin) {
   const double half_length = 0.3;
   Scene scene{"cone_shoulder", "limb thrown at an elliptic cone and a twist limit"};
+  scene.show(Group::measured, "Shoulder",
+             "A limb is thrown at its elliptic cone, and hangs in it.");
   Body limb = box(3, {half_length, 0.06, 0.08}, {half_length, 0, 0});
   limb.damping = 0.6;
   spin(limb, throw_spin, {0, 0, 0});

@@ -11,6 +11,7 @@ Scene crane_scene() {
   const Vector3d along = turn * Vector3d(0, 0, -1);
 
   Scene scene{"crane", "load 1000:1 on a rope of 20 links"};
+  scene.show(Group::known, "Crane", "A tonne on a rope of twenty links of a kilogram each.");
   for (int i = 0; i < links; ++i) {
     const Vector3d middle = (i + 0.5) * length * along;
     const int link = scene.add(box(1, {0.05, 0.05, length / 2}, middle, turn));

@@ -43,6 +43,7 @@ std::vector<double> course(double w, double z, double push, double seconds) {
 Scene door_scene(double damping_ratio) {
   const double frequency = 3, arm = 0.45;  // Hz, m
   Scene scene{"door", "a door is thrown at a soft stop"};
+  scene.show(Group::measured, "Door", "It is thrown at its springy stop.");
   Body panel = box(30, {arm, 0.02, 1}, {arm, 0, 0});
   spin(panel, {0, 0, speed}, {0, 0, 0});
   panel.torque = {0, 0, draught};

@@ -19,6 +19,15 @@ Scene drive_shaft_scene(Kind coupling, double bend, double rpm) {
   scene.title = std::string(universal ? "universal" : "constant velocity") + " joint at " +
                 std::to_string(int(std::lround(degrees(bend)))) + " degrees, " +
                 std::to_string(int(std::lround(rpm))) + " rpm";
+  if (universal) {
+    scene.show(Group::known, "Drive shaft", "A universal joint at 30 degrees and 300 rpm.");
+  } else {
+    scene.show(
+        Group::wrong, "A shaft that ripples",
+        "Bullet has no constant velocity joint: its universal joint speeds up and slows down "
+        "twice a turn. Look at the distance from the true path.");
+    scene.mended = {Error::trajectory, 0.03, 1e-3};
+  }
   scene.gravity = 0;
   Body first_shaft = box(1, {0.5, 0.1, 0.1}, -0.5 * along_first);
   Body second_shaft =

@@ -11,6 +11,7 @@ Scene four_bar_scene() {
   const Vector3d along = turn * Vector3d(0, 0, -length);
 
   Scene scene{"four_bar", "parallel linkage with a redundant crank"};
+  scene.show(Group::measured, "Four-bar linkage", "A closed loop of hinges.");
   const int coupler = scene.add(box(2, {length, 0.05, 0.05}, along));
   for (const double x : {-length, 0., length}) {
     const Vector3d foot(x, 0, 0);

@@ -7,6 +7,8 @@ namespace scenes {
 Scene free_pair_scene() {
   const Vector3d spin_of_all = 3 * Vector3d(0.3, 0.2, 1).normalized();
   Scene scene{"free_pair", "two boxes on a hinge tumble freely"};
+  scene.show(Group::measured, "Free pair",
+             "Two bodies on a hinge, and nothing else: momentum must stay.");
   scene.gravity = 0;
   const int first = scene.add(box(1, {0.5, 0.1, 0.1}, {-0.5, 0, 0}));
   const int second = scene.add(box(1, {0.5, 0.1, 0.1}, {0.5, 0, 0}));

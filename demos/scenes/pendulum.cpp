@@ -13,6 +13,7 @@ Scene pendulum_scene(double amplitude, double tilt) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(amplitude, axis) * hanging);
 
   Scene scene{"pendulum", "box on a tilted hinge, from 120 degrees"};
+  scene.show(Group::measured, "Pendulum", "One link, swinging from 120 degrees on a tilted axis.");
   const int bob = scene.add(box(1, {arm, 0.1, 0.1}, turn * Vector3d(arm, 0, 0), turn));
   scene.connect(Kind::hinge, 0, bob, with_z({0, 0, 0}, axis));
   scene.errors = {Error::trajectory, Error::gap, Error::energy};

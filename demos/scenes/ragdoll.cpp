@@ -60,6 +60,7 @@ void add_ragdoll(Scene& scene, const Vector3d& feet, const Vector3d& velocity, L
 
 Scene ragdoll_scene() {
   Scene scene{"ragdoll", "falls on the ground"};
+  scene.show(Group::measured, "Ragdoll", "It falls on the ground.");
   scene.bodies[0].half_extents = {20, 20, 1};
   scene.bodies[0].pose = at({0, 0, -1});
   scene.bodies[0].collides = true;
@@ -72,6 +73,8 @@ Scene ragdoll_scene() {
 
 Scene stairs_scene() {
   Scene scene{"stairs", "a ragdoll falls down a flight of stairs"};
+  scene.show(Group::known, "Ragdoll on stairs",
+             "It falls down nine steps. Do limbs stay in their sockets?");
   const int steps = 9;
   const double tread = 0.34, rise = 0.2;  // m
   scene.bodies[0].half_extents = {20, 20, 1};

@@ -13,6 +13,8 @@ Scene recovery_scene(double angle, const Vector3d& about) {
   const Vector3d half_extents(0.5, 0.1, 0.1), end(0.5, 0, 0);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, about.normalized()));
   Scene scene{"recovery", "two free boxes, their joint violated at the start"};
+  scene.show(Group::measured, "Hinges that start apart",
+             "Axes 120 degrees off find back together.");
   scene.gravity = 0;
   const int first = scene.add(box(1, half_extents, {0, 0, 0}));
   const int second = scene.add(box(1, half_extents, end + turn * end, turn));

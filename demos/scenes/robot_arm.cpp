@@ -6,6 +6,7 @@ namespace scenes {
 
 Scene robot_arm_scene() {
   Scene scene{"robot_arm", "six motors move a load"};
+  scene.show(Group::known, "Robot arm", "Six motors move a load of 30 kg.");
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   // Each turns back and forth at a rhythm of its own.
   const auto drive = [](Joint& joint, double amplitude, double period, double torque) {

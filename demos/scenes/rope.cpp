@@ -31,6 +31,11 @@ Scene weight_scene(bool slack) {
 
 Scene rope_scene(bool slack) {
   Scene scene = weight_scene(slack);
+  if (slack) {
+    scene.show(Group::measured, "Rope", "Slack at first, then it catches a fall.");
+  } else {
+    scene.show(Group::measured, "Rod", "The same with a rod.");
+  }
   Joint& joint = scene.connect(Kind::distance, 0, scene.probe_body, at({0, 0, 0}));
   joint.in_b.setIdentity();
   joint.range = {slack ? 0 : length, length};

@@ -10,6 +10,8 @@ Scene rope_bridge_scene() {
   const double span = planks * length, height = 2.2;
 
   Scene scene{"rope_bridge", "crates and a safe fall on a bridge of planks"};
+  scene.show(Group::known, "Rope bridge",
+             "Crates, then a safe of 400 kg. Watch the planks come apart, or not.");
   scene.bodies[0].half_extents = {20, 20, 1};
   scene.bodies[0].pose = at({0, 0, -1});
   scene.bodies[0].collides = true;

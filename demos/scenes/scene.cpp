@@ -16,6 +16,12 @@ const char* unit(Error error) {
   return units[int(error)];
 }
 
+const char* name(Group group) {
+  static const char* const names[] = {"Machines you know", "What was wrong",
+                                      "Measured in the report"};
+  return names[int(group)];
+}
+
 bool Scene::contacts() const {
   return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.collides; });
 }
@@ -29,6 +35,12 @@ bool Scene::bounded() const {
 
 bool Scene::has(Error error) const {
   return std::find(errors.begin(), errors.end(), error) != errors.end();
+}
+
+void Scene::show(Group in_group, const std::string& with_headline, const std::string& with_text) {
+  group = in_group;
+  headline = with_headline;
+  text = with_text;
 }
 
 int Scene::add(const Body& body) {

@@ -53,7 +53,8 @@ enum class Kind {
   contact             // origin of b not below the plane z = 0 of a
 };
 
-// Of a joint's free coordinate: an angle of b against a (rad), the slider's position or a distance (m).
+// Of a joint's free coordinate: an angle of b against a (rad; of a universal joint about y of b), the slider's
+// position or a distance (m).
 struct Range {
   double low = 1, high = -1;  // low > high: free
   bool limited() const { return low <= high; }
@@ -85,7 +86,7 @@ struct Joint {
   Spans spans = {pi, pi, pi};
   Spring spring = {};
   Motor motor = {};
-  double restitution = 0;  // of a contact
+  double restitution = 0;  // of a contact, or of a slider's limits
 };
 
 enum class Error {
@@ -101,6 +102,16 @@ enum class Error {
 };
 const char* name(Error error);
 const char* unit(Error error);
+
+// Where the page shows a scene.
+enum class Group { known, wrong, measured };
+const char* name(Group group);
+
+// A bug of stock's joints that Pintle's do not have: of a run in steps of 1/60 s and 10 iterations.
+struct Mended {
+  Error error = Error::count;  // count: there is none here
+  double stock_at_least = 0, pintle_at_most = 0;
+};
 
 struct Scene {
   std::string name, title;
@@ -119,11 +130,16 @@ struct Scene {
   Vector3d probe = {0, 0, 0};
   double horizon = 0;  // s
   std::function<Vector3d(double time)> closed_form = {};
+  // Words for who has never seen it: a headline, what happens, and what to look at. Empty: name and title.
+  Group group = Group::measured;
+  std::string headline = {}, text = {};
+  Mended mended = {};
 
   bool contacts() const;
   // Whether any impulse has a bound: of limits, motors or contacts.
   bool bounded() const;
   bool has(Error error) const;
+  void show(Group in_group, const std::string& with_headline, const std::string& with_text);
   // Indices, by which joints name them.
   int add(const Body& body);
   // The joint's frames coincide at the start, in this frame of the world.

@@ -12,6 +12,7 @@ Scene slider_crank_scene(double w, double r, double l) {
   const auto bar = [](double length) { return Vector3d(length / 2, 0.03, 0.03); };
 
   Scene scene{"slider_crank", "motor, crank, rod and piston"};
+  scene.show(Group::measured, "Slider crank", "A motor drives a piston.");
   // The crank turns from x to z, that is about -y.
   Body crank_body = box(1, bar(r), {r / 2, 0, 0});
   spin(crank_body, {0, -w, 0}, {0, 0, 0});

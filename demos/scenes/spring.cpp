@@ -8,6 +8,7 @@ namespace scenes {
 Scene spring_scene() {
   const double frequency = 2, z = 0.05, speed = 1;  // Hz, -, m/s
   Scene scene{"spring", "weight on a spring of 2 Hz"};
+  scene.show(Group::measured, "Spring", "A slider on a spring.");
   Body weight = box(2, {0.1, 0.1, 0.1}, {0, 0, 0});
   weight.velocity = {0, 0, speed};
   const int moving = scene.add(weight);

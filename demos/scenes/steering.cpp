@@ -10,6 +10,8 @@ namespace scenes {
 Scene steering_scene() {
   const double stop = radians(720), speed = 12, turn_back = 3;  // rad, rad/s, s
   Scene scene{"steering", "stops at +-720 degrees"};
+  scene.show(Group::measured, "Steering",
+             "A wheel is turned onto its stops, two turns either way.");
   Body wheel = box(2, {0.2, 0.2, 0.02}, {0, 0, 0});
   wheel.angular_velocity = {0, 0, speed};
   const int moving = scene.add(wheel);

@@ -11,6 +11,7 @@ Scene suspension_scene() {
   const auto frequency = [](double k, double mass) { return std::sqrt(k / mass) / (2 * pi); };
 
   Scene scene{"suspension", "quarter car drops onto its springs"};
+  scene.show(Group::measured, "Suspension", "A quarter of a car drops onto its springs.");
   const int hub = scene.add(box(hub_mass, {0.1, 0.1, 0.1}, {0, 0, 0.3}));
   Body wheel = box(wheel_mass, {0.3, 0.1, 0.3}, {0, 0, 0.3});
   wheel.angular_velocity = {0, 60, 0};

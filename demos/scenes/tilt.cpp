@@ -8,6 +8,7 @@ namespace scenes {
 
 Scene tilt_scene(double tilt) {
   Scene scene{"tilt", "a leaning cube is pushed against the limit of an angle"};
+  scene.show(Group::measured, "Tilt", "A leaning cube is pushed against the limit of an angle.");
   scene.gravity = 0;
   Body leaning = box(1, {0.1, 0.1, 0.1}, {0, 0, 0},
                      Eigen::Quaterniond(Eigen::AngleAxisd(-tilt, Vector3d::UnitY())));

@@ -10,6 +10,7 @@ Scene top_scene() {
   const Vector3d axis = turn * Vector3d::UnitZ();
 
   Scene scene{"top", "spins at 300 rad/s on a ball joint"};
+  scene.show(Group::measured, "Top", "A heavy top on a ball joint.");
   Body disc = box(1, {0.1, 0.1, 0.02}, height * axis, turn);
   spin(disc, speed * axis, {0, 0, 0});
   const int moving = scene.add(disc);

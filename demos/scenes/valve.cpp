@@ -10,6 +10,7 @@ namespace scenes {
 Scene valve_scene(double turns, double speed) {
   const double stop = 2 * pi * turns, torque = 5;  // rad, N m
   Scene scene{"valve", "a motor turns a wheel onto its stops"};
+  scene.show(Group::known, "Valve", "A motor turns the wheel five turns onto its stop, and back.");
   const int wheel = scene.add(box(4, {0.3, 0.3, 0.03}, {0, 0, 0}));
   const double acceleration = torque / scene.bodies[size_t(wheel)].inertia.z();
   const double one_way = std::round(stop / speed) + 3;  // s

@@ -30,6 +30,13 @@ Scene wedge_elbow_scene(double total) {
   scene.name = acute ? "wedge_acute" : "wedge_wide";
   scene.title =
       "elbow in a wedge of " + std::to_string(int(std::lround(degrees(total)))) + " degrees";
+  if (acute) {
+    scene.show(Group::measured, "Elbow", "A wedge of 60 degrees.");
+  } else {
+    scene.show(Group::wrong, "A wedge past half a turn",
+               "An elbow that may turn by 270 degrees. Look at how far it goes beyond.");
+    scene.mended = {Error::overshoot, 0.3, 0.01};
+  }
   scene.bodies.back().damping = 0.5;
   spin(scene.bodies.back(), {2, 3, 4}, {0, 0, 0});
   scene.errors = {Error::overshoot, Error::gap, Error::gained};

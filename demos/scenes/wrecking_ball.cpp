@@ -12,6 +12,7 @@ Scene wrecking_ball_scene() {
   const Vector3d along = turn * Vector3d(0, 0, -1);
 
   Scene scene{"wrecking_ball", "two tonnes on a chain of 80 kg against a wall"};
+  scene.show(Group::known, "Wrecking ball", "Two tonnes on a light chain swing into a wall.");
   scene.bodies[0].half_extents = {20, 20, 1};
   scene.bodies[0].pose = at({0, 0, -1});
   scene.bodies[0].collides = true;

@@ -16,7 +16,7 @@ const writePage = (name, texts) => {
   writeFileSync(`${file}.${name}.html`, head + texts.map((text) => `${open}${text}</script>\n`).join('') + tail);
   return `file://${file}.${name}.html`;
 };
-const few = ['rope_bridge', 'valve', 'chain_heavy', 'valve_9', 'chain'];  // they open sooner than all
+const few = ['rope_bridge', 'valve', 'chain_heavy', 'limits_of_turns', 'chain'];  // they open sooner than all
 const small = writePage('few', runs.filter((run) => few.includes(run.scene)).map((run) => JSON.stringify(run)));
 
 const floats = (base64) => {
@@ -145,7 +145,7 @@ test('keys play, step, change panes, speed and options', async () => {
   assert.equal(await page.locator('#keys').evaluate((dialog) => dialog.open), true);
   await press('Escape');
   const scene = (await press('n')).scene;
-  assert.equal(scene, 'valve_9');
+  assert.equal(scene, 'limits_of_turns');
   assert.equal((await press('p')).scene, 'chain_heavy');
   assert.equal((await press('Escape')).scene, null);
   assert.equal((await press('Enter')).scene, 'chain_heavy');  // the card that it came from
