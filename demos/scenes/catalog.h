@@ -11,6 +11,7 @@ Scene pendulum_scene(double amplitude = radians(120), double tilt = radians(30))
 Scene chain_scene(int links, double ratio);
 Scene bridge_scene(int planks);
 Scene ragdoll_scene();
+Scene steering_scene();
 Scene drive_shaft_scene(Kind coupling, double bend = radians(30), double rpm = 300);
 Scene slider_crank_scene(double speed = 2 * pi, double crank = 0.3, double rod = 0.9);
 Scene four_bar_scene();

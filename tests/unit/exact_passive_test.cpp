@@ -6,6 +6,7 @@
 #include <pintle/rows/row.h>
 #include <pintle/solver/passive_joint_solver.h>
 
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -60,6 +61,11 @@ class Books {
   void join(std::unique_ptr<btTypedConstraint> joint) {
     m_world.addConstraint(joint.get(), true);
     joints.push_back(std::move(joint));
+  }
+
+  void removeLastJoint() {
+    m_world.removeConstraint(joints.back().get());
+    joints.pop_back();
   }
 
   /// J, in the middle of the last step: there the velocity belongs to the pose.
@@ -354,7 +360,7 @@ TEST(Passive, ALimitHoldsAgainstABodyThatItsOwnerMoves) {
   pintle::QuaternionHinge& hinge = *made;
   hinge.setLimit(scalar(-0.3), scalar(0.3));
   books.join(std::move(made));
-  double beyond = 0, turned = 0;
+  double beyond = -1, turned = 0;
   for (int i = 0; i < 240; ++i) {
     books.step();
     turned += 1.5 / 60;
@@ -385,6 +391,54 @@ TEST(Passive, RowsThatNothingFollowsDoNothing) {
   bodies[1]->setAngularVelocity(vec(0, 0, 3));
   for (int i = 0; i < 300; ++i) books.step();
   EXPECT_LT(bodies[1]->getAngularVelocity().length(), 4);
+}
+
+// It stores what it was given, and nothing once it is gone.
+TEST(Passive, ASoftJointThatBreaksIsSolvedAsAnyOther) {
+  Books books(60);
+  btRigidBody& hung = books.add(5, vec(0.1, 0.1, 0.5), at(vec(0, 0, -0.5)));
+  auto ball = std::make_unique<pintle::BallJoint>(hung, vec(0, 0, 0.5));
+  ball->setParam(BT_CONSTRAINT_CFM, scalar(0.01));
+  ball->setBreakingImpulseThreshold(scalar(0.5));
+  pintle::BallJoint& joint = *ball;
+  books.join(std::move(ball));
+  books.step();
+  EXPECT_FALSE(joint.isEnabled());
+  EXPECT_EQ(books.solver.lastStep().relaxed, 0);
+}
+
+// Two limits, a motor and a spring about and along three axes: no joint of Bullet's has more rows.
+TEST(Passive, AStockJointOf24RowsIsSolved) {
+  Books books(60);
+  btRigidBody& arm = books.add(1, vec(0.5, 0.1, 0.1), at(vec(0.5, 0, 0)));
+  auto made = std::make_unique<btGeneric6DofSpring2Constraint>(arm, at(vec(-0.5, 0, 0)));
+  for (int axis = 0; axis < 6; ++axis) {
+    made->setLimit(axis, scalar(-0.1), scalar(0.1));
+    made->enableMotor(axis, true);
+    made->setMaxMotorForce(axis, 1);
+    made->enableSpring(axis, true);
+    made->setStiffness(axis, 10);
+  }
+  btTypedConstraint::btConstraintInfo1 size;
+  made->getInfo1(&size);
+  EXPECT_EQ(size.m_numConstraintRows, 24);
+  books.join(std::move(made));
+  for (int i = 0; i < 120; ++i) books.step();
+  EXPECT_TRUE(support::is_finite(arm));
+  EXPECT_NEAR(arm.getCenterOfMassPosition().z(), 0, 0.2);
+}
+
+// Of joints that are gone nothing is kept.
+TEST(Passive, WhatIsGoneIsForgotten) {
+  Books books(60);
+  btRigidBody& first = books.add(1, vec(0.1, 0.1, 0.5), at(vec(0, 0, -0.5)));
+  for (int i = 0; i < 100; ++i) {
+    books.join(std::make_unique<pintle::BallJoint>(first, vec(0, 0, 0.5)));
+    books.step();
+    EXPECT_EQ(books.solver.lastStep().components, 1);
+    EXPECT_LE(books.solver.getNumRemembered(), 2);
+    books.removeLastJoint();
+  }
 }
 
 TEST(Passive, BridgesWithCratesGainNothing) { expectCalmBridges<pintle::QuaternionHinge>(10); }

@@ -1,5 +1,7 @@
 #include <pintle/solver/chord.h>
 
+#include <pintle/solver/softness.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -73,9 +75,9 @@ void Chord::begin() {
   m_memory.y.assign(m_K.unknowns(), 0.);
   m_memory.x.assign(m_K.unknowns(), 0.);
   m_memory.bounded.clear();
-  forEachRow([&](int c, int, const IslandRow& row, size_t r, size_t at) {
+  forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {
     m_memory.y[at] = m_work.now.lambda[r] * row.root_K;
-    if (!row.law.isEquality()) m_memory.bounded.push_back({&row, c, r, at});
+    if (!row.law.isEquality()) m_memory.bounded.push_back({&row, r, at});
   });
 }
 
@@ -93,7 +95,7 @@ bool Chord::choosePieces() {
     choosePiece(*of.row, of.r, of.at);
     const LawPiece& now = m_work.pieces[of.r];
     changed = changed || before.acts != now.acts || before.softness != now.softness ||
-              before.impulse != now.impulse;
+              before.impulse != now.impulse || before.target != now.target;
   }
   return changed;
 }

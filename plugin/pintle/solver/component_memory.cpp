@@ -33,6 +33,7 @@ void remember(const Island& island, const Component& component,
     memory->fronts.analyse(component.bodies, memory->bodies);
     memory->K.analyse(component.bodies, memory->bodies);
   }
+  memory->is_used = true;
   std::vector<int>& sizes = memory->work.sizes;
   bool same_sizes = same && int(sizes.size()) == component.joints;
   sizes.resize(size_t(component.joints));
@@ -46,7 +47,9 @@ void remember(const Island& island, const Component& component,
 }
 
 int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
-  return size_t(c) < m_rows.size() && m_rows[size_t(c)] == joint.rows ? joint.rows : 0;
+  if (size_t(c) >= m_rows.size()) return 0;
+  const int before = m_rows[size_t(c)];
+  return before == joint.rows ? before : std::min(std::min(before, joint.rows), joint.equalities);
 }
 
 // Velocities lead where the last step's changes do.
@@ -64,7 +67,7 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
     for (int i = 0; i < joint.rows; ++i)
-      lambda.push_back(rows > 0 ? m_lambda[before + size_t(i)] : 0.);
+      lambda.push_back(i < rows ? m_lambda[before + size_t(i)] : 0.);
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }
 }
@@ -80,7 +83,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
     const int rows = knownRows(c, joint);
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!(row.spring.erp > 0) || rows == 0) continue;
+      if (!(row.spring.erp > 0) || i >= rows) continue;
       const Stretch& last = m_last_stretch[before + size_t(i)];
       const double most = row.spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
       row.spring.stretch = std::clamp(std::clamp(last.length, -most, most),

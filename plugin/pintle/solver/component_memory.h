@@ -15,7 +15,8 @@ struct ComponentMemory {
   std::vector<std::array<int, 2>> bodies;  ///< of each, counted from the component's first
   Fronts fronts;
   JointMatrix K;
-  bool is_K_of_start = false;  ///< K is that with which the step was solved
+  bool is_used = false;        ///< in this step
+  bool is_K_of_start = false;  ///< K is that of the chord, with which the step was solved
   Workspace work;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
@@ -36,7 +37,7 @@ struct ComponentMemory {
     double length = 0, energy = 0;
   };
 
-  /// Of joint c in the last step; 0 if it had others.
+  /// Of joint c, the rows that it had in the last step, too: all, or its equalities, which come first.
   int knownRows(int c, const IslandJoint& joint) const;
 
   std::vector<int> m_rows;                         ///< of each joint, in the last step

@@ -54,6 +54,13 @@ struct BodyAtEnd {
   btTransform pose = btTransform::getIdentity();
 };
 
+/// A body at the end of the step, as far as u of rows needs it.
+struct MovedBody {
+  Vector6d v;
+  RotationOfStep turn;
+
+  MovedBody(const Vector6d& velocity, double dt) : v(velocity), turn(velocity.tail<3>(), dt) {}
+};
 /// d u / d(velocities): of body a and of body b, each linear and angular.
 struct RowJacobian {
   Vector3d L_a, A_a, L_b, A_b;
@@ -71,7 +78,7 @@ struct RowJacobian {
 /// of a row that is known at the start alone, J v.
 struct IslandRow {
   RowJacobian J;
-  Row start;
+  Row start{};
   RowShape shape;
   /// Whether C can be asked for at other poses.
   bool has_position;
@@ -125,6 +132,7 @@ struct Island {
 
   double dt;
   std::vector<BodyAtEnd> unmoved_bodies;
+  std::vector<MovedBody> moved_by_owner;  ///< the same bodies
   std::vector<IslandBody> bodies;
   std::vector<IslandJoint> joints;
   std::vector<IslandRow> rows;

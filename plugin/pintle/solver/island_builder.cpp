@@ -4,19 +4,16 @@
 #include <pintle/joint_rows.h>
 #include <pintle/solver/iterate.h>
 #include <pintle/solver/joint_access.h>
+#include <pintle/solver/joint_matrix.h>
 
-#include <Eigen/LU>
-
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr int max_stock_rows = 16;
+constexpr int max_stock_rows = 24;  // btGeneric6DofSpring2Constraint: four an axis
 constexpr int unknown = std::numeric_limits<int>::min();
 
 Matrix3d inDouble(const btMatrix3x3& m) {
@@ -24,21 +21,6 @@ Matrix3d inDouble(const btMatrix3x3& m) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) to(i, j) = double(m[i][j]);
   return to;
-}
-
-// Of the inertia about the axes that the body's factors leave free; 0 about the others.
-Matrix3d inverseWhereFree(const IslandBody& body) {
-  Matrix3d free = body.inertia;
-  for (int i = 0; i < 3; ++i)
-    if (body.locked[size_t(3 + i)]) {
-      free.row(i).setZero();
-      free.col(i).setZero();
-      free(i, i) = 1;
-    }
-  Matrix3d inverse = free.inverse();
-  for (int i = 0; i < 3; ++i)
-    if (body.locked[size_t(3 + i)]) inverse(i, i) = 0;
-  return inverse;
 }
 
 // J of ours: [-L, -A_a, L, A_b], times the sign with which a coordinate moves along it.
@@ -61,6 +43,7 @@ void IslandBuilder::begin(const btContactSolverInfo& info) {
   m_island.dt = double(info.m_timeStep);
   m_island.bodies.clear();
   m_island.unmoved_bodies.assign(1, {});
+  m_island.moved_by_owner.assign(1, {Vector6d::Zero(), 0});
   m_island.joints.clear();
   m_island.rows.clear();
   m_body_of.clear();
@@ -93,7 +76,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
     to.locked[size_t(i)] = !(linear[i] > 0);
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
   }
-  to.inverse_inertia = inverseWhereFree(to);
+  to.inverse_inertia = inverseWhereFree(to, to.inertia);
   to.scale[0] = std::sqrt(to.mass);
   to.scale[1] = std::sqrt(to.inertia.trace() / 3);
   for (int i = 0; i < 3; ++i) {
@@ -113,6 +96,7 @@ int IslandBuilder::unmoved(const btSolverBody& from) {
   to.v << pintle::inDouble(v), pintle::inDouble(w);
   moveBody(from.m_originalBody->getCenterOfMassTransform(), m_island.dt, to);
   m_island.unmoved_bodies.push_back(to);
+  m_island.moved_by_owner.emplace_back(to.v, m_island.dt);
   return Island::unmoved(int(m_island.unmoved_bodies.size()) - 1);
 }
 
@@ -231,6 +215,8 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
                                                 Scalar(row.J.along(v0(0), v0(1))), m_info);
   state.acted = true;
   state.incoming = 0;
+  row.rebound_energy = double(state.taken);  // a rebound may give it back
+  state.taken = 0;
   state.row = {-1, -1, -1};
   double K_beside = -1;
   const auto addPart = [&](const AxisPart& part, Axis::Part role) {
@@ -259,13 +245,16 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
 void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
                                   IslandRow& row) const {
   const double q = double(row.start.position), low = double(axis.low), high = double(axis.high);
+  const double dt = m_island.dt, most = double(motion.max_speed) * dt;
+  const auto closing = [&](double beyond) {
+    return std::fmax(-most, std::fmin(double(motion.limit_erp) * beyond, most));
+  };
   if (axis.locked()) {
     row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded, false, Axis::limit});
-    row.open = double(motion.limit_erp) * (q - low);
+    row.open = closing(q - low);
     return;
   }
   // It stops at the limit, and rebounds in the next step.
-  const double dt = m_island.dt;
   double up = std::fmin((low - q) / dt, 0), down = std::fmax((high - q) / dt, 0);
   const NearLimit limit(axis, motion);
   if (const double rebound = double(reboundSpeed(axis, motion, limit)); rebound > 0) {
@@ -273,23 +262,20 @@ void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, Ax
       up = rebound;
     else
       down = -rebound;
-    row.rebound_energy = double(state.taken);
   } else if (limit.gap > 0) {
     state.incoming = btMax(Scalar(0), -limit.inward);
   }
   row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
-  const double most = double(motion.max_speed) * dt;
-  const double beyond = q < low ? q - low : q > high ? q - high : 0;
-  row.open = std::fmax(-most, std::fmin(double(motion.limit_erp) * beyond, most));
+  row.open = closing(q < low ? q - low : q > high ? q - high : 0);
 }
 
 void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {
   btTypedConstraint& joint = *to.constraint;
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
-  const int count = btMin(size.m_numConstraintRows, max_stock_rows);
-  if (count <= 0) return;
+  const int count = size.m_numConstraintRows;  // all of which it writes
+  if (count <= 0 || count > max_stock_rows) return;
   btSolverConstraint rows[max_stock_rows], at_twice_the_rate[max_stock_rows];
   const Scalar fps = 1 / m_info.m_timeStep;
   const auto ask = [&](Scalar rate, btSolverConstraint* answer) {
@@ -341,6 +327,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
 
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
                         int solver_body_b) {
+  if (&joint.getRigidBodyA() == &joint.getRigidBodyB()) return;  // it holds nothing
   IslandJoint to = {};
   to.constraint = &joint;
   to.body = {body(bodies, solver_body_a), body(bodies, solver_body_b)};
@@ -351,66 +338,6 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   else
     addStock(to, bodies[solver_body_a], bodies[solver_body_b]);
   if (to.rows > 0) m_island.joints.push_back(to);
-}
-
-void IslandBuilder::finish(std::vector<Component>& components) {
-  // Union of bodies that a joint connects.
-  const size_t n = m_island.bodies.size();
-  std::vector<int> root(n), number(n, -1), to(n);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int i) {
-    while (root[size_t(i)] != i) i = root[size_t(i)] = root[size_t(root[size_t(i)])];
-    return i;
-  };
-  for (const IslandJoint& joint : m_island.joints)
-    if (joint.body[0] >= 0 && joint.body[1] >= 0)
-      root[size_t(find(joint.body[0]))] = find(joint.body[1]);
-  components.clear();
-  const auto numberOf = [&](int body) -> int& { return number[size_t(find(body))]; };
-  const auto numberOfJoint = [&](const IslandJoint& joint) {
-    return size_t(numberOf(joint.body[0] >= 0 ? joint.body[0] : joint.body[1]));
-  };
-  for (size_t i = 0; i < n; ++i) {
-    int& known = numberOf(int(i));
-    if (known < 0) {
-      known = int(components.size());
-      components.emplace_back();
-    }
-    ++components[size_t(known)].bodies;
-  }
-  for (const IslandJoint& joint : m_island.joints) ++components[numberOfJoint(joint)].joints;
-  int first_body = 0, first_joint = 0;
-  for (Component& c : components) {
-    c.first_body = first_body;
-    c.first_joint = first_joint;
-    first_body += c.bodies;
-    first_joint += c.joints;
-    c.bodies = c.joints = 0;  // and counted again, as they come to their places
-  }
-  std::vector<IslandBody> bodies(n);
-  for (size_t i = 0; i < n; ++i) {
-    Component& c = components[size_t(numberOf(int(i)))];
-    to[i] = c.first_body + c.bodies++;
-    bodies[size_t(to[i])] = m_island.bodies[i];
-  }
-  std::vector<IslandJoint> joints(m_island.joints.size());
-  for (const IslandJoint& joint : m_island.joints) {
-    Component& c = components[numberOfJoint(joint)];
-    IslandJoint& at = joints[size_t(c.first_joint + c.joints++)];
-    at = joint;
-    at.row_of_component = c.rows;
-    c.rows += joint.rows;
-    for (int& body : at.body)
-      if (body >= 0) body = to[size_t(body)];
-  }
-  for (int& known : m_body_of)
-    if (known >= 0) known = to[size_t(known)];
-  // A body whose joints have no rows is free.
-  components.erase(std::remove_if(components.begin(), components.end(),
-                                  [](const Component& c) { return c.joints == 0; }),
-                   components.end());
-  m_island.bodies.swap(bodies);
-  m_island.joints.swap(joints);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -37,10 +37,11 @@ class IslandBuilder {
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
                      const RowJacobian& J_2) const;
   /// The same of J, when the equalities of the joint hold.
-  /// One that its owner moves: not by what acts on it.
-  int unmoved(const btSolverBody& from);
-  double inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const;
   double inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const;
+  /// And of bodies of which nothing is locked.
+  double inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const;
+  /// The number of a body that only its owner moves.
+  int unmoved(const btSolverBody& from);
 
   Island& m_island;
   btContactSolverInfo m_info;

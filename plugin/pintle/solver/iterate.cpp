@@ -199,15 +199,14 @@ void measure(const Island& island, const Component& component, double dt,
              std::vector<double>& u) {
   bodies.clear();
   for (const Vector6d& of : v) bodies.emplace_back(of, dt);
-  for (const BodyAtEnd& of : island.unmoved_bodies) bodies.emplace_back(of.v, dt);
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto bodyAt = [&](int side) -> const MovedBody& {
       const int body = joint.body[size_t(side)];
-      return bodies[body < 0 ? v.size() + size_t(Island::unmoved(body))
-                             : size_t(body - component.first_body)];
+      return body < 0 ? island.moved_by_owner[size_t(Island::unmoved(body))]
+                      : bodies[size_t(body - component.first_body)];
     };
     const MovedBody &a = bodyAt(0), &b = bodyAt(1);
     Arms arms;

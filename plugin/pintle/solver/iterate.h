@@ -27,13 +27,6 @@ struct Iterate {
 /// Bodies and rows of the component at velocities `at.bodies[].v`.
 void moveTo(const Island& island, const Component& component, Iterate& at);
 
-/// A body at the end of the step, as far as u of rows needs it.
-struct MovedBody {
-  Vector6d v;
-  RotationOfStep turn;
-
-  MovedBody(const Vector6d& velocity, double dt) : v(velocity), turn(velocity.tail<3>(), dt) {}
-};
 /// Only u of all rows, at velocities v. `bodies`: memory for it.
 void measure(const Island& island, const Component& component, double dt,
              const std::vector<Vector6d>& v, std::vector<MovedBody>& bodies,

@@ -8,21 +8,25 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness) {
+Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia) {
+  const auto isLocked = [&](int k) { return body.locked[size_t(3 + k)]; };
+  for (int k = 0; k < 3; ++k)
+    if (isLocked(k)) {
+      inertia.row(k).setZero();
+      inertia.col(k).setZero();
+      inertia(k, k) = 1;
+    }
+  Matrix3d inverse = inertia.inverse();
+  for (int k = 0; k < 3; ++k)
+    if (isLocked(k)) inverse(k, k) = 0;
+  return inverse;
+}
+
+InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
+    : angular(stiffness.isZero(0) ? body.inverse_inertia
+                                  : inverseWhereFree(body, body.inertia + stiffness)) {
   for (int k = 0; k < 3; ++k) linear[k] = body.locked[size_t(k)] ? 0 : 1 / body.mass;
   std::copy(body.scale, body.scale + 2, scale);
-  angular = body.inverse_inertia;
-  if (stiffness.isZero(0)) return;
-  Matrix3d free = body.inertia + stiffness;
-  for (int k = 0; k < 3; ++k)
-    if (body.locked[size_t(3 + k)]) {
-      free.row(k).setZero();
-      free.col(k).setZero();
-      free(k, k) = 1;
-    }
-  angular = free.inverse();
-  for (int k = 0; k < 3; ++k)
-    if (body.locked[size_t(3 + k)]) angular(k, k) = 0;
 }
 
 void JointMatrix::analyse(int bodies, const std::vector<Joint>& joints) {

@@ -13,6 +13,9 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// Of an inertia about the axes that the body's factors leave free; 0 about the others.
+Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia);
+
 /// A^-1 of a body, in the world: 0 where its factors hold it.
 struct InverseInertia {
   Vector3d linear;
@@ -48,7 +51,6 @@ class JointMatrix {
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, std::vector<Vector6d>& v) const;
 
-  double solvesOfFactor() const { return m_factor.solvesOfFactor(); }
   size_t bytes() const;
 
  private:

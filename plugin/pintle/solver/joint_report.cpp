@@ -28,6 +28,7 @@ bool breakOverloaded(Island& island, const Component& component, const Iterate& 
       row.law.clear();
       row.law.add({0, 0, 0, 0});
       row.open = 0;
+      row.spring = {};
     }
   }
   return any;

@@ -25,7 +25,6 @@ struct BroydenStep {
 struct ChordMemory {
   struct Bounded {
     const IslandRow* row;
-    int joint;
     size_t r, at;  ///< among the component's rows, and the unknowns of K
   };
   std::vector<InverseInertia> bodies;
@@ -41,17 +40,13 @@ struct ChordMemory {
 struct Workspace {
   Iterate now, next;
   std::vector<LawPiece> pieces, next_pieces;
-  std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (tier start)
+  std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (chord.h)
   std::vector<Vector6d> external;   ///< of each body: impulses of contacts, N s and N m s
   std::vector<double> correction, simplified, residual;
   std::vector<double> softness;  ///< of each joint, relative to K
   std::vector<int> sizes;
   ChordMemory chord;
 };
-
-/// work.softness: of the joints of loops, of which rows may repeat or contradict each other.
-void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
-                  const Fronts& fronts, Workspace& work);
 
 class Newton {
  public:

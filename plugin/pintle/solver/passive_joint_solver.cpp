@@ -151,7 +151,7 @@ void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touc
     for (ContactPart& part : parts) gain += gainOverForces(island, *part.component, part.work->now);
     for (size_t i = 0; i < island.bodies.size(); ++i)
       if (!in_parts[i]) gain += gainOf(island.bodies[i], island.bodies[i].v_free, velocities[i]);
-    for (const ContactRow& row : contacts) gain -= row.impulse * std::fmax(row.target, 0);
+    for (const ContactRow& row : contacts) gain -= std::fmax(row.impulse * row.target, 0);
     return !(gain <= options.ledger_share * peak);
   };
   bool converged = attempt();
@@ -235,8 +235,18 @@ PassiveJointSolver::PassiveJointSolver() : m_state(new State) {}
 PassiveJointSolver::~PassiveJointSolver() = default;
 SolverOptions& PassiveJointSolver::options() { return m_state->options; }
 const StepReport& PassiveJointSolver::lastStep() const { return m_state->report; }
+int PassiveJointSolver::getNumRemembered() const { return int(m_state->memory.size()); }
 
-void PassiveJointSolver::prepareSolve(int, int) { m_state->report = {}; }
+// Once a step of the world. What no island has used in the last one is forgotten: its joints sleep, or are gone.
+void PassiveJointSolver::prepareSolve(int, int) {
+  m_state->report = {};
+  auto& memory = m_state->memory;
+  for (auto of = memory.begin(); of != memory.end();) {
+    const bool is_used = of->second != nullptr && of->second->is_used;
+    if (is_used) of->second->is_used = false;
+    of = is_used ? std::next(of) : memory.erase(of);
+  }
+}
 
 void PassiveJointSolver::convertJoints(btTypedConstraint** constraints, int numConstraints,
                                        const btContactSolverInfo& info) {

@@ -16,7 +16,7 @@ struct SolverOptions;
 struct StepReport {
   int components = 0;
   int newton_steps = 0, factors = 0;
-  int second_tier = 0;  ///< components that were solved by the discrete gradient
+  int second_tier = 0;  ///< times that a component was solved by the discrete gradient
   int relaxed = 0;      ///< times that joints were only relaxed in velocity
   int not_converged =
       0;  ///< components whose joints hold in velocity alone, and are open at the end of the step
@@ -36,6 +36,8 @@ class PassiveJointSolver : public btSequentialImpulseConstraintSolver {
 
   SolverOptions& options();
   const StepReport& lastStep() const;
+  /// Components of which something is kept for the next step.
+  int getNumRemembered() const;
 
  protected:
   void convertJoints(btTypedConstraint** constraints, int numConstraints,

@@ -36,7 +36,8 @@ void correctPoses(const Island& island, const Component& component, const Solver
     if (!acts[r]) return;
     open[r] = row.open;
     if (equality && piece.acts) open[r] += island.dt * (work.now.rows[r].u - piece.target);
-    largest = std::fmax(largest, std::abs(open[r]));
+    largest =
+        std::abs(open[r]) <= largest ? largest : std::abs(open[r]);  // and not finite if one is
   });
   if (largest <= options.pose_tolerance / 2) return;  // nothing is open
   // The least motion, in the metric of the masses, by the rows as they are at the end.
@@ -68,7 +69,7 @@ void correctPoses(const Island& island, const Component& component, const Solver
     moved = by <= moved ? moved : by;  // and not finite if one is
   }
   // Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
-  if (largest <= options.largest_residue) return;
+  if (largest <= options.largest_residue && std::isfinite(moved)) return;
   double most = 0;  // m: what all rows would move a body by, each alone
   forEachRow([&](const IslandJoint& joint, int, int, size_t r, const IslandRow& row) {
     for (int side = 0; side < 2; ++side)

@@ -43,7 +43,7 @@ struct SolverOptions {
   /// (w dt)^2 of a body that swings about its joints' load by w rad/s, up to which the first tier leaves it as it is. Explicit steps
   /// are stable below 4. A faster one gets as much inertia as makes it swing no faster: no step resolves it.
   double stable_swing = 2;
-  /// m and rad: an error up to which poses are corrected by the factor that Newton's iteration ended with.
+  /// m and rad: an error up to which poses are corrected by the factor with which the step was solved.
   double largest_residue = 1e-6;
 };
 

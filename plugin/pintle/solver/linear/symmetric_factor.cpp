@@ -67,7 +67,6 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   m_first.assign(1, 0);
   std::vector<std::vector<int>> children(n);
   std::vector<int> mark(n, -1);
-  double factor = 0, solve = 0;
   for (size_t k = 0; k < n; ++k) {
     std::vector<int>& rows = coupled[k];
     mark[k] = int(k);
@@ -89,11 +88,7 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
     if (!rows.empty()) children[size_t(rows[0])].push_back(int(k));
     m_row.insert(m_row.end(), rows.begin(), rows.end());
     m_first.push_back(int(m_row.size()));
-    const double below = double(rows.size());
-    factor += 1 + below + below * (below + 1) / 2;
-    solve += 1 + 2 * below;
   }
-  m_solves_of_factor = size * factor / std::max(solve, 1.);
   m_numbers.resize(area * (n + m_row.size()));
 }
 

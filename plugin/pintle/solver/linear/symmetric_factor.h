@@ -29,8 +29,6 @@ class SymmetricFactor {
   /// x = A^-1 x.
   void solve(double* x) const;
 
-  /// Multiplications of a factor, in those of a solve.
-  double solvesOfFactor() const { return m_solves_of_factor; }
   size_t bytes() const {
     return sizeof(double) * m_numbers.capacity() +
            sizeof(int) * (m_row.capacity() + m_first.capacity());
@@ -43,7 +41,6 @@ class SymmetricFactor {
   std::vector<int> m_first;  ///< of each column in m_row
   /// Of the diagonal, then of those below: A, and then D^-1 and L.
   std::vector<double> m_numbers;
-  double m_solves_of_factor = 1;
 };
 
 }  // namespace PINTLE_PRECISION

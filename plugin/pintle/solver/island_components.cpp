@@ -1,0 +1,71 @@
+// Bodies and joints of an island, sorted by who hangs together.
+#include <pintle/solver/island_builder.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+void IslandBuilder::finish(std::vector<Component>& components) {
+  // Union of bodies that a joint connects.
+  const size_t n = m_island.bodies.size();
+  std::vector<int> root(n), number(n, -1), to(n);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int i) {
+    while (root[size_t(i)] != i) i = root[size_t(i)] = root[size_t(root[size_t(i)])];
+    return i;
+  };
+  for (const IslandJoint& joint : m_island.joints)
+    if (joint.body[0] >= 0 && joint.body[1] >= 0)
+      root[size_t(find(joint.body[0]))] = find(joint.body[1]);
+  components.clear();
+  const auto numberOf = [&](int body) -> int& { return number[size_t(find(body))]; };
+  const auto numberOfJoint = [&](const IslandJoint& joint) {
+    return size_t(numberOf(joint.body[0] >= 0 ? joint.body[0] : joint.body[1]));
+  };
+  for (size_t i = 0; i < n; ++i) {
+    int& known = numberOf(int(i));
+    if (known < 0) {
+      known = int(components.size());
+      components.emplace_back();
+    }
+    ++components[size_t(known)].bodies;
+  }
+  for (const IslandJoint& joint : m_island.joints) ++components[numberOfJoint(joint)].joints;
+  int first_body = 0, first_joint = 0;
+  for (Component& c : components) {
+    c.first_body = first_body;
+    c.first_joint = first_joint;
+    first_body += c.bodies;
+    first_joint += c.joints;
+    c.bodies = c.joints = 0;  // and counted again, as they come to their places
+  }
+  std::vector<IslandBody> bodies(n);
+  for (size_t i = 0; i < n; ++i) {
+    Component& c = components[size_t(numberOf(int(i)))];
+    to[i] = c.first_body + c.bodies++;
+    bodies[size_t(to[i])] = m_island.bodies[i];
+  }
+  std::vector<IslandJoint> joints(m_island.joints.size());
+  for (const IslandJoint& joint : m_island.joints) {
+    Component& c = components[numberOfJoint(joint)];
+    IslandJoint& at = joints[size_t(c.first_joint + c.joints++)];
+    at = joint;
+    at.row_of_component = c.rows;
+    c.rows += joint.rows;
+    for (int& body : at.body)
+      if (body >= 0) body = to[size_t(body)];
+  }
+  for (int& known : m_body_of)
+    if (known >= 0) known = to[size_t(known)];
+  // A body whose joints have no rows is free.
+  components.erase(std::remove_if(components.begin(), components.end(),
+                                  [](const Component& c) { return c.joints == 0; }),
+                   components.end());
+  m_island.bodies.swap(bodies);
+  m_island.joints.swap(joints);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
