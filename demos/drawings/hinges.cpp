@@ -70,9 +70,7 @@ Made hinge(const char* file, const char* title, const char* subtitle,
   sketch.label(poses.b(vec(-0.25, -0.05, -0.2)), "B", 0, 0, "big");
 
   Sketch::Caption text = caption(title, subtitle, kAInB, degreesOf(make, still, true, rest));
-  text.readings = {{"getHingeAngle()", degrees(angle)},
-                   {"setLimit(low, high)",
-                    between(degrees(joint.getLowerLimit()), degrees(joint.getUpperLimit()))}};
+  text.readings = angleAndLimit("getHingeAngle()", angle, joint);
   text.notes = {handed(sign, "A", "z"), "0\u00b0: the frames coincide"};
   text.notes.insert(text.notes.end(), notes.begin(), notes.end());
   return {file, sketch.svg(text), sketch.tile(text.title)};

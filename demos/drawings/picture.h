@@ -48,6 +48,14 @@ inline btTransform alongY(const btTransform& pose) { return pose * turned(kX, -9
 std::string degrees(btScalar angle);  ///< of rad
 std::string metres(btScalar length);
 std::string between(const std::string& low, const std::string& high);
+/// What a joint of one limited angle reads, and how its limit is set.
+template <class Joint>
+std::vector<std::pair<std::string, std::string>> angleAndLimit(const char* reading, btScalar angle,
+                                                               const Joint& joint) {
+  return {{reading, degrees(angle)},
+          {"setLimit(low, high)",
+           between(degrees(joint.getLowerLimit()), degrees(joint.getUpperLimit()))}};
+}
 /// In which sense somebody turns about an axis as a reading grows (signOf).
 std::string handed(btScalar sign, const char* who, const char* axis);
 

@@ -146,9 +146,7 @@ Made wedge() {
   Sketch::Caption text =
       caption("WedgeJoint", "x of B stays between two half planes that meet in z of A", kBInA,
               degreesOf(make, still, false, A));
-  text.readings = {{"getAngle()", degrees(angle)},
-                   {"setLimit(low, high)",
-                    between(degrees(joint.getLowerLimit()), degrees(joint.getUpperLimit()))}};
+  text.readings = angleAndLimit("getAngle()", angle, joint);
   text.notes = {handed(sign, "B", "z of A"), "0\u00b0: x of A",
                 "B may lean towards z, and turn about", "its own x."};
   return {"wedge_joint", sketch.svg(text), sketch.tile(text.title)};
@@ -194,9 +192,7 @@ Made angularLimit() {
   Sketch::Caption text =
       caption("AngularLimit", "Limits one angle between A and B, and holds nothing", kBInA,
               degreesOf(make, still, false, A));
-  text.readings = {{"getAngle()", degrees(angle)},
-                   {"setLimit(low, high)",
-                    between(degrees(joint.getLowerLimit()), degrees(joint.getUpperLimit()))}};
+  text.readings = angleAndLimit("getAngle()", angle, joint);
   text.notes = {handed(sign, "B", "z of A"), "0\u00b0: x of B points along x of A",
                 "Add it to a joint that leaves the", "angle free."};
   return {"angular_limit", sketch.svg(text), sketch.tile(text.title)};

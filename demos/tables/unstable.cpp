@@ -58,6 +58,16 @@ std::vector<Contender> locks(Settings settings) {
           contender<pintle::SingleRowLock>("1 row", settings)};
 }
 
+template <class Settings>
+void compareAtTwoRates(Table& table) {
+  for (const double hz : {60, 240}) {
+    Settings settings;
+    settings.dt = 1 / hz;
+    table.compare(text("hinge %gHz", hz), hinges(settings));
+    table.compare(text("lock %gHz", hz), locks(settings));
+  }
+}
+
 }  // namespace
 
 void run_unstable(Output& out) {
@@ -67,22 +77,12 @@ void run_unstable(Output& out) {
                  {"last s", "deg", "%.1e"},
                  {"max", "deg", "%.1e"},
                  {"speed", "rad/s", "%.2f"}});
-    for (const double hz : {60, 240}) {
-      scenes::BeamSettings settings;
-      settings.dt = 1 / hz;
-      table.compare(text("hinge %gHz", hz), hinges(settings));
-      table.compare(text("lock %gHz", hz), locks(settings));
-    }
+    compareAtTwoRates<scenes::BeamSettings>(table);
   }
   {
     Table table(out, "spin", "a free pair, violated by 40 deg, spins for 5 s",
                 {{"momentum", "relative", "%.1e"}, {"end", "deg", "%.1e"}});
-    for (const double hz : {60, 240}) {
-      scenes::SpinSettings settings;
-      settings.dt = 1 / hz;
-      table.compare(text("hinge %gHz", hz), hinges(settings));
-      table.compare(text("lock %gHz", hz), locks(settings));
-    }
+    compareAtTwoRates<scenes::SpinSettings>(table);
   }
   Table table(out, "recovers", "two free boxes, their frames apart at the start",
               {{"steps", "to 1 deg", "%.0f"},
