@@ -83,7 +83,8 @@ struct Problem {
           Random& random) {
     const int n = graph.bodies;
     inverse_A.setZero(6 * n, 6 * n);
-    std::vector<InverseInertia> bodies;
+    std::vector<InverseInertia>& bodies = matrix.bodies();
+    bodies.clear();
     for (int b = 0; b < n; ++b) {
       const Matrix3d some = numbers(3, 3, random);
       const Matrix3d stiffness =
@@ -99,7 +100,7 @@ struct Problem {
     }
     J.setZero(rows, 6 * n);
     Eigen::VectorXd softness = Eigen::VectorXd::Ones(rows);
-    matrix.begin(bodies);
+    matrix.begin();
     for (size_t c = 0; c < sizes.size(); ++c) {
       acts.emplace_back();
       for (int i = 0; i < sizes[c]; ++i) {

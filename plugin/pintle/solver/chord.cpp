@@ -46,27 +46,25 @@ class Chord {
 // visit(joint, its row i, row, where it is among the component's, and among the unknowns of K)
 template <class Visit>
 void Chord::forEachRow(const Visit& visit) const {
-  for (int c = 0; c < m_component.joints; ++c) {
-    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i)
-      visit(c, i, m_island.rows[size_t(joint.first_row + i)], size_t(joint.row_of_component + i),
-            m_K.row(c) + size_t(i));
-  }
+  pintle::forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
+    visit(c, i, row, r, m_K.row(c) + size_t(i));
+  });
 }
 
 // A, and the velocities without impulses of joints: M (v - v*) + S (v - v_0) = 0, S the stiffness.
 void Chord::begin() {
   const auto rows = size_t(m_component.rows);
   m_work.pieces.resize(rows);
-  m_memory.bodies.clear();
+  std::vector<InverseInertia>& bodies = m_K.bodies();
+  bodies.clear();
   m_memory.base.clear();
   m_memory.v.clear();
   for (int i = 0; i < m_component.bodies; ++i) {
     const IslandBody& body = m_island.bodies[size_t(m_component.first_body + i)];
     const Matrix3d& S = m_work.stiffness[size_t(i)];
-    m_memory.bodies.emplace_back(body, S);
+    bodies.emplace_back(body, S);
     Vector6d base = body.v_free;
-    base.tail<3>() -= m_memory.bodies.back().angular * (S * (body.v_free - body.v0).tail<3>());
+    base.tail<3>() -= bodies.back().angular * (S * (body.v_free - body.v0).tail<3>());
     m_memory.base.push_back(base);
     m_memory.v.push_back(m_work.now.bodies[size_t(i)].v);
   }
@@ -103,7 +101,7 @@ bool Chord::choosePieces() {
 bool Chord::factorise() {
   if (m_report.factors >= m_options.max_first_tier_factors) return false;
   ++m_report.factors;
-  m_K.begin(m_memory.bodies);
+  m_K.begin();
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t) {
     const LawPiece& piece = m_work.pieces[r];
     m_memory.softness[r] = std::fmax(piece.softness / row.K, m_work.softness[size_t(c)]);
@@ -130,7 +128,7 @@ double Chord::straight(int c, const IslandRow& row) const {
   const auto& bodies = m_island.joints[size_t(m_component.first_joint + c)].body;
   const auto of = [&](int side) -> Vector6d {
     const int body = bodies[size_t(side)];
-    if (body < 0) return m_island.unmoved_bodies[size_t(Island::unmoved(body))].v;
+    if (body < 0) return m_island.unmovedBody(body).v;
     return m_memory.v[size_t(body - m_component.first_body)];
   };
   return row.J.along(of(0), of(1));

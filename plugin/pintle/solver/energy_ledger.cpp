@@ -56,15 +56,8 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
   }
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    const auto unmoved = [&](int side) -> const Vector6d& {
-      return island.unmoved_bodies[size_t(Island::unmoved(joint.body[size_t(side)]))].v;
-    };
-    const auto mean = [&](int side) -> Vector6d {
-      const int body = joint.body[size_t(side)];
-      if (body < 0) return unmoved(side);
-      return (at.bodies[size_t(body - component.first_body)].v +
-              island.bodies[size_t(body)].*start) /
-             2;
+    const auto mean = [&](int side) {
+      return meanVelocity(island, joint, side, component, at, start);
     };
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
@@ -78,10 +71,11 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
             driving * u + std::fmin(row.rebound_energy, std::fmax(0, (at.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
-      for (int side = 0; side < 2; ++side)
-        if (joint.body[size_t(side)] < 0)
-          work += at.lambda[r] * (end.G.L(side).dot(unmoved(side).head<3>()) +
-                                  end.G.A(side).dot(unmoved(side).tail<3>()));
+      for (int side = 0; side < 2; ++side) {
+        if (joint.body[size_t(side)] >= 0) continue;
+        const Vector6d& v = island.unmovedBody(joint.body[size_t(side)]).v;
+        work += at.lambda[r] * (end.G.L(side).dot(v.head<3>()) + end.G.A(side).dot(v.tail<3>()));
+      }
     }
   }
   return work;

@@ -2,6 +2,7 @@
 
 #include <pintle/solver/iterate.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace pintle {
@@ -26,6 +27,7 @@ Matrix3d leverDerivative(const Vector3d& f, const Vector3d& r, double dt) {
 
 Matrix3d clipped(const Matrix3d& m) {
   const Matrix3d symmetric = (m + m.transpose()) / 2;
+  if (Eigen::LLT<Matrix3d>(-symmetric).info() == Eigen::Success) return Matrix3d::Zero();
   Eigen::SelfAdjointEigenSolver<Matrix3d> axes;
   axes.computeDirect(symmetric);
   return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0).asDiagonal() *

@@ -136,6 +136,8 @@ struct Island {
   std::vector<IslandBody> bodies;
   std::vector<IslandJoint> joints;
   std::vector<IslandRow> rows;
+
+  const BodyAtEnd& unmovedBody(int body) const { return unmoved_bodies[size_t(unmoved(body))]; }
 };
 
 /// Joints and bodies that hang together: ranges of an island's.
@@ -143,6 +145,16 @@ struct Component {
   int first_body = 0, bodies = 0, first_joint = 0, joints = 0;
   int rows = 0;  ///< of all its joints
 };
+
+/// visit(number of the joint in the component, number of the row in the joint, row, its number in the component)
+template <class Visit>
+void forEachRow(const Island& island, const Component& component, const Visit& visit) {
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i)
+      visit(c, i, island.rows[size_t(joint.first_row + i)], size_t(joint.row_of_component + i));
+  }
+}
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

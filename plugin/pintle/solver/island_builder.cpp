@@ -208,8 +208,7 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   const Axis& axis = *state.axis;
   const auto v0 = [&](int side) -> const Vector6d& {
     const int body = of.body[size_t(side)];
-    return body < 0 ? m_island.unmoved_bodies[size_t(Island::unmoved(body))].v
-                    : m_island.bodies[size_t(body)].v0;
+    return body < 0 ? m_island.unmovedBody(body).v : m_island.bodies[size_t(body)].v0;
   };
   const AxisMotion motion = JointAccess::motion(*of.ours, row.start, state, pair,
                                                 Scalar(row.J.along(v0(0), v0(1))), m_info);

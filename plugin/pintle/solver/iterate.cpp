@@ -180,8 +180,14 @@ void moveBody(const btTransform& start, double dt, BodyAtEnd& end) {
 const BodyAtEnd& bodyOf(const Island& island, const IslandJoint& joint, int side,
                         const Component& component, const Iterate& at) {
   const int body = joint.body[size_t(side)];
-  return body < 0 ? island.unmoved_bodies[size_t(Island::unmoved(body))]
-                  : at.bodies[size_t(body - component.first_body)];
+  return body < 0 ? island.unmovedBody(body) : at.bodies[size_t(body - component.first_body)];
+}
+
+Vector6d meanVelocity(const Island& island, const IslandJoint& joint, int side,
+                      const Component& component, const Iterate& at, Vector6d IslandBody::*start) {
+  const int body = joint.body[size_t(side)];
+  const Vector6d& v = bodyOf(island, joint, side, component, at).v;
+  return body < 0 ? v : Vector6d((v + island.bodies[size_t(body)].*start) / 2);
 }
 
 void moveTo(const Island& island, const Component& component, Iterate& at) {
@@ -227,9 +233,8 @@ void measure(const Island& island, const Component& component, double dt,
         const auto pose = [&](int side) {
           const int body = joint.body[size_t(side)];
           const MovedBody& of = bodyAt(side);
-          return body < 0
-                     ? poseOf(joint, side, island.unmoved_bodies[size_t(Island::unmoved(body))])
-                     : moved(island.bodies[size_t(body)].start, dt, of.v, of.turn.matrix());
+          return body < 0 ? poseOf(joint, side, island.unmovedBody(body))
+                          : moved(island.bodies[size_t(body)].start, dt, of.v, of.turn.matrix());
         };
         end.clear();
         joint.ours->addRows(PosePair(pose(0), pose(1)), end);

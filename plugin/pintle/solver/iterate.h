@@ -37,6 +37,10 @@ void moveBody(const btTransform& start, double dt, BodyAtEnd& end);
 /// The body of a joint.
 const BodyAtEnd& bodyOf(const Island& island, const IslandJoint& joint, int side,
                         const Component& component, const Iterate& at);
+/// Its mean velocity, from the one that it starts with (IslandBody::v0, or v_free).
+Vector6d meanVelocity(const Island& island, const IslandJoint& joint, int side,
+                      const Component& component, const Iterate& at,
+                      Vector6d IslandBody::*start = &IslandBody::v0);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -122,8 +122,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
                });
 }
 
-void JointMatrix::begin(const std::vector<InverseInertia>& bodies) {
-  m_bodies = bodies;
+void JointMatrix::begin() {
   std::fill(m_rows.begin(), m_rows.end(), Rows());
   std::fill(m_softness.begin(), m_softness.end(), 1.);
 }

@@ -56,12 +56,6 @@ void report(const Island& island, const Component& component, const Iterate& at)
       AxisState& state = JointAccess::axis(*joint.ours, row.start);
       double impulse[AxisLaw::max_parts];
       row.law.split(end.u, lambda, impulse);
-      const auto mean = [&](int side) -> Vector6d {
-        const int body = joint.body[size_t(side)];
-        if (body < 0) return island.unmoved_bodies[size_t(Island::unmoved(body))].v;
-        return (island.bodies[size_t(body)].v0 + at.bodies[size_t(body - component.first_body)].v) /
-               2;
-      };
       state.taken = 0;
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)
@@ -74,8 +68,10 @@ void report(const Island& island, const Component& component, const Iterate& at)
                                                                : Axis::limit;
       constraint.internalSetAppliedImpulse(Scalar(-row.sign) * state.impulse[size_t(last)]);
       if (state.incoming > 0 && state.impulse[Axis::limit] != 0)
-        state.taken =
-            btMax(Scalar(0), -state.impulse[Axis::limit] * Scalar(end.G.along(mean(0), mean(1))));
+        state.taken = btMax(Scalar(0),
+                            -state.impulse[Axis::limit] *
+                                Scalar(end.G.along(meanVelocity(island, joint, 0, component, at),
+                                                   meanVelocity(island, joint, 1, component, at))));
     }
   }
 }

@@ -27,7 +27,6 @@ struct ChordMemory {
     const IslandRow* row;
     size_t r, at;  ///< among the component's rows, and the unknowns of K
   };
-  std::vector<InverseInertia> bodies;
   std::vector<Vector6d> base, v;
   std::vector<MovedBody> moved;
   std::vector<double> u, softness;  ///< of each row

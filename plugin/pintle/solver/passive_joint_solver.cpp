@@ -55,15 +55,15 @@ void PassiveJointSolver::State::solve(const Component& component) {
   };
   begin();
   kept.findStiffness(island, component, options.stable_swing);
-  double work_done = 0;
-  bool solved = false;
   const NewtonReport chord = solveByChord(island, component, options, kept.fronts, kept.K, work);
   count(chord, 1);
   kept.is_K_of_start = chord.converged;
   if (chord.converged) {
-    work_done = workOfJoints(island, component, work.now);
-    solved = kept.ledger.mayGive(work_done, options.ledger_share);
+    kept.work_done = workOfJoints(island, component, work.now);
+    if (kept.ledger.mayGive(kept.work_done, options.ledger_share)) return;
   }
+  ++report.second_tier;
+  kept.is_K_of_start = false;
   const auto solveByGradient = [&] {
     begin();
     if (attempt(island.dt)) return true;
@@ -72,27 +72,18 @@ void PassiveJointSolver::State::solve(const Component& component) {
     begin();
     return attempt(0);
   };
-  if (!solved) {
-    ++report.second_tier;
-    kept.is_K_of_start = false;
-    bool found = solveByGradient();
-    work_done = workOfJoints(island, component, work.now);
-    // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
-    const auto gains = [&] {
-      return kept.ledger.isMuch(gainOverForces(island, component, work.now), options.ledger_share);
-    };
-    if (found && gains() && stopRebounds(component)) {
-      found = solveByGradient();
-      work_done = workOfJoints(island, component, work.now);
-    }
-    if (!found || gains()) {
-      std::vector<ContactPart> alone = {{&component, &kept.fronts, &work}};
-      std::vector<ContactRow> no_contacts;
-      relax(alone, no_contacts);
-      work_done = workOfJoints(island, component, work.now);
-    }
+  const auto gains = [&] {
+    return kept.ledger.isMuch(gainOverForces(island, component, work.now), options.ledger_share);
+  };
+  bool found = solveByGradient();
+  // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
+  if (found && gains() && stopRebounds(component)) found = solveByGradient();
+  if (!found || gains()) {
+    std::vector<ContactPart> alone = {{&component, &kept.fronts, &work}};
+    std::vector<ContactRow> no_contacts;
+    relax(alone, no_contacts);
   }
-  kept.work_done = work_done;
+  kept.work_done = workOfJoints(island, component, work.now);
 }
 
 void PassiveJointSolver::State::finish(const Component& component, ComponentMemory& kept) {

@@ -21,15 +21,7 @@ void correctPoses(const Island& island, const Component& component, const Solver
   std::vector<double> open(work.pieces.size(), 0.);
   std::vector<char> acts(work.pieces.size(), false);
   double largest = 0;  // m or rad
-  const auto forEachRow = [&](const auto& visit) {
-    for (int c = 0; c < component.joints; ++c) {
-      const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-      for (int i = 0; i < joint.rows; ++i)
-        visit(joint, c, i, size_t(joint.row_of_component + i),
-              island.rows[size_t(joint.first_row + i)]);
-    }
-  };
-  forEachRow([&](const IslandJoint&, int, int, size_t r, const IslandRow& row) {
+  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
     const LawPiece& piece = work.pieces[r];
     const bool equality = row.law.isEquality() && !(piece.softness > 0);
     acts[r] = equality || row.open != 0;
@@ -43,18 +35,18 @@ void correctPoses(const Island& island, const Component& component, const Solver
   // The least motion, in the metric of the masses, by the rows as they are at the end.
   if (held_early || !has_factor || largest > options.largest_residue) {
     if (has_factor) moveTo(island, component, work.now);
-    std::vector<InverseInertia>& bodies = work.chord.bodies;
+    std::vector<InverseInertia>& bodies = K.bodies();
     bodies.clear();
     for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
       bodies.emplace_back(island.bodies[size_t(i)], Matrix3d::Zero());
-    K.begin(bodies);
-    forEachRow([&](const IslandJoint&, int c, int i, size_t r, const IslandRow& row) {
+    K.begin();
+    forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
       if (acts[r]) K.setRow(c, i, work.now.rows[r].J, row.root_K, options.dependent_softness);
     });
     if (!K.factorise(options.least_pivot)) return;
   }
   std::vector<double> x(K.unknowns(), 0.);
-  forEachRow([&](const IslandJoint&, int c, int i, size_t r, const IslandRow& row) {
+  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
     if (work.pieces[r].acts || acts[r]) x[K.row(c) + size_t(i)] = -open[r] / row.root_K;
   });
   K.solve(x.data());
@@ -71,7 +63,8 @@ void correctPoses(const Island& island, const Component& component, const Solver
   // Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
   if (largest <= options.largest_residue && std::isfinite(moved)) return;
   double most = 0;  // m: what all rows would move a body by, each alone
-  forEachRow([&](const IslandJoint& joint, int, int, size_t r, const IslandRow& row) {
+  forEachRow(island, component, [&](int c, int, const IslandRow& row, size_t r) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     for (int side = 0; side < 2; ++side)
       if (joint.body[size_t(side)] >= 0) {
         const IslandBody& body = island.bodies[size_t(joint.body[size_t(side)])];

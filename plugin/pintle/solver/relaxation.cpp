@@ -19,7 +19,7 @@ struct Relaxed {
     for (int side = 0; side < 2; ++side) {
       answer[size_t(side)].setZero();
       if (body[size_t(side)] < 0) {
-        const Vector6d& v = island.unmoved_bodies[size_t(Island::unmoved(body[size_t(side)]))].v;
+        const Vector6d& v = island.unmovedBody(body[size_t(side)]).v;
         of_unmoved += J.L(side).dot(v.head<3>()) + J.A(side).dot(v.tail<3>());
         continue;
       }
