@@ -440,7 +440,7 @@ Outcome World::play(std::ostream* log) {
     if (m_scene.overlap == 0) out.open = std::max(out.open, gap);
     if (log != nullptr)
       *log << i << " kinetic " << after << " energy " << energy << " open " << gap << " newton "
-           << report.newton_steps << " factors " << report.factors << " tier 2 "
+           << report.steps << " factors " << report.factors << " tier 2 "
            << report.second_tier << " not converged " << report.not_converged << '\n';
   }
   return out;

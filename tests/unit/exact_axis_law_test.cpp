@@ -1,5 +1,4 @@
-// Where a row meets the law of its impulse, and many that depend on each other.
-#include <pintle/solver/active_set.h>
+// Where a row meets the law of its impulse.
 #include <pintle/solver/axis_law.h>
 
 #include <gtest/gtest.h>
@@ -14,7 +13,6 @@
 namespace exact_axis_law_test {
 
 using pintle::AxisLaw;
-using pintle::BoundedRow;
 using pintle::LawPart;
 using pintle::LawPiece;
 using support::Random;
@@ -208,100 +206,6 @@ TEST(AxisLaw, SplitsAmongItsParts) {
     }
     EXPECT_NEAR(sum, met.lambda, 1e-9 * (1 + std::abs(met.lambda))) << describe(law, free, K);
   }
-}
-
-// Rows that all depend on each other: u = u_free + W lambda.
-class Bounded : public testing::Test {
- protected:
-  static constexpr int n = 8;
-
-  Bounded() : laws(n), rows(n), W(n * n) {}
-
-  void next() {
-    const Eigen::MatrixXd A =
-        Eigen::MatrixXd::NullaryExpr(n, 2 * n, [&] { return random.uniform(-1, 1); });
-    const Eigen::MatrixXd product = A * A.transpose();
-    u_free = Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-5, 5); });
-    // It may begin anywhere.
-    const Eigen::VectorXd start =
-        Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-1, 1); });
-    const Eigen::VectorXd u = u_free + product * start;
-    for (int i = 0; i < n; ++i) {
-      laws[size_t(i)].clear();
-      rows[size_t(i)] = {&laws[size_t(i)], u[i], start[i]};
-      for (int j = 0; j < n; ++j) W[size_t(i * n + j)] = product(i, j);
-    }
-  }
-
-  void solve() {
-    pintle::solveBounded(rows, W, 1e-13, 100000);
-    for (int i = 0; i < n; ++i) {
-      double u = u_free[i];
-      for (int j = 0; j < n; ++j) u += W[size_t(i * n + j)] * rows[size_t(j)].lambda;
-      ASSERT_NEAR(rows[size_t(i)].u, u, 1e-10) << i;
-    }
-  }
-
-  Random random{4};
-  std::vector<AxisLaw> laws;
-  std::vector<BoundedRow> rows;
-  std::vector<double> W;
-  Eigen::VectorXd u_free;
-};
-
-TEST_F(Bounded, LimitsAreComplementary) {
-  int pushing = 0, open = 0;
-  for (int trial = 0; trial < support::trials(500); ++trial) {
-    next();
-    std::vector<double> target;
-    for (AxisLaw& law : laws) {
-      target.push_back(random.uniform(-1, 1));
-      law.add({target.back(), 0, 0, unbounded});
-    }
-    solve();
-    for (size_t i = 0; i < n; ++i) {
-      const double beyond = rows[i].u - target[i], lambda = rows[i].lambda;
-      EXPECT_GE(lambda, 0);
-      EXPECT_GE(beyond, -1e-10);
-      EXPECT_LT(std::min(lambda, std::abs(beyond)), 1e-10);
-      ++(lambda > 0 ? pushing : open);
-    }
-  }
-  EXPECT_GT(pushing, support::trials(1000));
-  EXPECT_GT(open, support::trials(1000));
-}
-
-TEST_F(Bounded, EqualitiesAreSolved) {
-  for (int trial = 0; trial < support::trials(100); ++trial) {
-    next();
-    for (size_t i = 0; i < n; ++i)
-      laws[i].add({double(i), i % 2 ? 0.3 : 0., -unbounded, unbounded});
-    solve();
-    for (size_t i = 0; i < n; ++i)
-      EXPECT_NEAR(rows[i].u + (i % 2 ? 0.3 : 0.) * rows[i].lambda, double(i), 1e-10);
-  }
-}
-
-// Limits, friction, motors, springs: each impulse lies between what its law says just above and just below the velocity.
-TEST_F(Bounded, EveryRowIsOnItsLaw) {
-  for (int trial = 0; trial < support::trials(500); ++trial) {
-    next();
-    for (AxisLaw& law : laws) law = anyLaw(1 + int(random.uniform(0, 4)) % 4, random);
-    solve();
-    for (const BoundedRow& row : rows) {
-      constexpr double near = 1e-9, of_steepest = 4e-6;
-      EXPECT_GE(row.lambda, impulse(*row.law, row.u + near) - of_steepest);
-      EXPECT_LE(row.lambda, impulse(*row.law, row.u - near) + of_steepest);
-    }
-  }
-}
-
-TEST_F(Bounded, WithoutSweepsNothingChanges) {
-  next();
-  for (AxisLaw& law : laws) law.add({9, 0, 0, unbounded});
-  const std::vector<BoundedRow> before = rows;
-  pintle::solveBounded(rows, W, 1e-13, 0);
-  for (size_t i = 0; i < n; ++i) EXPECT_EQ(rows[i].lambda, before[i].lambda);
 }
 
 }  // namespace exact_axis_law_test

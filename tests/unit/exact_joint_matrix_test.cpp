@@ -141,7 +141,7 @@ struct Problem {
         found[first[c] + Eigen::Index(i)] = y[matrix.row(int(c)) + i];
     ASSERT_LE((found - x).norm(), 1e-9 * x.norm()) << name;
     std::vector<Vector6d> v(size_t(J.cols() / 6), Vector6d::Ones());
-    matrix.addResponse(y.data(), v);
+    matrix.addResponse(y.data(), v.data());
     const Eigen::VectorXd expected =
         inverse_A * J.transpose() * x + Eigen::VectorXd::Ones(J.cols());
     for (size_t k = 0; k < v.size(); ++k)
@@ -154,7 +154,7 @@ void compareAll(const std::vector<Graph>& graphs, bool all_act) {
   Random random(5);
   JointMatrix matrix;
   for (const Graph& graph : graphs) {
-    matrix.analyse(graph.bodies, graph.joints);
+    matrix.analyse(graph.joints, pintle::JointMatrix::Locks(size_t(graph.bodies)));
     for (int round = 0; round < 3; ++round) {  // other sizes, the same order
       std::vector<int> sizes;
       for (size_t c = 0; c < graph.joints.size(); ++c) sizes.push_back(1 + below(random, 7));
@@ -184,7 +184,7 @@ TEST(JointMatrix, IsLinearInTheJointsOfABody) {
   const auto bytes = [](int leaves) {
     const Graph graph = star(leaves);
     JointMatrix matrix;
-    matrix.analyse(graph.bodies, graph.joints);
+    matrix.analyse(graph.joints, pintle::JointMatrix::Locks(size_t(graph.bodies)));
     matrix.setSizes(std::vector<int>(graph.joints.size(), 3));
     return double(matrix.bytes());
   };

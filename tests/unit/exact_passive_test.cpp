@@ -404,7 +404,7 @@ TEST(Passive, ASoftJointThatBreaksIsSolvedAsAnyOther) {
   books.join(std::move(ball));
   books.step();
   EXPECT_FALSE(joint.isEnabled());
-  EXPECT_EQ(books.solver.lastStep().relaxed, 0);
+  EXPECT_EQ(books.solver.lastStep().one_by_one, 0);
 }
 
 // Two limits, a motor and a spring about and along three axes: no joint of Bullet's has more rows.

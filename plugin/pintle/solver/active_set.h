@@ -1,23 +1,59 @@
-// Purpose: impulses of rows with bounds, each on its law, where all depend on each other: u = u_free + W lambda. Projected
-// Gauss-Seidel on the small problem that is left of a component when its equalities are solved.
+// Purpose: the rows of a component of joints, each on a piece of its law (axis_law.h), and K of those that act there. Which ones do
+// is found with their impulses: a row is on the piece that its law and its own K meet on (a primal-dual active set; Hintermueller,
+// Ito and Kunisch 2003).
 #pragma once
 
-#include <pintle/solver/axis_law.h>
-
-#include <vector>
+#include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/solver_options.h>
+#include <pintle/solver/workspace.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-struct BoundedRow {
-  const AxisLaw* law;
-  double u;       ///< at the present impulse
-  double lambda;  ///< the present impulse, and then the one that is found
-};
+class ActiveSet {
+ public:
+  /// Begins with the impulses of the workspace. K has the inertia of its bodies (JointMatrix::bodies).
+  ActiveSet(const Island& island, const Component& component, const SolverOptions& options,
+            JointMatrix& K, Workspace& work);
 
-/// W: row by row. Ends when a sweep changes no velocity by more than `tolerance` (m/s, rad/s).
-void solveBounded(std::vector<BoundedRow>& rows, const std::vector<double>& W, double tolerance,
-                  int max_sweeps);
+  /// Puts every row on the piece that it comes to at velocities work.u and impulses work.y.
+  void choose();
+  /// The same of those with bounds. Returns whether one has come to another piece.
+  bool chooseAgain();
+  using Place = Workspace::Place;
+  const std::vector<Place>& bounded() const { return m_work.bounded; }
+  const std::vector<Place>& all();
+  /// From now on these rows have the impulses that they are given: they are no unknowns.
+  void release(const std::vector<Place>& rows);
+
+  /// K of the rows that act. Returns false if there is none, or it has been factorised often enough.
+  bool factorise(int most);
+  /// K without a factor, for who asks for no solution.
+  void setRows();
+  int factors() const { return m_factors; }
+  /// work.x = K^-1 times what work.u is off, in the units of K. Returns the most that a row is off, m or rad.
+  double findResidual();
+  /// work.lambda from work.y.
+  void keepImpulses();
+
+  /// visit(joint of the component, its row i, row, where it is among the component's, and among the unknowns of K)
+  template <class Visit>
+  void forEachRow(const Visit& visit) const {
+    pintle::forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
+      visit(c, i, row, r, m_K.row(c) + size_t(i));
+    });
+  }
+
+ private:
+  void choose(const IslandRow& row, size_t r, size_t at);
+
+  const Island& m_island;
+  const Component& m_component;
+  const SolverOptions& m_options;
+  JointMatrix& m_K;
+  Workspace& m_work;
+  int m_factors = 0;
+};
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

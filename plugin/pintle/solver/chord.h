@@ -2,19 +2,19 @@
 // their laws (axis_law.h) at its end (SHAKE; Ryckaert 1977):
 //   A (v - v_base) = J_0^T lambda,   u(v) and lambda of each row on its law
 // Velocities follow from impulses. So K = J_0 A^-1 J_0^T is the chord of u by lambda: one symmetric factor, and a few solves with it
-// (joint_matrix.h). They lead there by Broyden's method (Kelley 1995, 7.3), which learns from each one what rows do otherwise.
+// (joint_matrix.h). They lead there by Broyden's method, which learns from each one what rows do otherwise.
 #pragma once
 
-#include <pintle/solver/joint_matrix.h>
-#include <pintle/solver/newton.h>
+#include <pintle/solver/active_set.h>
+#include <pintle/solver/broyden.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Solves the component from `work.now` to there. `work.stiffness` is added to the inertia of its bodies.
-NewtonReport solveByChord(const Island& island, const Component& component,
-                          const SolverOptions& options, const Fronts& fronts, JointMatrix& K,
-                          Workspace& work);
+/// Solves the component from work.v and work.lambda to there. `work.stiffness` is added to the inertia of its bodies. Where it does
+/// not converge, work.v stays.
+SolveReport solveByChord(const Island& island, const Component& component,
+                         const SolverOptions& options, JointMatrix& K, Workspace& work);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

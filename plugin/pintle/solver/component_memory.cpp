@@ -1,6 +1,7 @@
 #include <pintle/solver/component_memory.h>
 
-#include <pintle/solver/geometric_derivative.h>
+#include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/softness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,11 @@ void remember(const Island& island, const Component& component,
     for (int& body : of) body = body < 0 ? -1 : body - component.first_body;
     return of;
   };
+  JointMatrix::Locks locks;
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
+    locks.push_back(island.bodies[size_t(i)].locked);
   bool same = memory != nullptr && int(memory->constraints.size()) == component.joints &&
-              memory->fronts.bodies() == component.bodies;
+              memory->locks == locks;
   for (int c = 0; same && c < component.joints; ++c)
     same = memory->constraints[size_t(c)] == joints[c].constraint &&
            memory->bodies[size_t(c)] == bodiesOf(joints[c]);
@@ -30,11 +34,12 @@ void remember(const Island& island, const Component& component,
       memory->constraints.push_back(joints[c].constraint);
       memory->bodies.push_back(bodiesOf(joints[c]));
     }
-    memory->fronts.analyse(component.bodies, memory->bodies);
-    memory->K.analyse(component.bodies, memory->bodies);
+    memory->in_loop = findLoops(component.bodies, memory->bodies);
+    memory->locks = locks;
+    memory->K.analyse(memory->bodies, locks);
   }
   memory->is_used = true;
-  std::vector<int>& sizes = memory->work.sizes;
+  std::vector<int>& sizes = memory->sizes;
   bool same_sizes = same && int(sizes.size()) == component.joints;
   sizes.resize(size_t(component.joints));
   for (int c = 0; c < component.joints; ++c) {
@@ -42,7 +47,6 @@ void remember(const Island& island, const Component& component,
     sizes[size_t(c)] = joints[c].rows;
   }
   if (same_sizes) return;
-  memory->fronts.setSizes(sizes);
   memory->K.setSizes(sizes);
 }
 
@@ -55,19 +59,22 @@ int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
 // Velocities lead where the last step's changes do.
 void ComponentMemory::begin(const Island& island, const Component& component) {
   const bool known = int(m_change.size()) == component.bodies;
-  work.now.bodies.resize(size_t(component.bodies));
+  work.v.resize(size_t(component.bodies));
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work.now.bodies[size_t(i)].v = known ? Vector6d(body.v0 + m_change[size_t(i)]) : body.v_free;
+    work.v[size_t(i)] = known ? Vector6d(body.v0 + m_change[size_t(i)]) : body.v_free;
   }
-  std::vector<double>& lambda = work.now.lambda;
+  std::vector<double>& lambda = work.lambda;
   lambda.clear();
+  work.load.clear();
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
-    for (int i = 0; i < joint.rows; ++i)
+    for (int i = 0; i < joint.rows; ++i) {
       lambda.push_back(i < rows ? m_lambda[before + size_t(i)] : 0.);
+      work.load.push_back(i < rows ? m_load[before + size_t(i)] : 0.);
+    }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }
 }
@@ -95,48 +102,24 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
   }
 }
 
-void ComponentMemory::findStiffness(const Island& island, const Component& component,
-                                    double stable_swing) {
-  std::vector<Matrix3d>& stiffness = work.stiffness;
-  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i) {
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!row.has_position ||
-          (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
-        continue;
-      for (int side = 0; side < 2; ++side) {
-        if (joint.body[size_t(side)] < 0) continue;
-        const Vector3d f = work.now.lambda[size_t(joint.row_of_component + i)] * row.J.L(side);
-        stiffness[size_t(joint.body[size_t(side)] - component.first_body)] +=
-            leverDerivative(f, inDouble(side ? row.shape.b : row.shape.a), island.dt);
-      }
-    }
-  }
-  for (int i = 0; i < component.bodies; ++i) {
-    Matrix3d& of = stiffness[size_t(i)];  // it is (dt^2 / 2) k
-    of = clipped(2 / stable_swing * of - island.bodies[size_t(component.first_body + i)].inertia);
-  }
-}
-
 void ComponentMemory::keep(const Island& island, const Component& component) {
   m_change.resize(size_t(component.bodies));
   for (int i = 0; i < component.bodies; ++i)
-    m_change[size_t(i)] =
-        work.now.bodies[size_t(i)].v - island.bodies[size_t(component.first_body + i)].v0;
-  m_rows = work.sizes;
-  m_lambda = work.now.lambda;
+    m_change[size_t(i)] = work.v[size_t(i)] - island.bodies[size_t(component.first_body + i)].v0;
+  m_rows = sizes;
+  m_lambda = work.lambda;
+  addLoad(work);
+  m_load = work.load;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!(row.spring.erp > 0)) continue;
-      const double u = work.now.rows[r].u;
+      const double u = work.u[r];
       m_stretch[r] = {
           row.spring.length(u, island.dt),
-          row.spring.energyAfter(u, work.now.lambda[r], row.law.part(0).softness, island.dt)};
+          row.spring.energyAfter(u, work.lambda[r], row.law.part(0).softness, island.dt)};
     }
   }
 }

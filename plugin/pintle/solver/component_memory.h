@@ -3,7 +3,8 @@
 #pragma once
 
 #include <pintle/solver/energy_ledger.h>
-#include <pintle/solver/newton.h>
+#include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/workspace.h>
 
 #include <memory>
 
@@ -13,20 +14,21 @@ inline namespace PINTLE_PRECISION {
 struct ComponentMemory {
   std::vector<btTypedConstraint*> constraints;
   std::vector<std::array<int, 2>> bodies;  ///< of each, counted from the component's first
-  Fronts fronts;
+  std::vector<char> in_loop;               ///< each joint
+  std::vector<int> sizes;                  ///< of each: rows
+  JointMatrix::Locks locks;                ///< of each body
   JointMatrix K;
-  bool is_used = false;        ///< in this step
-  bool is_K_of_start = false;  ///< K is that of the chord, with which the step was solved
+  bool is_used = false;     ///< in this step
+  bool has_factor = false;  ///< K is that with which the step was solved
+  bool holds_end = false;   ///< its velocities hold its rows at the end of the step
   Workspace work;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
 
-  /// Where Newton's iteration begins: velocities and impulses of work.now.
+  /// Where the solve begins: velocities and impulses of `work`.
   void begin(const Island& island, const Component& component);
   /// Springs of soft rows pull by what they are stretched.
   void stretchSprings(Island& island, const Component& component);
-  /// work.stiffness: of the first tier, what is added to the inertia so that bodies swing no faster than is stable.
-  void findStiffness(const Island& island, const Component& component, double stable_swing);
   /// The step as it has ended.
   void keep(const Island& island, const Component& component);
   /// The next step begins anew.
@@ -41,7 +43,7 @@ struct ComponentMemory {
   int knownRows(int c, const IslandJoint& joint) const;
 
   std::vector<int> m_rows;                         ///< of each joint, in the last step
-  std::vector<double> m_lambda;                    ///< of each row of it
+  std::vector<double> m_lambda, m_load;            ///< of each row of it
   std::vector<Stretch> m_stretch, m_last_stretch;  ///< of each row's spring
   std::vector<Vector6d> m_change;                  ///< of each body's velocity
 };

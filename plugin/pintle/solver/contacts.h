@@ -1,8 +1,7 @@
-// Purpose: contacts and friction on bodies that joints hold: projected Gauss-Seidel on the contacts alone, each of which sees how
-// the joints answer (the Schur complement of Newton's equations). Each Newton step is solved together with the contacts.
+// Purpose: contacts and friction on the bodies of an island, as rows of their own.
 #pragma once
 
-#include <pintle/solver/newton.h>
+#include <pintle/solver/island.h>
 
 #include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
@@ -13,8 +12,11 @@ inline namespace PINTLE_PRECISION {
 
 /// A row of Bullet's: u = J v, u + softness p = target, lower <= p <= upper.
 struct ContactRow {
-  std::array<int, 2> body;  ///< of the island; -1: one that does not move
+  std::array<int, 2> body;  ///< of the island; below 0: one that does not move
   RowJacobian J;
+  std::array<Vector6d, 2> answer = {Vector6d::Zero(),
+                                    Vector6d::Zero()};  ///< of each body to an impulse of 1
+  double K = 0;                                         ///< of its velocity
   double target, softness, lower, upper;
   int normal;       ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
   double friction;  ///< of friction: its coefficient
@@ -22,9 +24,22 @@ struct ContactRow {
   btSolverConstraint* from;
 
   /// Its impulse at which it is satisfied, where it has the velocity u now.
-  double meet(double u, double K) const {
+  double meet(double u) const {
     return std::min(std::max(impulse - (u + softness * impulse - target) / (K + softness), lower),
                     upper);
+  }
+  double velocity(const std::vector<Vector6d>& v) const {
+    double u = 0;
+    for (int side = 0; side < 2; ++side)
+      if (body[size_t(side)] >= 0) {
+        const Vector6d& of = v[size_t(body[size_t(side)])];
+        u += J.L(side).dot(of.head<3>()) + J.A(side).dot(of.tail<3>());
+      }
+    return u;
+  }
+  void push(double by, std::vector<Vector6d>& v) const {
+    for (int side = 0; side < 2; ++side)
+      if (body[size_t(side)] >= 0) v[size_t(body[size_t(side)])] += by * answer[size_t(side)];
   }
 };
 /// Friction by its contact's impulse.
@@ -33,19 +48,6 @@ inline void boundFriction(const std::vector<ContactRow>& rows, ContactRow& row) 
   row.upper = row.friction * rows[size_t(row.normal)].impulse;
   row.lower = -row.upper;
 }
-
-/// A component among contacts.
-struct ContactPart {
-  const Component* component;
-  Fronts* fronts;
-  Workspace* work;  ///< `now`: where it begins
-};
-
-/// Solves contacts with all components that they touch, by the discrete gradient. `velocities`: of all bodies of the island, m/s
-/// and rad/s: of those without joints they are found here.
-NewtonReport solveAmongContacts(const Island& island, std::vector<ContactPart>& parts,
-                                std::vector<ContactRow>& rows, const SolverOptions& options,
-                                std::vector<Vector6d>& velocities);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,5 +1,9 @@
 #include <pintle/solver/energy_ledger.h>
 
+#include <pintle/solver/row_velocities.h>
+
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -44,12 +48,11 @@ double stored(const Island& island, const IslandRow& row, double u, double lambd
 
 // An impulse p that changes velocities from v to v1 works by p . (v + v1) / 2.
 double workFrom(Vector6d IslandBody::*start, const Island& island, const Component& component,
-                const Iterate& at) {
+                const Workspace& end) {
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Vector6d &v = at.bodies[size_t(i)].v, twice = v + body.*start,
-                   by_joints = v - body.v_free;
+    const Vector6d &v = end.v[size_t(i)], twice = v + body.*start, by_joints = v - body.v_free;
     work += (body.mass * by_joints.head<3>().dot(twice.head<3>()) +
              by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
             2;
@@ -57,24 +60,24 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto mean = [&](int side) {
-      return meanVelocity(island, joint, side, component, at, start);
+      return meanVelocity(island, joint, side, component, end, start);
     };
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const RowAtEnd& end = at.rows[r];
-      work += stored(island, row, end.u, at.lambda[r]);
-      const double driving = row.law.hasDrives() ? drivingImpulse(row.law, end.u, at.lambda[r]) : 0;
+      work += stored(island, row, end.u[r], end.lambda[r]);
+      const double driving =
+          row.law.hasDrives() ? drivingImpulse(row.law, end.u[r], end.lambda[r]) : 0;
       if (driving != 0 || row.rebound_energy > 0) {
-        const double u = end.G.along(mean(0), mean(1));
-        work -=
-            driving * u + std::fmin(row.rebound_energy, std::fmax(0, (at.lambda[r] - driving) * u));
+        const double u = row.J.along(mean(0), mean(1));
+        work -= driving * u +
+                std::fmin(row.rebound_energy, std::fmax(0, (end.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
       for (int side = 0; side < 2; ++side) {
         if (joint.body[size_t(side)] >= 0) continue;
         const Vector6d& v = island.unmovedBody(joint.body[size_t(side)]).v;
-        work += at.lambda[r] * (end.G.L(side).dot(v.head<3>()) + end.G.A(side).dot(v.tail<3>()));
+        work += end.lambda[r] * (row.J.L(side).dot(v.head<3>()) + row.J.A(side).dot(v.tail<3>()));
       }
     }
   }
@@ -83,12 +86,61 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
 
 }  // namespace
 
-double workOfJoints(const Island& island, const Component& component, const Iterate& at) {
-  return workFrom(&IslandBody::v0, island, component, at);
+double workOfJoints(const Island& island, const Component& component, const Workspace& end) {
+  return workFrom(&IslandBody::v0, island, component, end);
 }
 
-double gainOverForces(const Island& island, const Component& component, const Iterate& at) {
-  return workFrom(&IslandBody::v_free, island, component, at);
+double workAmongContacts(const Island& island, const Component& component, const Workspace& end) {
+  double work = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const Vector6d a = meanVelocity(island, joint, 0, component, end),
+                   b = meanVelocity(island, joint, 1, component, end);
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      const double lambda = end.lambda[r], u = row.J.along(a, b),
+                   rest = lambda -
+                          (row.law.hasDrives() ? drivingImpulse(row.law, end.u[r], lambda) : 0);
+      work += rest * u + stored(island, row, end.u[r], lambda) -
+              std::fmin(row.rebound_energy, std::fmax(0, rest * u));
+    }
+  }
+  return work;
+}
+
+double workOfPoses(const Island& island, const Component& component, const Vector6d* changes) {
+  double work = 0;
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    const Vector6d by_forces = (body.v_free - body.v0) / island.dt;
+    work -= body.mass * by_forces.head<3>().dot(changes[i].head<3>()) +
+            by_forces.tail<3>().dot(body.inertia * changes[i].tail<3>());
+  }
+  return work;
+}
+
+double gainOverForces(const Island& island, const Component& component, const Workspace& end) {
+  return workFrom(&IslandBody::v_free, island, component, end);
+}
+
+// Impulses (s - 1) M v work by their mean velocity, (v0 + s v) / 2.
+double slow(const Island& island, const Component& component, double energy,
+            std::vector<Vector6d>& v) {
+  double a = 0, b = 0;  // v M v, v M v0
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    const Vector6d& of = v[size_t(i)];
+    Vector6d p = body.mass * of;
+    p.tail<3>() = body.inertia * of.tail<3>();
+    a += p.dot(of);
+    b += p.dot(body.v0);
+  }
+  if (!(a > 0)) return 0;
+  const double root2 = (a + b) * (a + b) - 8 * a * energy;
+  const double s = std::clamp((a - b + std::sqrt(std::fmax(root2, 0))) / (2 * a), 0., 1.);
+  for (Vector6d& of : v) of *= s;
+  return (s - 1) * (b + s * a) / 2;
 }
 
 }  // namespace PINTLE_PRECISION

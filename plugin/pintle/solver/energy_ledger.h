@@ -1,36 +1,41 @@
-// Purpose: what joints may take and give. A component keeps in mind what they did to its energy in the tier of the start's rows,
-// which is exact for motions that the steps resolve and feeds those that they do not; where they would have given more than a
-// share of its kinetic energy, the step is solved by the discrete gradient, which cannot give.
+// Purpose: what joints may give. A component books the work of its joints' impulses, and of poses that are moved against forces. The
+// first tier is exact for motions that the steps resolve and feeds those that they do not: where it would give more than a share of
+// the kinetic energy, the second tier follows. What that gives by moving poses is taken from the velocities.
 #pragma once
 
-#include <pintle/solver/island.h>
-#include <pintle/solver/iterate.h>
+#include <pintle/solver/workspace.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct EnergyLedger {
-  double given = 0;  ///< J: by the joints, so far
-  double peak = 0;   ///< J: the largest recent kinetic energy
-
+  double given = 0;        ///< J: by the joints, so far
+  double peak = 0;         ///< J: the largest recent kinetic energy
   double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
 
   void begin(const Island& island, const Component& component, double share);
   bool mayGive(double work, double share) const { return given + work <= share * peak; }
-  /// More than rounding, of what never gives: the discrete gradient, from the velocities that forces lead to.
-  bool isMuch(double work, double share) const { return !(work <= share * largest()); }
+  /// J: what is beyond that.
+  double excess(double work, double share) const { return given + work - share * peak; }
   double largest() const { return std::fmax(peak, with_forces); }
   void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
 };
 
 /// J: kinetic energy from one velocity to another.
 double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to);
-/// J: what joints gave to the velocities of the iterate, without motors, springs and friction: all that bodies have gained but for
-/// their forces.
-double workOfJoints(const Island& island, const Component& component, const Iterate& at);
-/// What all impulses gave, those of contacts, too, to the velocities that forces lead to: KE(v) - KE(v*). Without motors, springs
+/// J: what joints gave in the step, without motors, springs and friction: all that bodies have gained but by their forces.
+double workOfJoints(const Island& island, const Component& component, const Workspace& end);
+/// The same where contacts act, too: of the impulses of joints alone.
+double workAmongContacts(const Island& island, const Component& component, const Workspace& end);
+/// J: what moving poses by `changes` does against the forces of the step.
+double workOfPoses(const Island& island, const Component& component, const Vector6d* changes);
+/// J: what all impulses gave, those of contacts, too, to the velocities that forces lead to: KE(v) - KE(v*). Without motors, springs
 /// and friction again.
-double gainOverForces(const Island& island, const Component& component, const Iterate& at);
+double gainOverForces(const Island& island, const Component& component, const Workspace& end);
+
+/// Slows the bodies of the component by one part, so that this works by -`energy` (J), or by as much of it as it can. Returns its work.
+double slow(const Island& island, const Component& component, double energy,
+            std::vector<Vector6d>& v);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

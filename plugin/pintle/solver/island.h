@@ -38,28 +38,46 @@ struct IslandBody {
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
   Vector6d v0;                 ///< at the start of the step
   Vector6d v_free;             ///< v*: with the step's forces, without its impulses
+  Vector6d
+      push;  ///< with which contacts move its pose out of others in this step, beside its velocity
 
-  /// From the unknowns of the linear equations, which are scaled, to velocities or to a motion.
-  Vector6d unscaled(const double* x) const {
-    Vector6d v;
-    for (size_t k = 0; k < 6; ++k) v[Eigen::Index(k)] = locked[k] ? 0 : x[k] / scale[k / 3];
-    return v;
+  /// M^-1 of an impulse, N s and N m s: 0 where its factors hold it.
+  Vector6d answer(const Vector3d& linear, const Vector3d& angular) const {
+    Vector6d to;
+    for (size_t k = 0; k < 3; ++k)
+      to[Eigen::Index(k)] = locked[k] ? 0 : linear[Eigen::Index(k)] / mass;
+    to.tail<3>() = inverse_inertia * angular;
+    return to;
   }
 };
 
-/// Where a body ends the step.
-struct BodyAtEnd {
-  Vector6d v = Vector6d::Zero();
-  Turn turn;
-  btTransform pose = btTransform::getIdentity();
-};
-
-/// A body at the end of the step, as far as u of rows needs it.
+/// A body at the end of the step, from its start.
 struct MovedBody {
-  Vector6d v;
-  RotationOfStep turn;
+  Vector6d v;     ///< with which it came there
+  Vector3d move;  ///< m
+  Matrix3d turn;
 
-  MovedBody(const Vector6d& velocity, double dt) : v(velocity), turn(velocity.tail<3>(), dt) {}
+  MovedBody(const Vector6d& velocity, double dt)
+      : v(velocity),
+        move(dt * velocity.head<3>()),
+        turn(RotationOfStep(velocity.tail<3>(), dt).matrix()) {}
+
+  /// On from there, by dt w.
+  void goOn(const Vector6d& w, double dt) {
+    v += w;
+    move += dt * w.head<3>();
+    turn = RotationOfStep(w.tail<3>(), dt).matrix() * turn;
+  }
+  btTransform from(const btTransform& start) const {
+    if (v.isZero(0)) return start;
+    const Matrix3d& R = turn;
+    const btMatrix3x3 turned(Scalar(R(0, 0)), Scalar(R(0, 1)), Scalar(R(0, 2)), Scalar(R(1, 0)),
+                             Scalar(R(1, 1)), Scalar(R(1, 2)), Scalar(R(2, 0)), Scalar(R(2, 1)),
+                             Scalar(R(2, 2)));
+    return btTransform(
+        turned * start.getBasis(),
+        start.getOrigin() + btVector3(Scalar(move[0]), Scalar(move[1]), Scalar(move[2])));
+  }
 };
 /// d u / d(velocities): of body a and of body b, each linear and angular.
 struct RowJacobian {
@@ -73,6 +91,12 @@ struct RowJacobian {
            A_b.dot(b.tail<3>());
   }
 };
+
+/// J of a row of ours: [-L, -A_a, L, A_b], times the sign with which a coordinate moves along it.
+inline RowJacobian jacobianOf(const Row& row, double sign) {
+  const Vector3d L = sign * row.L.cast<double>();
+  return {-L, -sign * row.A_a.cast<double>(), L, sign * row.A_b.cast<double>()};
+}
 
 /// A row at the start of the step. Its velocity u is the mean over the step of what it measures: (C(end) - C(start)) / dt, or,
 /// of a row that is known at the start alone, J v.
@@ -131,13 +155,12 @@ struct Island {
   static int unmoved(int body) { return -1 - body; }
 
   double dt;
-  std::vector<BodyAtEnd> unmoved_bodies;
-  std::vector<MovedBody> moved_by_owner;  ///< the same bodies
+  std::vector<MovedBody> unmoved_bodies;
   std::vector<IslandBody> bodies;
   std::vector<IslandJoint> joints;
   std::vector<IslandRow> rows;
 
-  const BodyAtEnd& unmovedBody(int body) const { return unmoved_bodies[size_t(unmoved(body))]; }
+  const MovedBody& unmovedBody(int body) const { return unmoved_bodies[size_t(unmoved(body))]; }
 };
 
 /// Joints and bodies that hang together: ranges of an island's.

@@ -2,7 +2,6 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joint_rows.h>
-#include <pintle/solver/iterate.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_matrix.h>
 
@@ -23,12 +22,6 @@ Matrix3d inDouble(const btMatrix3x3& m) {
   return to;
 }
 
-// J of ours: [-L, -A_a, L, A_b], times the sign with which a coordinate moves along it.
-RowJacobian jacobian(const Row& row, double sign) {
-  const Vector3d L = sign * row.L.cast<double>();
-  return {-L, -sign * row.A_a.cast<double>(), L, sign * row.A_b.cast<double>()};
-}
-
 // Bounds of Bullet's, and of ours, that mean none.
 double bounded(Scalar impulse) {
   if (!(impulse < infinity)) return AxisLaw::unbounded;
@@ -42,8 +35,7 @@ void IslandBuilder::begin(const btContactSolverInfo& info) {
   m_info = info;
   m_island.dt = double(info.m_timeStep);
   m_island.bodies.clear();
-  m_island.unmoved_bodies.assign(1, {});
-  m_island.moved_by_owner.assign(1, {Vector6d::Zero(), 0});
+  m_island.unmoved_bodies.assign(1, {Vector6d::Zero(), 0});
   m_island.joints.clear();
   m_island.rows.clear();
   m_body_of.clear();
@@ -85,6 +77,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
     to.v_free[i] = to.v0[i] + double(from.m_externalForceImpulse[i]);
     to.v_free[3 + i] = to.v0[3 + i] + double(from.m_externalTorqueImpulse[i]);
   }
+  to.push.setZero();
   m_island.bodies.push_back(to);
   return known;
 }
@@ -92,11 +85,9 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
 int IslandBuilder::unmoved(const btSolverBody& from) {
   const btVector3 &v = from.m_linearVelocity, &w = from.m_angularVelocity;
   if (v.isZero() && w.isZero()) return Island::unmoved(Island::at_rest);
-  BodyAtEnd to;
-  to.v << pintle::inDouble(v), pintle::inDouble(w);
-  moveBody(from.m_originalBody->getCenterOfMassTransform(), m_island.dt, to);
-  m_island.unmoved_bodies.push_back(to);
-  m_island.moved_by_owner.emplace_back(to.v, m_island.dt);
+  Vector6d velocity;
+  velocity << pintle::inDouble(v), pintle::inDouble(w);
+  m_island.unmoved_bodies.emplace_back(velocity, m_island.dt);
   return Island::unmoved(int(m_island.unmoved_bodies.size()) - 1);
 }
 
@@ -177,7 +168,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
     row.index = i;
     const bool is_axis = rows[i].axis >= 0;
     if (is_axis) row.sign = JointAccess::axis(joint, rows[i]).sign;
-    row.J = jacobian(rows[i], row.sign);
+    row.J = jacobianOf(rows[i], row.sign);
     row.K = inverseMass(to, row.J, row.J);
     if (is_axis)
       setAxisLaw(to, pair, row);
@@ -321,6 +312,62 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.open = double(closing[i]) * m_island.dt;
     if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
     addRow(to, row);
+  }
+  findPoint(to);
+}
+
+namespace {
+
+// The lever r of a body, of which rows 0 and 1 of three along n have the moment A = r x n. Returns whether they do.
+bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
+  constexpr double rounding = 1e3 * double(std::numeric_limits<Scalar>::epsilon());
+  const Vector3d across_0 = cross(n[0], A[0]),
+                 across_1 = cross(n[1], A[1]);  // r without its part along n
+  r = n[0].dot(across_1) * n[0] + n[1].dot(across_0) * n[1] +
+      n[2].dot(across_0 + across_1) / 2 * n[2];
+  const double size = A[0].norm() + A[1].norm();
+  return (A[0] - cross(r, n[0])).norm() <= rounding * size &&
+         (A[1] - cross(r, n[1])).norm() <= rounding * size;
+}
+
+}  // namespace
+
+// Of a stock joint, rows are known at the start alone. But three of them that hold a point along three axes are a ball, of which the
+// end is known, too. (Where a body is static and the others do not let it turn, Bullet may leave out the moment of one.)
+void IslandBuilder::findPoint(const IslandJoint& joint) {
+  if (joint.rows < 3) return;
+  IslandRow* const rows = &m_island.rows[size_t(joint.first_row)];
+  constexpr double rounding = 1e3 * double(std::numeric_limits<Scalar>::epsilon());
+  for (int i = 0; i < 3; ++i) {
+    const RowJacobian& J = rows[i].J;
+    if (!rows[i].law.isEquality() || !(std::abs(J.L_b.squaredNorm() - 1) < rounding) ||
+        !((J.L_a + J.L_b).norm() < rounding) ||
+        !(std::abs(J.L_b.dot(rows[(i + 1) % 3].J.L_b)) < rounding))
+      return;
+  }
+  Vector3d r[2];
+  bool found = false;
+  for (int last = 2; last >= 0 && !found; --last) {
+    Vector3d n[3], A_a[3], A_b[3];
+    for (int k = 0; k < 3; ++k) {
+      const RowJacobian& J = rows[(last + 1 + k) % 3].J;
+      n[k] = J.L_b;
+      A_a[k] = -J.A_a;
+      A_b[k] = J.A_b;
+    }
+    found = findLever(n, A_a, r[0]) && findLever(n, A_b, r[1]);
+  }
+  for (int i = 0; found && i < 3; ++i) {
+    IslandRow& row = rows[i];
+    const Vector3d n = row.J.L_b;
+    row.J = {-n, -cross(r[0], n), n, cross(r[1], n)};
+    row.K = inverseMass(joint, row.J, row.J);
+    row.root_K = std::sqrt(row.K);
+    row.has_position = true;
+    row.start.L = n.cast<Scalar>();
+    row.shape.kind = RowShape::point;
+    row.shape.a = r[0].cast<Scalar>();
+    row.shape.b = r[1].cast<Scalar>();
   }
 }
 

@@ -33,6 +33,7 @@ class IslandBuilder {
                      IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   void addRow(IslandJoint& to, const IslandRow& row);
+  void findPoint(const IslandJoint& joint);
   /// J_1 M^-1 J_2^T
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
                      const RowJacobian& J_2) const;

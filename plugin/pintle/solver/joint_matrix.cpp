@@ -29,17 +29,18 @@ InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness
   std::copy(body.scale, body.scale + 2, scale);
 }
 
-void JointMatrix::analyse(int bodies, const std::vector<Joint>& joints) {
+void JointMatrix::analyse(const std::vector<Joint>& joints, const Locks& locks) {
+  const size_t bodies = locks.size();
   m_joints = joints;
-  m_ends.assign(size_t(bodies), {});
+  m_ends.assign(bodies, {});
   for (size_t c = 0; c < joints.size(); ++c)
     for (int side = 0; side < 2; ++side)
       if (joints[c][size_t(side)] >= 0)
         m_ends[size_t(joints[c][size_t(side)])].push_back({int(c), side});
-  MinimumDegree order(joints.size() + size_t(bodies));
+  MinimumDegree order(joints.size() + bodies);
   std::vector<int> nodes;
   for (size_t c = 0; c < joints.size(); ++c) nodes.push_back(int(c));
-  m_stays.assign(size_t(bodies), false);
+  m_stays.assign(bodies, false);
   for (size_t b = 0; b < m_ends.size(); ++b) {
     const size_t d = m_ends[b].size();
     const int node = int(joints.size() + b);
@@ -54,10 +55,19 @@ void JointMatrix::analyse(int bodies, const std::vector<Joint>& joints) {
     order.frees(node);
     for (const End& end : m_ends[b]) order.addClique({node, end.joint});
   }
-  // A joint has no pivot before one of its bodies is eliminated.
-  const auto isUnknown = [&](int body) { return body < 0 || m_stays[size_t(body)]; };
+  // A joint of a body that stays has its pivot from the other one, and waits where that has none for it.
+  const auto givesNoPivot = [&](int body, int staying) {
+    if (body < 0 || m_stays[size_t(body)]) return true;
+    for (size_t k = 0; k < 6; ++k)
+      if (locks[size_t(body)][k] && !locks[size_t(staying)][k]) return true;
+    return false;
+  };
   for (size_t c = 0; c < joints.size(); ++c)
-    if (isUnknown(joints[c][0]) && isUnknown(joints[c][1])) order.wait(int(c));
+    for (size_t side = 0; side < 2; ++side) {
+      const int body = joints[c][side];
+      if (body >= 0 && m_stays[size_t(body)] && givesNoPivot(joints[c][1 - side], body))
+        order.wait(int(c));
+    }
   m_columns = order.order(nodes);
   std::vector<int> position(joints.size());
   for (size_t k = 0; k < m_columns.size(); ++k)
@@ -190,7 +200,7 @@ bool JointMatrix::factorise(double least_pivot) {
   return m_factor.factorise(least_pivot);
 }
 
-void JointMatrix::addResponse(const double* x, std::vector<Vector6d>& v) const {
+void JointMatrix::addResponse(const double* x, Vector6d* v) const {
   for (size_t c = 0; c < m_joints.size(); ++c)
     for (int i = 0; i < nodesOf(int(c)); ++i) {
       const int node = m_node[c] + i;
@@ -199,7 +209,7 @@ void JointMatrix::addResponse(const double* x, std::vector<Vector6d>& v) const {
         const int body = m_joints[c][size_t(side)];
         if (body < 0) continue;
         const Rows& of = m_rows[size_t(2 * node + side)];
-        double* const to = v[size_t(body)].data();
+        double* const to = v[body].data();
         for (int k = 0; k < 6; ++k)
           to[k] += of.answer[0][k] * by[0] + of.answer[1][k] * by[1] + of.answer[2][k] * by[2];
       }

@@ -31,8 +31,11 @@ class JointMatrix {
   /// The bodies of a joint; -1: one that is no unknown. Not both.
   using Joint = std::array<int, 2>;
 
-  /// Symbolic: depends on who is coupled to whom alone. Allocates.
-  void analyse(int bodies, const std::vector<Joint>& joints);
+  /// The axes that the factors of each body hold (IslandBody::locked).
+  using Locks = std::vector<std::array<bool, 6>>;
+
+  /// Symbolic: depends on who is coupled to whom, and on locks, alone. Allocates.
+  void analyse(const std::vector<Joint>& joints, const Locks& locks);
   /// The number of rows of each joint, which may change from step to step. Must be called after analyse.
   void setSizes(const std::vector<int>& rows);
 
@@ -51,7 +54,7 @@ class JointMatrix {
   size_t row(int c) const { return size_t(SymmetricFactor::size * m_node[size_t(c)]); }
   void solve(double* x) const { m_factor.solve(x); }
   /// v += A^-1 J^T x, x impulses times root_K.
-  void addResponse(const double* x, std::vector<Vector6d>& v) const;
+  void addResponse(const double* x, Vector6d* v) const;
 
   size_t bytes() const;
 

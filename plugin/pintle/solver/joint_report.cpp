@@ -1,6 +1,7 @@
 #include <pintle/solver/joint_report.h>
 
 #include <pintle/solver/joint_access.h>
+#include <pintle/solver/row_velocities.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -10,7 +11,7 @@ btVector3 toBullet(const Vector3d& v) { return {Scalar(v[0]), Scalar(v[1]), Scal
 
 }  // namespace
 
-bool breakOverloaded(Island& island, const Component& component, const Iterate& at) {
+bool breakOverloaded(Island& island, const Component& component, const Workspace& end) {
   bool any = false;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
@@ -19,7 +20,7 @@ bool breakOverloaded(Island& island, const Component& component, const Iterate& 
     bool overloaded = false;
     for (int i = 0; i < joint.rows; ++i)
       overloaded =
-          overloaded || std::abs(at.lambda[size_t(joint.row_of_component + i)]) >= threshold;
+          overloaded || std::abs(end.lambda[size_t(joint.row_of_component + i)]) >= threshold;
     if (!overloaded) continue;
     any = true;
     joint.constraint->setEnabled(false);
@@ -34,28 +35,28 @@ bool breakOverloaded(Island& island, const Component& component, const Iterate& 
   return any;
 }
 
-void report(const Island& island, const Component& component, const Iterate& at) {
+void report(const Island& island, const Component& component, const Workspace& end) {
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     btTypedConstraint& constraint = *joint.constraint;
     btJointFeedback* const feedback = constraint.getJointFeedback();
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const RowAtEnd& end = at.rows[size_t(joint.row_of_component + i)];
-      const double lambda = at.lambda[size_t(joint.row_of_component + i)];
+      const double u = end.u[size_t(joint.row_of_component + i)];
+      const double lambda = end.lambda[size_t(joint.row_of_component + i)];
       // Bullet's sign is the other one, and coordinates may fall along their rows.
       constraint.internalSetAppliedImpulse(Scalar(-row.sign * lambda));
       if (feedback != nullptr) {
         const double force = lambda / island.dt;
-        feedback->m_appliedForceBodyA += toBullet(force * end.G.L_a);
-        feedback->m_appliedTorqueBodyA += toBullet(force * end.G.A_a);
-        feedback->m_appliedForceBodyB += toBullet(force * end.G.L_b);
-        feedback->m_appliedTorqueBodyB += toBullet(force * end.G.A_b);
+        feedback->m_appliedForceBodyA += toBullet(force * row.J.L_a);
+        feedback->m_appliedTorqueBodyA += toBullet(force * row.J.A_a);
+        feedback->m_appliedForceBodyB += toBullet(force * row.J.L_b);
+        feedback->m_appliedTorqueBodyB += toBullet(force * row.J.A_b);
       }
       if (joint.ours == nullptr || row.start.axis < 0) continue;
       AxisState& state = JointAccess::axis(*joint.ours, row.start);
       double impulse[AxisLaw::max_parts];
-      row.law.split(end.u, lambda, impulse);
+      row.law.split(u, lambda, impulse);
       state.taken = 0;
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)
@@ -68,10 +69,10 @@ void report(const Island& island, const Component& component, const Iterate& at)
                                                                : Axis::limit;
       constraint.internalSetAppliedImpulse(Scalar(-row.sign) * state.impulse[size_t(last)]);
       if (state.incoming > 0 && state.impulse[Axis::limit] != 0)
-        state.taken = btMax(Scalar(0),
-                            -state.impulse[Axis::limit] *
-                                Scalar(end.G.along(meanVelocity(island, joint, 0, component, at),
-                                                   meanVelocity(island, joint, 1, component, at))));
+        state.taken = btMax(
+            Scalar(0), -state.impulse[Axis::limit] *
+                           Scalar(row.J.along(meanVelocity(island, joint, 0, component, end),
+                                              meanVelocity(island, joint, 1, component, end))));
     }
   }
 }

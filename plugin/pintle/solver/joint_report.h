@@ -1,17 +1,17 @@
 // Purpose: what a step tells its joints: impulses, loads, and which have broken.
 #pragma once
 
-#include <pintle/solver/iterate.h>
+#include <pintle/solver/workspace.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 /// Disables joints of the component that bear more than their threshold, and takes their rows out of the island. Returns whether
 /// there were any: the step is then to be solved again.
-bool breakOverloaded(Island& island, const Component& component, const Iterate& at);
+bool breakOverloaded(Island& island, const Component& component, const Workspace& end);
 
 /// Impulses as Bullet and Pintle's joints hand them out.
-void report(const Island& island, const Component& component, const Iterate& at);
+void report(const Island& island, const Component& component, const Workspace& end);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

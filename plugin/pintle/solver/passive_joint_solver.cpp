@@ -1,13 +1,14 @@
 #include <pintle/solver/passive_joint_solver.h>
 
+#include <pintle/solver/block_gauss_seidel.h>
 #include <pintle/solver/chord.h>
 #include <pintle/solver/component_memory.h>
-#include <pintle/solver/contacts.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_report.h>
+#include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/pose_correction.h>
-#include <pintle/solver/relaxation.h>
+#include <pintle/solver/softness.h>
 
 #include <Eigen/Geometry>
 
@@ -16,6 +17,23 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+namespace {
+
+void move(btRigidBody& body, const PoseChange& by) {
+  const Vector3d turn = by.tail<3>();
+  const double angle = turn.norm();
+  const Eigen::Quaterniond q(
+      Eigen::AngleAxisd(angle, angle > 0 ? Vector3d(turn / angle) : Vector3d::UnitX()));
+  btTransform to = body.getWorldTransform();
+  to.setOrigin(to.getOrigin() + btVector3(Scalar(by[0]), Scalar(by[1]), Scalar(by[2])));
+  to.setRotation(
+      (btQuaternion(Scalar(q.x()), Scalar(q.y()), Scalar(q.z()), Scalar(q.w())) * to.getRotation())
+          .normalized());
+  body.setWorldTransform(to);
+}
+
+}  // namespace
+
 struct PassiveJointSolver::State {
   SolverOptions options;
   StepReport report;
@@ -26,79 +44,173 @@ struct PassiveJointSolver::State {
   std::vector<PoseChange> pose_changes;
   std::vector<Vector6d> velocities;  ///< with which bodies end the step
   std::vector<ContactRow> contacts;
+  int sweeps = 0;  ///< of contacts
 
-  void solve(const Component& component);
+  bool solveByChord(const Component& component);
+  void solveInVelocity(const std::vector<const Component*>& those, std::vector<ContactRow>& rows);
+  double gainInVelocity(const std::vector<const Component*>& those,
+                        const std::vector<ContactRow>& rows) const;
+  bool foreseeLoad(const Component& component);
   bool stopRebounds(const Component& component);
+  bool isOpen(const Component& component) const;
+  bool isAnchored(const Component& component) const;
   void finish(const Component& component, ComponentMemory& kept);
-  void beginVelocities();
   std::vector<char> findTouched() const;
-  void count(const NewtonReport& done, int components);
+  void count(const SolveReport& done, int components);
   std::unique_ptr<ComponentMemory>& slotOf(const Component& component) {
     return memory[island.joints[size_t(component.first_joint)].constraint];
   }
   ComponentMemory& memoryOf(const Component& component) { return *slotOf(component); }
-  void solveAmongContacts(const std::vector<char>& touched);
-  void relax(std::vector<ContactPart>& parts, std::vector<ContactRow>& rows);
+  const ComponentMemory& memoryOf(const Component& component) const {
+    return *memory.at(island.joints[size_t(component.first_joint)].constraint);
+  }
   void solveAll();
 };
 
-void PassiveJointSolver::State::solve(const Component& component) {
+// The first tier. Returns false where it does not converge, or where its joints would give too much.
+bool PassiveJointSolver::State::solveByChord(const Component& component) {
   ComponentMemory& kept = memoryOf(component);
-  Workspace& work = kept.work;
-  work.external.clear();
-  const auto begin = [&] { kept.begin(island, component); };
-  const auto attempt = [&](double horizon) {
-    work.now.horizon = horizon;
-    const NewtonReport done = Newton(island, component, options, kept.fronts, work).run();
-    count(done, 1);
+  kept.begin(island, component);
+  findSoftness(island, component, options, kept.in_loop, kept.work);
+  findStiffness(island, component, options.stable_swing, kept.work);
+  const SolveReport done = pintle::solveByChord(island, component, options, kept.K, kept.work);
+  count(done, 1);
+  if (!done.converged) return false;
+  kept.has_factor = kept.holds_end = true;
+  kept.work_done = workOfJoints(island, component, kept.work);
+  return kept.ledger.mayGive(kept.work_done, options.ledger_share);
+}
+
+// J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each
+// other.
+double PassiveJointSolver::State::gainInVelocity(const std::vector<const Component*>& those,
+                                                 const std::vector<ContactRow>& rows) const {
+  double gain = 0;
+  std::vector<char> counted(island.bodies.size(), false);
+  for (const Component* of : those) {
+    gain += gainOverForces(island, *of, memoryOf(*of).work);
+    std::fill_n(counted.begin() + of->first_body, of->bodies, true);
+  }
+  for (size_t i = 0; !rows.empty() && i < counted.size(); ++i)
+    if (!counted[i]) gain += gainOf(island.bodies[i], island.bodies[i].v_free, velocities[i]);
+  for (const ContactRow& row : rows) gain -= std::fmax(row.impulse * row.target, 0);
+  return gain;
+}
+
+// The stiffness of its load with the impulses that are found. Returns whether there is any.
+bool PassiveJointSolver::State::foreseeLoad(const Component& component) {
+  Workspace& work = memoryOf(component).work;
+  const std::vector<double> load = work.load;
+  addLoad(work);
+  findStiffness(island, component, options.stable_swing, work);
+  work.load = load;
+  return std::any_of(work.stiffness.begin(), work.stiffness.end(),
+                     [](const Matrix3d& S) { return !S.isZero(0); });
+}
+
+// The second tier: one component alone, or those that contacts touch.
+void PassiveJointSolver::State::solveInVelocity(const std::vector<const Component*>& those,
+                                                std::vector<ContactRow>& rows) {
+  report.second_tier += int(those.size());
+  std::vector<JointBlock> blocks;
+  double largest = 0;
+  for (const Component* of : those) {
+    ComponentMemory& kept = memoryOf(*of);
+    blocks.push_back({of, &kept.K, &kept.work});
+    largest += kept.ledger.largest();
+  }
+  for (const IslandBody& body : island.bodies)
+    if (!rows.empty()) largest += gainOf(body, Vector6d::Zero(), body.v_free);
+  // From the impulses of the last step, or from those that the workspace has.
+  const auto recall = [&] {
+    for (const Component* of : those) {
+      ComponentMemory& kept = memoryOf(*of);
+      kept.begin(island, *of);
+      findSoftness(island, *of, options, kept.in_loop, kept.work);
+      findStiffness(island, *of, options.stable_swing, kept.work);
+    }
+  };
+  const auto solve = [&](Sweep sweep) {
+    const int most = rows.empty() ? options.max_sweeps : sweeps;
+    const SolveReport done =
+        pintle::solveInVelocity(island, blocks, rows, options, sweep, most, velocities);
+    count(done, int(those.size()));
     return done.converged;
   };
-  begin();
-  kept.findStiffness(island, component, options.stable_swing);
-  const NewtonReport chord = solveByChord(island, component, options, kept.fronts, kept.K, work);
-  count(chord, 1);
-  kept.is_K_of_start = chord.converged;
-  if (chord.converged) {
-    kept.work_done = workOfJoints(island, component, work.now);
-    if (kept.ledger.mayGive(kept.work_done, options.ledger_share)) return;
-  }
-  ++report.second_tier;
-  kept.is_K_of_start = false;
-  const auto solveByGradient = [&] {
-    begin();
-    if (attempt(island.dt)) return true;
-    // In velocity alone, which is a linear problem: at the end of the step they are open.
-    ++report.not_converged;
-    begin();
-    return attempt(0);
+  // Again, where bodies swing fast, and under another load than was foreseen.
+  const auto attempt = [&] {
+    recall();
+    bool converged = solve(Sweep::all_at_once);
+    bool again = false;
+    for (const Component* of : those) again = foreseeLoad(*of) || again;
+    if (again) converged = solve(Sweep::all_at_once);
+    return converged;
   };
   const auto gains = [&] {
-    return kept.ledger.isMuch(gainOverForces(island, component, work.now), options.ledger_share);
+    return !(gainInVelocity(those, rows) <= options.ledger_share * largest);
   };
-  bool found = solveByGradient();
-  // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
-  if (found && gains() && stopRebounds(component)) found = solveByGradient();
-  if (!found || gains()) {
-    std::vector<ContactPart> alone = {{&component, &kept.fronts, &work}};
-    std::vector<ContactRow> no_contacts;
-    relax(alone, no_contacts);
+  bool converged = attempt();
+  bool has_factor = true;
+  if (gains()) {
+    // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
+    bool any = false;
+    for (const Component* of : those) any = stopRebounds(*of) || any;
+    if (any) converged = attempt();
+    if (!any || gains()) {
+      ++report.one_by_one;
+      recall();
+      converged = solve(Sweep::one_by_one);
+      has_factor = false;
+    }
   }
-  kept.work_done = workOfJoints(island, component, work.now);
+  if (!converged) report.not_converged += int(those.size());
+  for (const Component* of : those) {
+    ComponentMemory& kept = memoryOf(*of);
+    kept.has_factor = has_factor;
+    kept.holds_end = false;
+    kept.work_done = rows.empty() ? workOfJoints(island, *of, kept.work)
+                                  : workAmongContacts(island, *of, kept.work);
+  }
 }
 
 void PassiveJointSolver::State::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
   double sum = 0;
-  for (const BodyAtEnd& body : work.now.bodies) sum += body.v.sum();
+  for (const Vector6d& v : work.v) sum += v.sum();
   if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
     kept.forget();
     kept.begin(island, component);
     return;
   }
+  PoseChange* const changes = pose_changes.data() + component.first_body;
+  if (!kept.holds_end || isOpen(component))
+    correctPoses(island, component, options, work, kept.K, kept.has_factor, changes);
+  const double by_joints = kept.work_done;
+  kept.work_done += workOfPoses(island, component, changes);
+  if (const double excess = kept.ledger.excess(kept.work_done, options.ledger_share);
+      excess > 0 && isAnchored(component)) {
+    const double slowed = slow(island, component, excess, work.v);
+    std::fill_n(changes, component.bodies, PoseChange(PoseChange::Zero()));
+    correctPoses(island, component, options, work, kept.K, false, changes);
+    kept.work_done = by_joints + workOfPoses(island, component, changes) + slowed;
+  }
   kept.ledger.book(kept.work_done, options.ledger_share);
   kept.keep(island, component);
-  pintle::report(island, component, work.now);
-  correctPoses(island, component, options, work, kept.K, kept.is_K_of_start, pose_changes);
+  pintle::report(island, component, work);
+}
+
+bool PassiveJointSolver::State::isOpen(const Component& component) const {
+  bool any = false;
+  forEachRow(island, component,
+             [&](int, int, const IslandRow& row, size_t) { any = any || row.open != 0; });
+  return any;
+}
+
+bool PassiveJointSolver::State::isAnchored(const Component& component) const {
+  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c)
+    for (const int body : island.joints[size_t(c)].body)
+      if (body < 0) return true;
+  return false;
 }
 
 bool PassiveJointSolver::State::stopRebounds(const Component& component) {
@@ -111,69 +223,9 @@ bool PassiveJointSolver::State::stopRebounds(const Component& component) {
   return any;
 }
 
-// Contacts take energy, and so does the discrete gradient: it alone acts among them.
-void PassiveJointSolver::State::solveAmongContacts(const std::vector<char>& touched) {
-  std::vector<ContactPart> parts;
-  double peak = 0;
-  std::vector<char> in_parts(island.bodies.size(), false);
-  for (size_t c = 0; c < components.size(); ++c) {
-    if (!touched[c]) continue;
-    ComponentMemory& kept = memoryOf(components[c]);
-    kept.begin(island, components[c]);
-    kept.work_done = 0;
-    kept.is_K_of_start = false;
-    peak += kept.ledger.largest();
-    parts.push_back({&components[c], &kept.fronts, &kept.work});
-    std::fill_n(in_parts.begin() + components[c].first_body, components[c].bodies, true);
-  }
-  for (size_t i = 0; i < island.bodies.size(); ++i)
-    if (!in_parts[i]) peak += gainOf(island.bodies[i], Vector6d::Zero(), island.bodies[i].v_free);
-  const auto attempt = [&] {
-    beginVelocities();
-    const NewtonReport done =
-        pintle::solveAmongContacts(island, parts, contacts, options, velocities);
-    count(done, int(parts.size()));
-    report.second_tier += int(parts.size());
-    return done.converged;
-  };
-  // Contacts may give what they aim at: rebounds, and ways out of each other.
-  const auto gains = [&] {
-    double gain = 0;
-    for (ContactPart& part : parts) gain += gainOverForces(island, *part.component, part.work->now);
-    for (size_t i = 0; i < island.bodies.size(); ++i)
-      if (!in_parts[i]) gain += gainOf(island.bodies[i], island.bodies[i].v_free, velocities[i]);
-    for (const ContactRow& row : contacts) gain -= std::fmax(row.impulse * row.target, 0);
-    return !(gain <= options.ledger_share * peak);
-  };
-  bool converged = attempt();
-  if (converged && gains()) {
-    bool any = false;
-    for (ContactPart& part : parts) any = stopRebounds(*part.component) || any;
-    if (any) {
-      for (ContactPart& part : parts) memoryOf(*part.component).begin(island, *part.component);
-      converged = attempt();
-    }
-  }
-  if (!converged) report.not_converged += int(parts.size());
-  if (gains()) relax(parts, contacts);
-}
-
-// Parts and contacts from the velocities that forces lead to.
-void PassiveJointSolver::State::relax(std::vector<ContactPart>& parts,
-                                      std::vector<ContactRow>& rows) {
-  ++report.relaxed;
-  beginVelocities();
-  pintle::relax(island, parts, rows, options.max_contact_sweeps, velocities);
-}
-
-void PassiveJointSolver::State::beginVelocities() {
-  velocities.clear();
-  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
-}
-
 // `of`: so many components, solved together.
-void PassiveJointSolver::State::count(const NewtonReport& done, int of) {
-  report.newton_steps += done.steps * of;
+void PassiveJointSolver::State::count(const SolveReport& done, int of) {
+  report.steps += done.steps * of;
   report.factors += done.factors;
   report.error = std::max(report.error, done.error);
 }
@@ -193,32 +245,36 @@ std::vector<char> PassiveJointSolver::State::findTouched() const {
 
 // A joint breaks at what it bears when all else is solved, and the step is then solved without it.
 void PassiveJointSolver::State::solveAll() {
-  beginVelocities();
   const std::vector<char> touched = findTouched();
-  for (const Component& component : components) {
+  std::vector<const Component*> among_contacts;
+  std::vector<ContactRow> none;
+  for (size_t c = 0; c < components.size(); ++c) {
+    const Component& component = components[c];
     remember(island, component, slotOf(component));
     ComponentMemory& kept = memoryOf(component);
     kept.stretchSprings(island, component);
     kept.ledger.begin(island, component, options.ledger_share);
+    if (touched[c]) among_contacts.push_back(&component);
   }
-  const auto breaks = [&](size_t c) {
-    return breakOverloaded(island, components[c], memoryOf(components[c]).work.now);
+  const auto breaks = [&](const Component& component) {
+    return breakOverloaded(island, component, memoryOf(component).work);
   };
   for (size_t c = 0; c < components.size(); ++c) {
     if (touched[c]) continue;
-    do solve(components[c]);
-    while (breaks(c));
+    do {
+      if (!solveByChord(components[c])) solveInVelocity({&components[c]}, none);
+    } while (breaks(components[c]));
   }
   for (bool again = !contacts.empty(); again;) {
-    solveAmongContacts(touched);
+    solveInVelocity(among_contacts, contacts);
     again = false;
-    for (size_t c = 0; c < components.size(); ++c) again = (touched[c] && breaks(c)) || again;
+    for (const Component* of : among_contacts) again = breaks(*of) || again;
   }
+  if (contacts.empty()) velocities.resize(island.bodies.size());
   for (const Component& component : components) {
     ComponentMemory& kept = memoryOf(component);
     finish(component, kept);
-    for (int i = 0; i < component.bodies; ++i)
-      velocities[size_t(component.first_body + i)] = kept.work.now.bodies[size_t(i)].v;
+    std::copy(kept.work.v.begin(), kept.work.v.end(), velocities.begin() + component.first_body);
   }
 }
 
@@ -305,11 +361,17 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
         bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info, drawer);
   solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifolds, numManifolds,
                                                 constraints, numConstraints, info, drawer);
+  for (IslandBody& of : state.island.bodies) {
+    const btSolverBody& from = m_tmpSolverBodyPool[of.solver_body];
+    of.push << inDouble(from.m_pushVelocity),
+        double(info.m_splitImpulseTurnErp) * inDouble(from.m_turnVelocity);
+  }
   state.contacts.clear();
   addContacts(m_tmpSolverContactConstraintPool, false);
   addContacts(m_tmpSolverContactFrictionConstraintPool, true);
   addContacts(m_tmpSolverContactRollingFrictionConstraintPool, true);
   state.pose_changes.assign(state.island.bodies.size(), PoseChange::Zero());
+  state.sweeps = info.m_numIterations;
   state.report.components += int(state.components.size());
   state.solveAll();
   for (size_t i = 0; i < state.island.bodies.size(); ++i) {
@@ -329,20 +391,9 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyFinish(btCollisionObject** b
   const btScalar result =
       btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
   State& state = *m_state;
-  for (size_t i = 0; i < state.pose_changes.size(); ++i) {
-    const Vector6d& change = state.pose_changes[i];
-    if (change.isZero()) continue;
-    auto* const body = const_cast<btRigidBody*>(state.island.bodies[i].body);
-    const Turn turn(change.tail<3>(), 1);
-    const Eigen::Quaterniond q(turn.rotation());
-    btTransform to = body->getWorldTransform();
-    to.setOrigin(to.getOrigin() +
-                 btVector3(Scalar(change[0]), Scalar(change[1]), Scalar(change[2])));
-    to.setRotation((btQuaternion(Scalar(q.x()), Scalar(q.y()), Scalar(q.z()), Scalar(q.w())) *
-                    to.getRotation())
-                       .normalized());
-    body->setWorldTransform(to);
-  }
+  for (size_t i = 0; i < state.pose_changes.size(); ++i)
+    if (!state.pose_changes[i].isZero(0))
+      move(*const_cast<btRigidBody*>(state.island.bodies[i].body), state.pose_changes[i]);
   return result;
 }
 

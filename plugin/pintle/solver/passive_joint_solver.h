@@ -15,12 +15,11 @@ struct SolverOptions;
 /// What the last step of a solver did.
 struct StepReport {
   int components = 0;
-  int newton_steps = 0, factors = 0;
-  int second_tier = 0;  ///< times that a component was solved by the discrete gradient
-  int relaxed = 0;      ///< times that joints were only relaxed in velocity
-  int not_converged =
-      0;  ///< components whose joints hold in velocity alone, and are open at the end of the step
-  double error = 0;  ///< m or rad: the largest left of a joint
+  int steps = 0, factors = 0;
+  int second_tier = 0;    ///< times that a component was solved in velocity (block_gauss_seidel.h)
+  int one_by_one = 0;     ///< times that rows were solved one by one
+  int not_converged = 0;  ///< components, of which contacts or bounded rows were still changing
+  double error = 0;       ///< m or rad: the largest left of a joint
 };
 
 class PassiveJointSolver : public btSequentialImpulseConstraintSolver {

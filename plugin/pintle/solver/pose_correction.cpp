@@ -1,83 +1,224 @@
 #include <pintle/solver/pose_correction.h>
 
+#include <pintle/solver/row_velocities.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
 namespace {
+
+class PoseCorrection {
+ public:
+  PoseCorrection(const Island& island, const Component& component, const SolverOptions& options,
+                 Workspace& work, JointMatrix& K)
+      : m_island(island), m_component(component), m_options(options), m_work(work), m_K(K) {}
+
+  void run(bool has_factor, PoseChange* changes);
+
+ private:
+  void begin();
+  bool findGoals();
+  bool factorise(bool at_end);
+  double measure();
+  double step(double open, bool is_fresh);
+  double iterate(double open);
+  void findChanges(PoseChange* changes) const;
+  void shorten(PoseChange* changes) const;
+  const IslandBody& body(int i) const {
+    return m_island.bodies[size_t(m_component.first_body + i)];
+  }
+
+  const Island& m_island;
+  const Component& m_component;
+  const SolverOptions& m_options;
+  Workspace& m_work;
+  JointMatrix& m_K;
+  std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
+  std::vector<char>& m_closes = m_work.closes;
+  std::vector<double> m_open;  ///< what was open at first, in the units of K
+  std::vector<MovedBody> m_nearest,
+      m_first;  ///< where least is open, and where the first step has led if it closes nothing
+};
 
 // m: of gyration.
 double radius(const IslandBody& body) { return body.scale[1] / body.scale[0]; }
 
+// Beyond which of its stops a row that may leave them ends the step, and where that is.
+bool isBeyond(const AxisLaw& law, double u, double& stop) {
+  for (int i = 0; i < law.parts(); ++i) {
+    const LawPart& part = law.part(i);
+    if (part.drives || part.softness > 0) continue;
+    if ((part.isLowerStop() && u < part.target) || (part.isUpperStop() && u > part.target)) {
+      stop = part.target;
+      return true;
+    }
+  }
+  return false;
+}
+
+// What each row is to measure over the step. Returns whether K has all rows that are to be moved.
+bool PoseCorrection::findGoals() {
+  bool all_act = true;
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    const LawPiece& piece = m_work.pieces[r];
+    const bool holds = piece.acts && (row.has_position || row.law.isEquality());
+    double stop = 0;
+    const bool beyond = !holds && row.has_position && isBeyond(row.law, m_u[r], stop);
+    m_closes[r] = holds || beyond || row.open != 0;
+    if (!m_closes[r]) return;
+    const double end = !(holds && row.has_position) ? m_u[r]
+                       : piece.softness > 0         ? m_work.u[r]
+                                                    : piece.target;
+    m_goal[r] = (beyond ? stop : end) - row.open / m_island.dt;
+    all_act = all_act && piece.acts;
+  });
+  return all_act;
+}
+
+// By the rows of the start, or of where bodies are now.
+bool PoseCorrection::factorise(bool at_end) {
+  std::vector<InverseInertia>& bodies = m_K.bodies();
+  bodies.clear();
+  for (int i = m_component.first_body; i < m_component.first_body + m_component.bodies; ++i)
+    bodies.emplace_back(m_island.bodies[size_t(i)],
+                        m_work.stiffness[size_t(i - m_component.first_body)]);
+  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_work.J);
+  m_K.begin();
+  forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
+    if (m_closes[r])
+      m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness);
+  });
+  m_work.broyden.begin();
+  return m_K.factorise(m_options.least_pivot);
+}
+
+// work.x: what is still open, in the units of K. Returns the most, m or rad.
+double PoseCorrection::measure() {
+  measureAtEnd(m_island, m_component, m_work.moved, m_u);
+  double largest = 0;
+  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
+  forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
+    if (!m_closes[r]) return;
+    const double left = m_u[r] - m_goal[r];
+    m_work.x[m_K.row(c) + size_t(i)] = -left / row.root_K;
+    largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
+  });
+  return largest * m_island.dt;
+}
+
+// With the factor at hand from where bodies are. Returns what is open then. A step of a new factor is shortened until it closes
+// something (the monotonicity test of Deuflhard 2004, 3.1).
+double PoseCorrection::step(double open, bool is_fresh) {
+  if (!m_work.broyden.step(m_K, m_work.x, m_work.y)) return infinity;
+  std::vector<Vector6d>& w = m_work.base;
+  w.assign(size_t(m_component.bodies), Vector6d::Zero());
+  m_K.addResponse(m_work.broyden.last().data(), w.data());
+  for (double part = 1;; part /= 2) {
+    for (size_t b = 0; b < w.size(); ++b) m_work.moved[b].goOn(part * w[b], m_island.dt);
+    const double now = measure();
+    if (now <= (1 - part / 4) * open || !is_fresh || part < m_options.least_part) return now;
+    m_work.moved = m_nearest;
+  }
+}
+
+// Returns what is left open.
+double PoseCorrection::iterate(double open) {
+  bool is_fresh = false;
+  for (int steps = 0, factors = 0; steps < m_options.max_iterations; ++steps) {
+    const double now = step(open, is_fresh);
+    const bool closes = now < open, is_fast = now < m_options.contraction * open;
+    if (closes) {
+      m_nearest = m_work.moved;
+      open = now;
+    } else if (steps == 0 && now < infinity) {
+      m_first = m_work.moved;
+    }
+    if (open <= m_options.pose_tolerance / 2) break;
+    is_fresh = is_fresh && !closes;
+    if (is_fast) continue;
+    if (is_fresh || factors++ >= m_options.max_pose_factors) break;
+    if (!closes) m_work.moved = m_nearest;
+    if (!factorise(true)) break;
+    measure();
+    is_fresh = true;
+  }
+  return open;
+}
+
+// Between what contacts push and the step of the velocities.
+void PoseCorrection::findChanges(PoseChange* changes) const {
+  for (int b = 0; b < m_component.bodies; ++b) {
+    const MovedBody by_velocity(m_work.v[size_t(b)], m_island.dt),
+        by_push(body(b).push, m_island.dt), &to = m_nearest[size_t(b)];
+    const Eigen::AngleAxisd turn(
+        Matrix3d(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose()));
+    changes[b].head<3>() = to.move - by_velocity.move - by_push.move;
+    changes[b].tail<3>() = turn.angle() * turn.axis();
+  }
+}
+
+// Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
+void PoseCorrection::shorten(PoseChange* changes) const {
+  double most = 0, moved = 0;  // m
+  forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t) {
+    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
+    const double open = std::abs(m_open[m_K.row(c) + size_t(i)]) * row.root_K * m_island.dt;
+    for (int side = 0; side < 2; ++side)
+      if (joint.body[size_t(side)] >= 0) {
+        const IslandBody& of = m_island.bodies[size_t(joint.body[size_t(side)])];
+        most += open / row.K *
+                (row.J.L(side).norm() / of.mass +
+                 radius(of) * (of.inverse_inertia * row.J.A(side)).norm());
+      }
+  });
+  for (int i = 0; i < m_component.bodies; ++i) {
+    const double by = changes[i].head<3>().norm() + radius(body(i)) * changes[i].tail<3>().norm();
+    moved = by <= moved ? moved : by;  // and not finite if one is
+  }
+  if (moved <= most) return;
+  for (int i = 0; i < m_component.bodies; ++i)
+    changes[i] = std::isfinite(moved) ? PoseChange(most / moved * changes[i])
+                                      : PoseChange(PoseChange::Zero());
+}
+
+void PoseCorrection::begin() {
+  const auto rows = size_t(m_component.rows);
+  m_u.resize(rows);
+  m_goal.assign(rows, 0.);
+  m_closes.assign(rows, false);
+  m_work.moved.clear();
+  for (int b = 0; b < m_component.bodies; ++b) {
+    m_work.moved.emplace_back(body(b).push, m_island.dt);
+    m_work.moved.back().goOn(m_work.v[size_t(b)], m_island.dt);
+  }
+  measureAtEnd(m_island, m_component, m_work.moved, m_u);
+}
+
+void PoseCorrection::run(bool has_factor, PoseChange* changes) {
+  begin();
+  has_factor = findGoals() && has_factor;
+  const double open = measure();
+  if (open <= m_options.pose_tolerance / 2) return;
+  m_open = m_work.x;
+  m_nearest = m_work.moved;
+  m_work.broyden.begin();
+  if (!has_factor && !factorise(false)) return;
+  const double left = iterate(open);
+  // Where an angle is far from what its row says, the first step is what can be had.
+  if (!(left < open) && !m_first.empty()) m_nearest = m_first;
+  findChanges(changes);
+  if (!(left <= m_options.pose_tolerance / 2)) shorten(changes);
+}
+
 }  // namespace
 
 void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                  Workspace& work, JointMatrix& K, bool has_factor,
-                  std::vector<PoseChange>& changes) {
-  const bool held_early = work.now.horizon < island.dt;
-  if (held_early) {  // what the rest of the step opens
-    work.now.horizon = island.dt;
-    moveTo(island, component, work.now);
-  }
-  std::vector<double> open(work.pieces.size(), 0.);
-  std::vector<char> acts(work.pieces.size(), false);
-  double largest = 0;  // m or rad
-  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    const LawPiece& piece = work.pieces[r];
-    const bool equality = row.law.isEquality() && !(piece.softness > 0);
-    acts[r] = equality || row.open != 0;
-    if (!acts[r]) return;
-    open[r] = row.open;
-    if (equality && piece.acts) open[r] += island.dt * (work.now.rows[r].u - piece.target);
-    largest =
-        std::abs(open[r]) <= largest ? largest : std::abs(open[r]);  // and not finite if one is
-  });
-  if (largest <= options.pose_tolerance / 2) return;  // nothing is open
-  // The least motion, in the metric of the masses, by the rows as they are at the end.
-  if (held_early || !has_factor || largest > options.largest_residue) {
-    if (has_factor) moveTo(island, component, work.now);
-    std::vector<InverseInertia>& bodies = K.bodies();
-    bodies.clear();
-    for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
-      bodies.emplace_back(island.bodies[size_t(i)], Matrix3d::Zero());
-    K.begin();
-    forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
-      if (acts[r]) K.setRow(c, i, work.now.rows[r].J, row.root_K, options.dependent_softness);
-    });
-    if (!K.factorise(options.least_pivot)) return;
-  }
-  std::vector<double> x(K.unknowns(), 0.);
-  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
-    if (work.pieces[r].acts || acts[r]) x[K.row(c) + size_t(i)] = -open[r] / row.root_K;
-  });
-  K.solve(x.data());
-  std::vector<Vector6d> change(size_t(component.bodies), Vector6d::Zero());
-  K.addResponse(x.data(), change);
-  double moved = 0;
-  for (int i = 0; i < component.bodies; ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    changes[size_t(component.first_body + i)] = change[size_t(i)];
-    const double by =
-        change[size_t(i)].head<3>().norm() + radius(body) * change[size_t(i)].tail<3>().norm();
-    moved = by <= moved ? moved : by;  // and not finite if one is
-  }
-  // Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
-  if (largest <= options.largest_residue && std::isfinite(moved)) return;
-  double most = 0;  // m: what all rows would move a body by, each alone
-  forEachRow(island, component, [&](int c, int, const IslandRow& row, size_t r) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int side = 0; side < 2; ++side)
-      if (joint.body[size_t(side)] >= 0) {
-        const IslandBody& body = island.bodies[size_t(joint.body[size_t(side)])];
-        most += std::abs(open[r]) / row.K *
-                (row.J.L(side).norm() / body.mass +
-                 radius(body) * (body.inverse_inertia * row.J.A(side)).norm());
-      }
-  });
-  if (moved <= most) return;
-  for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
-    PoseChange& of = changes[size_t(i)];
-    of = std::isfinite(moved) ? PoseChange(most / moved * of) : PoseChange::Zero();
-  }
+                  Workspace& work, JointMatrix& K, bool has_factor, PoseChange* changes) {
+  PoseCorrection(island, component, options, work, K).run(has_factor, changes);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -1,14 +1,19 @@
 // Purpose: how much joints of loops give: their rows may repeat or contradict each other.
 #pragma once
 
-#include <pintle/solver/newton.h>
+#include <pintle/solver/solver_options.h>
+#include <pintle/solver/workspace.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// work.softness: of each joint, relative to the 1 / K of its rows.
+/// Of each joint: whether it may be in a loop: it is not where it can be taken off, end by end. `joints`: their bodies, -1: one that
+/// does not move.
+std::vector<char> findLoops(int bodies, const std::vector<std::array<int, 2>>& joints);
+
+/// work.of_loop: of each joint, relative to the 1 / K of its rows.
 void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
-                  const Fronts& fronts, Workspace& work);
+                  const std::vector<char>& in_loop, Workspace& work);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,0 +1,55 @@
+#include <pintle/solver/load_stiffness.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Of a symmetric matrix: without its negative eigenvalues.
+Matrix3d clipped(const Matrix3d& m) {
+  if (Eigen::LLT<Matrix3d>(-m).info() == Eigen::Success) return Matrix3d::Zero();
+  Eigen::SelfAdjointEigenSolver<Matrix3d> axes;
+  axes.computeDirect(m);
+  return axes.eigenvectors() * axes.eigenvalues().cwiseMax(0).asDiagonal() *
+         axes.eigenvectors().transpose();
+}
+
+}  // namespace
+
+void addLoad(Workspace& work) {
+  for (size_t r = 0; r < work.load.size(); ++r) work.load[r] = (work.load[r] + work.lambda[r]) / 2;
+}
+
+// The torque of a force f on a lever r falls by -[f]x [r]x dphi as the body turns, of which the symmetric part is a stiffness.
+void findStiffness(const Island& island, const Component& component, double stable_swing,
+                   Workspace& work) {
+  std::vector<Matrix3d>& stiffness = work.stiffness;
+  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!row.has_position ||
+          (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
+        continue;
+      for (int side = 0; side < 2; ++side) {
+        if (joint.body[size_t(side)] < 0) continue;
+        const Vector3d p = work.load[size_t(joint.row_of_component + i)] * row.J.L(side),
+                       r = inDouble(side ? row.shape.b : row.shape.a);
+        const Matrix3d rp = r * p.transpose();
+        stiffness[size_t(joint.body[size_t(side)] - component.first_body)] +=
+            r.dot(p) * Matrix3d::Identity() - (rp + rp.transpose()) / 2;
+      }
+    }
+  }
+  for (int i = 0; i < component.bodies; ++i) {
+    Matrix3d& of = stiffness[size_t(i)];
+    of = clipped(island.dt / stable_swing * of -
+                 island.bodies[size_t(component.first_body + i)].inertia);
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

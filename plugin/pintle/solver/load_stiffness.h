@@ -1,0 +1,20 @@
+// Purpose: geometric stiffness (Tournier et al. 2015, Andrews et al. 2017): a joint's force turns with its lever, so that bodies swing
+// about their joints under the load. Where that is faster than a step resolves, they get inertia.
+#pragma once
+
+#include <pintle/solver/workspace.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// work.load, with the impulses of this step. An impulse alone says little: where swings are not resolved, one step bears all and the
+/// next one nothing.
+void addLoad(Workspace& work);
+
+/// work.stiffness from work.load: what is added to the inertia of each body, kg m^2, so that it swings no faster than (w dt)^2 =
+/// `stable_swing`. Of joints that hold a point or a distance.
+void findStiffness(const Island& island, const Component& component, double stable_swing,
+                   Workspace& work);
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,200 @@
+#include <pintle/solver/row_velocities.h>
+
+#include <pintle/body_pair.h>
+#include <pintle/joints/joint.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// The row of the start, among those of the end. Returns false if there is none. Tangents of a joint may be chosen anew at each pose:
+// an equality is then taken along that of the start.
+bool findAtEnd(const IslandRow& row, const Rows& end, int equalities_at_start, Row& found) {
+  if (row.start.axis >= 0) {
+    for (int i = end.equalities(); i < end.size(); ++i)
+      if (end[i].axis == row.start.axis) {
+        found = end[i];
+        return isSameRow(row.start, found);
+      }
+    return false;
+  }
+  if (end.equalities() != equalities_at_start) return false;
+  found = end[row.index];
+  if (isSameRow(row.start, found)) return true;
+  found.L = found.A_a = found.A_b = Vec3::Zero();
+  found.position = 0;
+  bool any = false;
+  for (int i = 0; i < end.equalities(); ++i) {
+    const Row& other = end[i];
+    if (other.angular != row.start.angular || other.group != row.start.group) continue;
+    const Vec3 &mine = row.start.angular ? row.start.A_b : row.start.L,
+               &its = row.start.angular ? other.A_b : other.L;
+    const Scalar part = mine.dot(its) / its.dot(its);
+    found.L += part * other.L;
+    found.A_a += part * other.A_a;
+    found.A_b += part * other.A_b;
+    found.position += part * other.position;
+    any = any || btFabs(part) > Scalar(0.1);
+  }
+  return any;
+}
+
+// The two bodies of a joint at the end of the step, and what its rows are there.
+class JointAtEnd {
+ public:
+  JointAtEnd(const Island& island, const IslandJoint& joint, const Component& component,
+             const std::vector<MovedBody>& moved, Rows& rows)
+      : m_joint(joint),
+        m_dt(island.dt),
+        m_a(bodyOf(island, component, moved, 0)),
+        m_b(bodyOf(island, component, moved, 1)),
+        m_rows(rows) {}
+
+  double velocity(const IslandRow& row) {
+    if (!row.has_position) return row.J.along(m_a.v, m_b.v);
+    if (row.isOfArms()) {
+      findArms(row.shape);
+      return velocityOfArms(row);
+    }
+    ask();
+    Row found;
+    return findAtEnd(row, m_rows, m_joint.equalities, found)
+               ? (double(found.position) - double(row.start.position)) / m_dt
+               : row.J.along(m_a.v, m_b.v);
+  }
+  RowJacobian jacobian(const IslandRow& row) {
+    if (!row.has_position) return row.J;
+    if (row.isOfArms()) {
+      findArms(row.shape);
+      return jacobianOfArms(row);
+    }
+    ask();
+    Row found;
+    return findAtEnd(row, m_rows, m_joint.equalities, found) ? jacobianOf(found, row.sign) : row.J;
+  }
+
+ private:
+  const MovedBody& bodyOf(const Island& island, const Component& component,
+                          const std::vector<MovedBody>& moved, int side) const {
+    const int body = m_joint.body[size_t(side)];
+    return body < 0 ? island.unmovedBody(body) : moved[size_t(body - component.first_body)];
+  }
+
+  // What two arms of the bodies do not tell: the joint's own rows.
+  void ask() {
+    if (m_asked) return;
+    m_asked = true;
+    const btTypedConstraint& joint = *m_joint.constraint;
+    m_rows.clear();
+    m_joint.ours->addRows(PosePair(m_a.from(joint.getRigidBodyA().getCenterOfMassTransform()),
+                                   m_b.from(joint.getRigidBodyB().getCenterOfMassTransform())),
+                          m_rows);
+  }
+
+  // Rows of a joint share them.
+  void findArms(const RowShape& shape) {
+    if (m_shape != nullptr && m_shape->a == shape.a && m_shape->b == shape.b) return;
+    m_shape = &shape;
+    m_r_a = inDouble(shape.a);
+    m_r_b = inDouble(shape.b);
+    m_end_a = m_a.turn * m_r_a;
+    m_end_b = m_b.turn * m_r_b;
+    m_move = m_b.move - m_a.move + m_end_b - m_r_b - m_end_a + m_r_a;
+  }
+  double velocityOfArms(const IslandRow& row) const {
+    switch (row.shape.kind) {
+      case RowShape::dot:
+        return ((m_r_a + m_end_a).dot(m_end_b - m_r_b) + (m_r_b + m_end_b).dot(m_end_a - m_r_a)) /
+               (2 * m_dt);
+      case RowShape::distance: {
+        const Vector3d d_0 = double(row.shape.length) * inDouble(row.start.L), d_1 = d_0 + m_move;
+        const double sum = d_0.norm() + d_1.norm();
+        if (sum > 0) return (d_0 + d_1).dot(m_move) / (sum * m_dt);
+        break;
+      }
+      default: break;
+    }
+    return inDouble(row.start.L).dot(m_move) / m_dt;
+  }
+  RowJacobian jacobianOfArms(const IslandRow& row) const {
+    if (row.shape.kind == RowShape::dot)
+      return {Vector3d::Zero(), cross(m_end_a, m_end_b), Vector3d::Zero(), cross(m_end_b, m_end_a)};
+    Vector3d n = inDouble(row.start.L);
+    if (row.shape.kind == RowShape::distance) {
+      const Vector3d d_1 = double(row.shape.length) * n + m_move;
+      const double length = d_1.norm();
+      if (length > 0) n = d_1 / length;
+    }
+    return {-n, -cross(m_end_a, n), n, cross(m_end_b, n)};
+  }
+
+  const IslandJoint& m_joint;
+  const double m_dt;
+  const MovedBody &m_a, &m_b;
+  Rows& m_rows;
+  bool m_asked = false;
+  const RowShape* m_shape = nullptr;  ///< whose arms these are
+  Vector3d m_r_a, m_r_b, m_end_a, m_end_b;
+  Vector3d m_move;  ///< of b's end against a's
+};
+
+// visit(row, its number in the component, its joint at the end)
+template <class Visit>
+void forEachAtEnd(const Island& island, const Component& component,
+                  const std::vector<MovedBody>& moved, const Visit& visit) {
+  RowMemory<max_joint_rows, max_joint_rows> memory;
+  Rows rows(memory);
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    JointAtEnd end(island, joint, component, moved, rows);
+    for (int i = 0; i < joint.rows; ++i)
+      visit(island.rows[size_t(joint.first_row + i)], size_t(joint.row_of_component + i), end);
+  }
+}
+
+}  // namespace
+
+void moveBodies(const Island& island, const Component& component, const Vector6d* v,
+                std::vector<MovedBody>& moved) {
+  moved.clear();
+  for (int i = 0; i < component.bodies; ++i) moved.emplace_back(v[i], island.dt);
+}
+
+void measureAtEnd(const Island& island, const Component& component,
+                  const std::vector<MovedBody>& moved, std::vector<double>& u) {
+  forEachAtEnd(island, component, moved,
+               [&](const IslandRow& row, size_t r, JointAtEnd& end) { u[r] = end.velocity(row); });
+}
+
+void differentiateAtEnd(const Island& island, const Component& component,
+                        const std::vector<MovedBody>& moved, std::vector<RowJacobian>& J) {
+  J.resize(size_t(component.rows));
+  forEachAtEnd(island, component, moved,
+               [&](const IslandRow& row, size_t r, JointAtEnd& end) { J[r] = end.jacobian(row); });
+}
+
+void measureAtStart(const Island& island, const Component& component, const Vector6d* v,
+                    std::vector<double>& u) {
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const auto of = [&](int side) -> const Vector6d& {
+      const int body = joint.body[size_t(side)];
+      return body < 0 ? island.unmovedBody(body).v : v[body - component.first_body];
+    };
+    const Vector6d &a = of(0), &b = of(1);
+    for (int i = 0; i < joint.rows; ++i)
+      u[size_t(joint.row_of_component + i)] =
+          island.rows[size_t(joint.first_row + i)].J.along(a, b);
+  }
+}
+
+Vector6d meanVelocity(const Island& island, const IslandJoint& joint, int side,
+                      const Component& component, const Workspace& work,
+                      Vector6d IslandBody::*start) {
+  const int body = joint.body[size_t(side)];
+  if (body < 0) return island.unmovedBody(body).v;
+  return (work.v[size_t(body - component.first_body)] + island.bodies[size_t(body)].*start) / 2;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,29 @@
+// Purpose: what the rows of a component measure over the step, if their bodies move with given velocities.
+#pragma once
+
+#include <pintle/solver/workspace.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// Where bodies end the step that move with `v`: those of the component.
+void moveBodies(const Island& island, const Component& component, const Vector6d* v,
+                std::vector<MovedBody>& moved);
+/// u of each row: (C(end) - C(start)) / dt, or J v of a row that is known at the start alone.
+void measureAtEnd(const Island& island, const Component& component,
+                  const std::vector<MovedBody>& moved, std::vector<double>& u);
+/// How C of each row changes there with the poses of its bodies.
+void differentiateAtEnd(const Island& island, const Component& component,
+                        const std::vector<MovedBody>& moved, std::vector<RowJacobian>& J);
+/// J v of each row.
+void measureAtStart(const Island& island, const Component& component, const Vector6d* v,
+                    std::vector<double>& u);
+
+/// Of the body of a joint, with work.v at the end of the step: its mean velocity from the one that it starts with (IslandBody::v0, or
+/// v_free).
+Vector6d meanVelocity(const Island& island, const IslandJoint& joint, int side,
+                      const Component& component, const Workspace& work,
+                      Vector6d IslandBody::*start = &IslandBody::v0);
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
