@@ -100,7 +100,6 @@ struct Problem {
     }
     J.setZero(rows, 6 * n);
     Eigen::VectorXd softness = Eigen::VectorXd::Ones(rows);
-    matrix.begin();
     for (size_t c = 0; c < sizes.size(); ++c) {
       acts.emplace_back();
       for (int i = 0; i < sizes[c]; ++i) {

@@ -57,7 +57,6 @@ void ActiveSet::release(const std::vector<Place>& rows) {
 }
 
 void ActiveSet::setRows() {
-  m_K.begin();
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t) {
     const LawPiece& piece = m_work.pieces[r];
     m_work.softness[r] = std::fmax(piece.softness / row.K, m_work.of_loop[size_t(c)]);

@@ -32,26 +32,43 @@ class Block {
         m_work(*of.work),
         m_set(island, *of.component, options, *of.K, *of.work) {}
 
-  /// `base`: velocities without impulses of joints; of all bodies of the island, as those that follow. Returns false where the rows
-  /// have no solution.
-  bool begin(Sweep sweep, const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities);
-  /// One pass over its rows. Sets the largest change, m/s or rad/s, if it is larger. Returns false where they have no solution.
-  bool sweep(const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities, double& largest);
-  /// Whether one pass solves them.
-  bool isDirect() const { return m_swept == nullptr; }
+  /// `velocities`: of all bodies of the island, without impulses of joints, and then with those that it begins with.
+  void begin(Sweep sweep, std::vector<Vector6d>& velocities);
+  /// One pass over its rows. Returns the largest change of those that are solved one by one, m/s or rad/s.
+  double sweep(std::vector<Vector6d>& velocities);
+  /// To the last digits: those that are solved at once.
+  void finish(std::vector<Vector6d>& velocities);
+  /// Whether rows are solved one by one.
+  bool isSwept() const { return m_swept != nullptr; }
+  /// Whether there is a factor where one is needed.
+  bool isSolvable() const { return m_solvable; }
   int factors() const { return m_set.factors(); }
-  void finish(const std::vector<Vector6d>& velocities);
+  /// Whether the last pass did.
+  bool changesSet() const { return m_changes; }
+  void beginDirection() { m_work.y_before_pass = m_work.y; }
+  void goOn(double part) {
+    std::vector<double>&y = m_work.y, &direction = m_work.y_direction;
+    direction.resize(y.size(), 0.);
+    for (size_t k = 0; k < y.size(); ++k) {
+      const double last = part * direction[k];
+      direction[k] = y[k] - m_work.y_before_pass[k] + last;
+      y[k] += last;
+    }
+  }
 
  private:
-  bool solve(const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities);
-  bool changeSet();
+  struct Pass {
+    double error;      ///< m or rad, before it
+    bool changes_set;  ///< of rows that act
+  };
+  Pass solve(std::vector<Vector6d>& velocities);
   double sweepRows(std::vector<Vector6d>& velocities);
-  void respond(const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities);
-  Vector6d* firstOf(std::vector<Vector6d>& v) const {
-    return v.data() + m_of.component->first_body;
+  void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
+    m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
   }
-  void measure(std::vector<Vector6d>& velocities) {
-    measureAtStart(m_island, *m_of.component, firstOf(velocities), m_work.u);
+  void measure(const std::vector<Vector6d>& velocities) {
+    measureAtStart(m_island, *m_of.component, velocities.data() + m_of.component->first_body,
+                   m_work.u);
   }
 
   const Island& m_island;
@@ -60,65 +77,66 @@ class Block {
   Workspace& m_work;
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
-  bool m_has_factor = false;
+  bool m_has_factor = false, m_solvable = true, m_changes = false;
 };
 
-// What the impulses lead to.
-void Block::respond(const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities) {
-  const int first = m_of.component->first_body;
-  std::copy_n(base.begin() + first, m_of.component->bodies, velocities.begin() + first);
-  m_of.K->addResponse(m_work.y.data(), firstOf(velocities));
-}
-
-bool Block::begin(Sweep sweep, const std::vector<Vector6d>& base,
-                  std::vector<Vector6d>& velocities) {
-  bool solvable = true;
-  if (sweep == Sweep::one_by_one) {
+void Block::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
+  measure(velocities);
+  m_set.choose();
+  if (sweep != Sweep::all_at_once) {
     std::fill(m_work.y.begin(), m_work.y.end(), 0.);
-    m_swept = &m_set.all();
+    m_swept = sweep == Sweep::one_by_one ? &m_set.all() : &m_set.bounded();
     m_set.release(*m_swept);
+  }
+  if (sweep == Sweep::one_by_one) {
     m_set.setRows();
-  } else {
-    measure(velocities);
-    m_set.choose();
-    solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+    return;
   }
-  respond(base, velocities);
-  return solvable;
+  m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+  respond(m_work.y, velocities);
 }
 
-// Sets may follow each other without an end: then rows with bounds are solved one by one, from nothing.
-bool Block::changeSet() {
-  if (m_set.factorise(m_options.max_set_factors)) return true;
-  m_swept = &m_set.bounded();
-  for (const ActiveSet::Place& of : *m_swept) m_work.y[of.at] = 0;
-  m_set.release(*m_swept);
-  return m_set.factorise(m_options.max_set_factors + 1);
+double Block::sweep(std::vector<Vector6d>& velocities) {
+  const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
+  m_changes = m_has_factor && solve(velocities).changes_set;
+  return change;
 }
 
-bool Block::sweep(const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities,
-                  double& largest) {
-  if (m_swept != nullptr) largest = std::fmax(largest, sweepRows(velocities));
-  return !m_has_factor || solve(base, velocities);
-}
-
-// All at once, and again as long as that gains digits.
-bool Block::solve(const std::vector<Vector6d>& base, std::vector<Vector6d>& velocities) {
-  for (double last = infinity;;) {
-    respond(base, velocities);
-    measure(velocities);
-    std::fill(m_work.x.begin(), m_work.x.end(), 0.);  // of bodies that are unknowns, too
-    const double error = m_set.findResidual();
-    if (error <= m_options.newton_tolerance || !(error < last / 2)) {
-      if (m_swept != nullptr || !m_set.chooseAgain()) return std::isfinite(error);
-      if (!changeSet()) return false;
-      last = infinity;
-      continue;
+// All rows at once, with one factor.
+Block::Pass Block::solve(std::vector<Vector6d>& velocities) {
+  std::vector<double>&x = m_work.x, &y = m_work.y;
+  measure(velocities);
+  bool changes = false;
+  if (m_swept == nullptr && !m_set.bounded().empty()) {
+    m_work.y_before_choice = y;
+    changes = m_set.chooseAgain();
+    if (changes) {
+      m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+      for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - m_work.y_before_choice[k];
+      respond(x, velocities);
+      measure(velocities);
     }
-    m_of.K->solve(m_work.x.data());
-    for (size_t k = 0; k < m_work.y.size(); ++k) m_work.y[k] += m_work.x[k];
-    last = error;
   }
+  std::fill(x.begin(), x.end(), 0.);  // of bodies that are unknowns, too
+  const double error = m_set.findResidual();
+  if (error <= m_options.newton_tolerance || !m_has_factor) return {error, changes};
+  m_of.K->solve(x.data());
+  respond(x, velocities);
+  for (size_t k = 0; k < y.size(); ++k) y[k] += x[k];
+  return {error, changes};
+}
+
+void Block::finish(std::vector<Vector6d>& velocities) {
+  for (double last = infinity; m_has_factor;) {
+    const Pass pass = solve(velocities);
+    if (!pass.changes_set && !(pass.error > m_options.newton_tolerance && pass.error < last / 2))
+      break;
+    last = pass.changes_set ? infinity : pass.error;
+  }
+  const auto first = velocities.begin() + m_of.component->first_body;
+  m_work.v.assign(first, first + m_of.component->bodies);
+  measure(velocities);
+  m_set.keepImpulses();
 }
 
 double Block::sweepRows(std::vector<Vector6d>& velocities) {
@@ -148,13 +166,6 @@ double Block::sweepRows(std::vector<Vector6d>& velocities) {
   return largest;
 }
 
-void Block::finish(const std::vector<Vector6d>& velocities) {
-  const int first = m_of.component->first_body;
-  m_work.v.assign(velocities.begin() + first, velocities.begin() + first + m_of.component->bodies);
-  measureAtStart(m_island, *m_of.component, m_work.v.data(), m_work.u);
-  m_set.keepImpulses();
-}
-
 // What impulses of contacts do.
 void findAnswers(const Island& island, const std::vector<JointBlock>& of,
                  std::vector<ContactRow>& contacts) {
@@ -177,8 +188,7 @@ void findAnswers(const Island& island, const std::vector<JointBlock>& of,
 }
 
 // One pass. Returns the largest change, m/s.
-double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& base,
-                     std::vector<Vector6d>& velocities) {
+double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& velocities) {
   double largest = 0;
   for (ContactRow& row : contacts) {
     if (!(row.K > 0)) continue;
@@ -187,11 +197,53 @@ double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& b
     if (change == 0) continue;
     row.impulse = next;
     row.push(change, velocities);
-    row.push(change, base);
     largest = std::fmax(largest, std::abs(row.K * change));
   }
   return largest;
 }
+
+// What a pass has changed leads on: nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe and Erleben 2010). Joints hold along
+// any sum of such changes.
+class Gradients {
+ public:
+  explicit Gradients(std::vector<Vector6d>& velocities) : m_velocities(velocities) {}
+
+  void begin(const std::vector<ContactRow>& contacts, std::vector<Block>& blocks) {
+    m_start = m_velocities;
+    m_impulses.clear();
+    for (const ContactRow& row : contacts) m_impulses.push_back(row.impulse);
+    for (Block& block : blocks) block.beginDirection();
+  }
+  /// Goes on by as much of the last direction as makes the new one conjugate to it, unless `again`.
+  void goOn(std::vector<ContactRow>& contacts, std::vector<Block>& blocks, bool again) {
+    double length2 = 0;
+    for (size_t r = 0; r < contacts.size(); ++r) {
+      const double change = contacts[r].impulse - m_impulses[r];
+      length2 += contacts[r].K * change * change;
+    }
+    const double part = again || !(length2 < m_length2) ? 0 : length2 / m_length2;
+    m_length2 = length2;
+    m_direction.resize(m_velocities.size(), Vector6d::Zero());
+    for (size_t i = 0; i < m_velocities.size(); ++i) {
+      const Vector6d last = part * m_direction[i];
+      m_direction[i] = m_velocities[i] - m_start[i] + last;
+      m_velocities[i] += last;
+    }
+    for (size_t r = 0; r < contacts.size(); ++r) {
+      ContactRow& row = contacts[r];
+      const double last = part * row.direction;
+      row.direction = row.impulse - m_impulses[r] + last;
+      row.impulse += last;
+    }
+    for (Block& block : blocks) block.goOn(part);
+  }
+
+ private:
+  std::vector<Vector6d>& m_velocities;
+  std::vector<Vector6d> m_start, m_direction;
+  std::vector<double> m_impulses;
+  double m_length2 = 0;
+};
 
 }  // namespace
 
@@ -204,34 +256,39 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
   for (const JointBlock& part : of) addStiffness(island, part, velocities);
   findAnswers(island, of, contacts);
   for (ContactRow& row : contacts)
-    if (sweep == Sweep::one_by_one)
-      row.impulse = 0;
-    else
+    if (sweep == Sweep::all_at_once)
       row.push(row.impulse, velocities);
-  std::vector<Vector6d> base = velocities;
+    else
+      row.impulse = 0;
   std::vector<Block> blocks;
   blocks.reserve(of.size());
-  bool solvable = true;
+  bool is_swept = !contacts.empty(), is_solvable = true;
   for (const JointBlock& part : of) {
     blocks.emplace_back(island, part, options);
-    solvable = blocks.back().begin(sweep, base, velocities) && solvable;
+    blocks.back().begin(sweep, velocities);
   }
-  while (solvable && !report.converged && report.steps < most) {
-    double largest = sweepContacts(contacts, base, velocities);
-    bool direct = contacts.empty();
+  Gradients gradients(velocities);
+  for (bool go_on = true; go_on;) {
+    gradients.begin(contacts, blocks);
+    double largest = sweepContacts(contacts, velocities);
+    bool changes_set = false;
     for (Block& block : blocks) {
-      solvable = block.sweep(base, velocities, largest) && solvable;
-      direct = direct && block.isDirect();
+      largest = std::fmax(largest, block.sweep(velocities));
+      changes_set = changes_set || block.changesSet();
+      is_swept = is_swept || block.isSwept();
+      is_solvable = is_solvable && block.isSolvable();
     }
     ++report.steps;
     report.error = largest * island.dt;
-    report.converged = direct || report.error <= options.contact_tolerance;
+    report.converged = report.error <= options.contact_tolerance;
+    go_on = is_swept && is_solvable && !report.converged && report.steps < most;
+    if (go_on) gradients.goOn(contacts, blocks, changes_set);
   }
   for (Block& block : blocks) {
-    report.factors += block.factors();
     block.finish(velocities);
+    report.factors += block.factors();
+    report.is_solvable = report.is_solvable && block.isSolvable();
   }
-  report.converged = report.converged && solvable;
   return report;
 }
 

@@ -3,7 +3,7 @@
 // and are solved by blocks: contacts one by one, the rows of a component of joints all at once, by the factor of their K.
 //
 // What rows ask for is that nothing moves along them. So each block takes as much kinetic energy as its impulses can: KE(v) never
-// is above KE(v*), converged or not. What such a step leaves open is closed by moving poses (pose_correction.h).
+// is above KE(v*), converged or not, if it begins without impulses. What such a step leaves open is closed by moving poses (pose_correction.h).
 #pragma once
 
 #include <pintle/solver/contacts.h>
@@ -20,9 +20,12 @@ struct JointBlock {
   Workspace* work;
 };
 
-/// all_at_once: the rows of a component, from the impulses of the last step. one_by_one: as contacts are, from none: this needs no
-/// factor, and takes kinetic energy whatever happens.
-enum class Sweep { all_at_once, one_by_one };
+/// How the rows of a component are solved.
+enum class Sweep {
+  all_at_once,  ///< from the impulses of the last step, with those that act: which may not be found
+  bounds_one_by_one,  ///< from none. Those with bounds as contacts are, the others at once
+  one_by_one          ///< from none, as contacts are: this needs no factor
+};
 
 /// Of all bodies of the island: `velocities`, m/s and rad/s. Of each component: v, u, lambda and pieces of its workspace.
 SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& blocks,

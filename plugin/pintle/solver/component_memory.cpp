@@ -56,6 +56,31 @@ int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
   return before == joint.rows ? before : std::min(std::min(before, joint.rows), joint.equalities);
 }
 
+// Where joints contradict each other, their impulses may be any, and would grow from step to step. Those that a step begins with are no
+// more than all momentum that there is.
+struct MostImpulse {
+  double linear = 0, angular = 0;  ///< N s and N m s
+
+  MostImpulse(const Island& island, const Component& component) {
+    btVector3 low = island.bodies[size_t(component.first_body)].start.getOrigin(), high = low;
+    double largest = 0;  // m: radius of gyration
+    for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
+      const IslandBody& body = island.bodies[size_t(i)];
+      const double radius = body.scale[1] / body.scale[0];
+      linear += body.mass * (body.v_free.head<3>().norm() + radius * body.v_free.tail<3>().norm());
+      largest = std::fmax(largest, radius);
+      low.setMin(body.start.getOrigin());
+      high.setMax(body.start.getOrigin());
+    }
+    angular = linear * (double((high - low).length()) + largest);
+  }
+  double of(const IslandRow& row, double impulse) const {
+    const bool is_linear = row.J.L_a != Vector3d::Zero() || row.J.L_b != Vector3d::Zero();
+    const double most = is_linear ? linear : angular;
+    return std::clamp(impulse, -most, most);
+  }
+};
+
 // Velocities lead where the last step's changes do.
 void ComponentMemory::begin(const Island& island, const Component& component) {
   const bool known = int(m_change.size()) == component.bodies;
@@ -64,6 +89,7 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     work.v[size_t(i)] = known ? Vector6d(body.v0 + m_change[size_t(i)]) : body.v_free;
   }
+  const MostImpulse most(island, component);
   std::vector<double>& lambda = work.lambda;
   lambda.clear();
   work.load.clear();
@@ -72,8 +98,9 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
     for (int i = 0; i < joint.rows; ++i) {
-      lambda.push_back(i < rows ? m_lambda[before + size_t(i)] : 0.);
-      work.load.push_back(i < rows ? m_load[before + size_t(i)] : 0.);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      lambda.push_back(i < rows ? most.of(row, m_lambda[before + size_t(i)]) : 0.);
+      work.load.push_back(i < rows ? most.of(row, m_load[before + size_t(i)]) : 0.);
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }

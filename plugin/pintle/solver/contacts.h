@@ -21,6 +21,7 @@ struct ContactRow {
   int normal;       ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
   double friction;  ///< of friction: its coefficient
   double impulse;   ///< N s
+  double direction = 0;  ///< N s: of conjugate gradients (block_gauss_seidel.cpp)
   btSolverConstraint* from;
 
   /// Its impulse at which it is satisfied, where it has the velocity u now.

@@ -120,8 +120,8 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
     }
   }
   m_factor.analyse(std::move(coupled));
-  m_rows.resize(2 * size_t(nodes));
-  m_softness.resize(size_t(block * nodes));
+  m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
+  m_softness.assign(size_t(block * nodes), 1.);
   m_places.clear();
   forEachBlock([&](int i, int, int k, int) { m_places.push_back(m_factor.place(i, k)); },
                [&](int b, int i, int) {
@@ -130,11 +130,6 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
                    m_places.push_back(m_factor.place(std::max(i, node), std::min(i, node)));
                  }
                });
-}
-
-void JointMatrix::begin() {
-  std::fill(m_rows.begin(), m_rows.end(), Rows());
-  std::fill(m_softness.begin(), m_softness.end(), 1.);
 }
 
 void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, double softness,

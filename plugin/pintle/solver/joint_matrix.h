@@ -39,12 +39,10 @@ class JointMatrix {
   /// The number of rows of each joint, which may change from step to step. Must be called after analyse.
   void setSizes(const std::vector<int>& rows);
 
-  /// A^-1 of each body, for who sets them before `begin`.
+  /// A^-1 of each body, for who sets them before the rows.
   std::vector<InverseInertia>& bodies() { return m_bodies; }
-  /// Begins a matrix of these bodies, without rows.
-  void begin();
-  /// Row `i` of joint c, divided by root_K, with a softness of 1 / K. One that does not act has the impulse that is asked for, which
-  /// answers (addResponse), but is no unknown. Nor is one that is not set, which does not answer.
+  /// Row `i` of joint c, divided by root_K, with a softness of 1 / K. All rows must be set before each factor. One that does not act
+  /// has the impulse that is asked for, which answers (addResponse), but is no unknown.
   void setRow(int c, int i, const RowJacobian& J, double root_K, double softness, bool acts = true);
   bool factorise(double least_pivot);
 

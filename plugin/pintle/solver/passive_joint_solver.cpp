@@ -121,52 +121,42 @@ void PassiveJointSolver::State::solveInVelocity(const std::vector<const Componen
   }
   for (const IslandBody& body : island.bodies)
     if (!rows.empty()) largest += gainOf(body, Vector6d::Zero(), body.v_free);
-  // From the impulses of the last step, or from those that the workspace has.
-  const auto recall = [&] {
+  SolveReport done;
+  const auto solve = [&](Sweep sweep) {
+    const int most = rows.empty() ? options.max_sweeps : sweeps;
+    done = pintle::solveInVelocity(island, blocks, rows, options, sweep, most, velocities);
+    count(done, int(those.size()));
+  };
+  // Again, where bodies swing fast, and under another load than was foreseen.
+  const auto attempt = [&](Sweep sweep) {
     for (const Component* of : those) {
       ComponentMemory& kept = memoryOf(*of);
       kept.begin(island, *of);
       findSoftness(island, *of, options, kept.in_loop, kept.work);
       findStiffness(island, *of, options.stable_swing, kept.work);
     }
-  };
-  const auto solve = [&](Sweep sweep) {
-    const int most = rows.empty() ? options.max_sweeps : sweeps;
-    const SolveReport done =
-        pintle::solveInVelocity(island, blocks, rows, options, sweep, most, velocities);
-    count(done, int(those.size()));
-    return done.converged;
-  };
-  // Again, where bodies swing fast, and under another load than was foreseen.
-  const auto attempt = [&] {
-    recall();
-    bool converged = solve(Sweep::all_at_once);
+    solve(sweep);
     bool again = false;
     for (const Component* of : those) again = foreseeLoad(*of) || again;
-    if (again) converged = solve(Sweep::all_at_once);
-    return converged;
+    if (again) solve(sweep);
+    return done.is_solvable && gainInVelocity(those, rows) <= options.ledger_share * largest;
   };
-  const auto gains = [&] {
-    return !(gainInVelocity(those, rows) <= options.ledger_share * largest);
-  };
-  bool converged = attempt();
-  bool has_factor = true;
-  if (gains()) {
-    // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
+  // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
+  const auto attemptWithoutRebounds = [&](Sweep sweep) {
     bool any = false;
     for (const Component* of : those) any = stopRebounds(*of) || any;
-    if (any) converged = attempt();
-    if (!any || gains()) {
-      ++report.one_by_one;
-      recall();
-      converged = solve(Sweep::one_by_one);
-      has_factor = false;
-    }
+    return any && attempt(sweep);
+  };
+  const bool is_passive = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
+                          attemptWithoutRebounds(Sweep::bounds_one_by_one);
+  if (!is_passive) {
+    ++report.one_by_one;
+    attempt(Sweep::one_by_one);
   }
-  if (!converged) report.not_converged += int(those.size());
+  if (!done.converged) report.not_converged += int(those.size());
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
-    kept.has_factor = has_factor;
+    kept.has_factor = is_passive;
     kept.holds_end = false;
     kept.work_done = rows.empty() ? workOfJoints(island, *of, kept.work)
                                   : workAmongContacts(island, *of, kept.work);

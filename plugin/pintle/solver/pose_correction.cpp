@@ -87,10 +87,9 @@ bool PoseCorrection::factorise(bool at_end) {
     bodies.emplace_back(m_island.bodies[size_t(i)],
                         m_work.stiffness[size_t(i - m_component.first_body)]);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_work.J);
-  m_K.begin();
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    if (m_closes[r])
-      m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness);
+    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness,
+               m_closes[r]);
   });
   m_work.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
