@@ -33,11 +33,12 @@ Contender with(const char* name, const char* what, const char* colour, MakeJoint
 
 const std::vector<Contender>& contenders() {
   static const std::vector<Contender> list = {
+    // Colours are Okabe and Ito's, which the colour-blind tell apart, and a grey for stock.
     // A Bullet solver of one's own: with("name", "what", "#rrggbb", make_conditioned_joint, make<Solver>),
-    with("stock", "Bullet's joints", "#808080", make_stock_joint),
+    with("stock", "Bullet's joints", "#7d8590", make_stock_joint),
     with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
     with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
-    with("exact", "Pintle's on ExactJointSolver", "#d62728", make_conditioned_joint,
+    with("exact", "Pintle's on ExactJointSolver", "#d55e00", make_conditioned_joint,
          make<pintle::ExactJointSolver>, Iterates::with_bounds),
     with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
          make<DantzigSolver>, Iterates::never),
@@ -47,7 +48,7 @@ const std::vector<Contender>& contenders() {
     {"ode", "ODE's iterative solver", "#56b4e9", Iterates::always, make_ode},
 #endif
 #if defined(PINTLE_MUJOCO) && defined(BT_USE_DOUBLE_PRECISION)
-    {"mujoco", "MuJoCo", "#d55e00", Iterates::always, make_mujoco},
+    {"mujoco", "MuJoCo", "#000000", Iterates::always, make_mujoco},
 #endif
   };
   return list;

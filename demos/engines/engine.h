@@ -43,7 +43,7 @@ enum class Iterates {
 struct Contender {
   std::string name;
   std::string what;    // in words
-  std::string colour;  // the same in every plot
+  std::string colour;  // "#rrggbb": the same in every plot, and on the page
   Iterates iterates;
   // Null: it cannot express the scene.
   std::function<std::unique_ptr<Engine>(const scenes::Scene&, int iterations)> make;

@@ -113,6 +113,7 @@ void record(const Scene& scene, const Kind& kind, Runs& runs) {
   options.text = scene.text.empty() ? scene.title : scene.text;
   options.group = name(scene.group);
   options.detail = kind.detail;
+  options.colour = contender.colour;
   options.frames_per_second = frame_rate(scene);
   options.measure_forces = true;
   runs.push_back(std::make_unique<Recorded>(std::move(engine), options));

@@ -59,6 +59,17 @@ test('the gallery lists every scene', async () => {
   assert.deepEqual(errors, []);
 });
 
+test('a contender has one colour, everywhere', () => {
+  const colours = new Map();
+  for (const run of runs) {
+    assert.match(run.colour, /^#[0-9a-f]{6}$/, run.name);
+    const contender = run.name.split(',')[0];
+    assert.equal(colours.get(contender) ?? run.colour, run.colour, `${run.scene}, ${run.name}`);
+    colours.set(contender, run.colour);
+  }
+  assert.equal(new Set(colours.values()).size, colours.size);
+});
+
 test('every scene opens, and its bodies stand as they were recorded', async () => {
   for (const scene of scenes) {
     await page.evaluate((name) => (location.hash = `#scene=${encodeURIComponent(name)}&time=0`), scene);

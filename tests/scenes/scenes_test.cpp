@@ -4,6 +4,9 @@
 #include <reference/integrator.h>
 #include <scenes/catalog.h>
 
+#include <set>
+#include <string>
+
 namespace {
 
 using scenes::Scene;
@@ -82,6 +85,14 @@ TEST_P(Scenes, OnTheExactSolverJointsHoldNoWorseThanStocks) {
        {measures::Error::gap, measures::Error::axis, measures::Error::overshoot}) {
     EXPECT_LE(exact[error], stock[error] + rounding) << name(error);
   }
+}
+
+/// Each has its own of Okabe and Ito's colours, which the colour-blind tell apart; stock is grey.
+TEST(Contenders, HaveColoursOfTheirOwn) {
+  std::set<std::string> left = {"#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2",
+                                "#d55e00", "#cc79a7", "#000000", "#7d8590"};
+  for (const engines::Contender& contender : engines::contenders())
+    EXPECT_EQ(left.erase(contender.colour), 1u) << contender.name << ": " << contender.colour;
 }
 
 /// Sixteen times shorter steps leave an eighth of the error at most: closed forms are what Bullet's steps tend to.

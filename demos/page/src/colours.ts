@@ -1,20 +1,12 @@
-// One colour a contender, everywhere: those of Okabe and Ito, which the colour-blind tell apart.
+// Who recorded a run says its colour (of the gallery, demos/engines/contenders.cpp). Other runs take these by their place
+// in the scene: colours of Okabe and Ito, which the colour-blind tell apart.
 
 import type {Run} from './data';
 
-const known: Record<string, string> = {
-  stock: '#7d8590',
-  pintle: '#0072b2',
-  exact: '#d55e00',
-  multibody: '#009e73',
-};
 const others = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#7d8590', '#882255'];
 
-/** Of a run: its own, that of its contender, or the next of the list. */
 export function colourOf(run: Run, index: number): string {
-  if (run.colour !== '') return run.colour;
-  const contender = run.name.split(/[ ,]/)[0]!.toLowerCase();
-  return known[contender] ?? others[index % others.length]!;
+  return run.colour !== '' ? run.colour : others[index % others.length]!;
 }
 
 /** A contender with settings of its own has its colour, dashed or as a ring. */
