@@ -9,6 +9,8 @@
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleMesh.h>
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
@@ -17,6 +19,7 @@
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/universal_joint.h>
 #include <pintle/record.h>
 
 #include "json.h"
@@ -145,6 +148,83 @@ TEST(RecorderOf, TypesOfJoints) {
               w.add_joint<pintle::ConeTwistJoint>(a, b, in_a, in_b);
             }),
             "ConeTwistJoint");
+}
+
+// The angles are Bullet's own, whatever the order of the turns.
+TEST(RecorderOf, LimitsOfThreeAngles) {
+  const btTransform pose_b(btQuaternion(vec(0.36, -0.48, 0.8), scalar(1.1)), vec(1, 0, 0));
+  const double range = 0.05;
+  for (int order = 0; order < 6; ++order) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double angle = 0;
+      const json::Value run = describe(
+          [&](scenes::World& world, btRigidBody& a, btRigidBody& b) {
+            auto& joint = world.add_joint<btGeneric6DofSpring2Constraint>(a, b, in_a, in_b,
+                                                                          RotateOrder(order));
+            for (int i = 0; i < 3; ++i) joint.setLimit(3 + i, scalar(1), scalar(-1));
+            joint.setLimit(3 + axis, scalar(-range), scalar(range));
+            joint.calculateTransforms();
+            angle = double(joint.getAngle(axis));
+          },
+          pose_b);
+      const json::Value& joint = run["joints"][0];
+      ASSERT_EQ(joint["limits"].size(), 1) << order << ' ' << axis;
+      EXPECT_EQ(joint["limits"][0]["kind"].text, "turn");
+      EXPECT_EQ(joint["limits"][0]["axis"].number, axis);
+      EXPECT_EQ(joint["order"].size(), 3);
+      ASSERT_GT(std::abs(angle), range);
+      EXPECT_NEAR(values(run, "overshoot")[0], std::abs(angle) - range, 1e-5) << order << axis;
+    }
+  }
+}
+
+TEST(RecorderOf, LimitsOfUniversalJoints) {
+  const auto pose_b =
+      btTransform(btQuaternion(vec(0, 0, 1), scalar(0.7)) * btQuaternion(vec(0, 1, 0), scalar(0.4)),
+                  vec(1, 0, 0));
+  const auto check = [&](auto* type) {
+    using Universal = std::remove_pointer_t<decltype(type)>;
+    for (const int axis : {4, 5}) {
+      double angle = 0;
+      const json::Value run = describe(
+          [&](scenes::World& world, btRigidBody& a, btRigidBody& b) {
+            // Made where the frames coincide, and turned after it.
+            b.setCenterOfMassTransform(scenes::pose_at(vec(1, 0, 0)));
+            auto& joint =
+                world.add_joint<Universal>(a, b, vec(0.5, 0, 0), vec(0, 0, 1), vec(0, 1, 0));
+            b.setCenterOfMassTransform(pose_b);
+            joint.setLimit(axis, scalar(-0.1), scalar(0.1));
+            joint.calculateTransforms(a.getCenterOfMassTransform(), b.getCenterOfMassTransform());
+            angle = double(joint.getAngle(axis - 3));
+          },
+          pose_b);
+      const json::Value& limits =
+          run["joints"][0]["limits"];  // beside it, the other angle's default
+      ASSERT_GE(limits.size(), 1);
+      EXPECT_EQ(limits[axis == 4 ? 0 : limits.size() - 1]["axis"].number, axis - 3);
+      ASSERT_GT(std::abs(angle), 0.1);
+      EXPECT_NEAR(values(run, "overshoot")[0], std::abs(angle) - 0.1, 1e-5) << axis;
+    }
+  };
+  check(static_cast<btUniversalConstraint*>(nullptr));
+  check(static_cast<pintle::UniversalJoint*>(nullptr));
+}
+
+TEST(RecorderOf, LimitsOfASlidersAngle) {
+  const auto pose_b = btTransform(btQuaternion(vec(1, 0, 0), scalar(0.7)), vec(1, 0, 0));
+  const auto overshoot = [&](bool reference_a) {
+    return values(describe(
+                      [&](scenes::World& world, btRigidBody& a, btRigidBody& b) {
+                        auto& joint =
+                            world.add_joint<btSliderConstraint>(a, b, in_a, in_b, reference_a);
+                        joint.setLowerAngLimit(scalar(-0.2));
+                        joint.setUpperAngLimit(scalar(0.5));
+                      },
+                      pose_b),
+                  "overshoot")[0];
+  };
+  EXPECT_NEAR(overshoot(true), 0.2, 1e-6);
+  EXPECT_NEAR(overshoot(false), 0.5, 1e-6);
 }
 
 TEST(RecorderOf, GapOfAJoint) {

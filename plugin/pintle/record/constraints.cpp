@@ -15,6 +15,8 @@
 #include <BulletDynamics/ConstraintSolver/btUniversalConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLink.h>
 
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace record {
@@ -33,6 +35,12 @@ void addRange(Limit::Kind kind, btScalar low, btScalar high, bool reversed, Desc
   if (low > high) return;
   if (reversed) to.limits.push_back({kind, -high, -low});
   if (!reversed) to.limits.push_back({kind, low, high});
+}
+
+// What allows all angles that there are (rad) is no limit.
+void addTurn(int axis, btScalar low, btScalar high, btScalar all, Description& to) {
+  const btScalar nearly = all - btScalar(0.1);
+  if (low < high && high - low < nearly) to.limits.push_back({Limit::Kind::turn, low, high, axis});
 }
 
 // Pintle's and Bullet's, which have the same methods.
@@ -63,6 +71,11 @@ void describeSlider(Slider& slider, Description& to) {
   if (!to.holds[0])
     addRange(Limit::Kind::slide, slider.getLowerLinLimit(), slider.getUpperLinLimit(),
              !slider.getUseLinearReferenceFrameA(), to);
+  // Right-handed about x.
+  if (slider.getUseLinearReferenceFrameA())
+    addTurn(0, -slider.getUpperAngLimit(), -slider.getLowerAngLimit(), SIMD_2_PI, to);
+  else
+    addTurn(0, slider.getLowerAngLimit(), slider.getUpperAngLimit(), SIMD_2_PI, to);
 }
 
 template <class SixDof>
@@ -79,10 +92,24 @@ void describeSixDof(SixDof& joint, Description& to) {
     if (low[i] < high[i]) to.limits.push_back({Limit::Kind::slide, low[i], high[i], i});
     if (low_angle[i] == high_angle[i]) ++held;
     if (low_angle[i] != high_angle[i]) free_axis = i;
+    // The second of the three is within a right angle.
+    addTurn(i, low_angle[i], high_angle[i], i == to.order[1] ? SIMD_PI : SIMD_2_PI, to);
   }
   if (held == 3) to.align = Align::all;
   if (held == 2 && free_axis == 0) to.align = Align::x;
   if (held == 2 && free_axis == 2) to.align = Align::z;
+}
+
+// Pintle's and Bullet's: the second angle is within a right angle, or a whole turn.
+template <class Universal>
+void describeUniversal(Universal& joint, btScalar second, Description& to) {
+  setFrames(joint, to);
+  to.align = Align::across;
+  btVector3 low, high;
+  joint.getAngularLowerLimit(low);
+  joint.getAngularUpperLimit(high);
+  addTurn(1, low[1], high[1], second, to);
+  addTurn(2, low[2], high[2], SIMD_2_PI, to);
 }
 
 bool describePintle(Joint& joint, Description& to) {
@@ -92,6 +119,9 @@ bool describePintle(Joint& joint, Description& to) {
     describeSlider(*slider, to);
   } else if (auto* cone = dynamic_cast<ConeTwistJoint*>(&joint)) {
     describeConeTwist(*cone, to);
+  } else if (auto* universal = dynamic_cast<UniversalJoint*>(&joint)) {
+    describeUniversal(*universal, SIMD_2_PI, to);
+    if (universal->getAngularOnly()) holdNothing(to);
   } else if (auto* ball = dynamic_cast<BallJoint*>(&joint)) {
     to.in_a.setOrigin(ball->getPivotInA());
     to.in_b.setOrigin(ball->getPivotInB());
@@ -103,7 +133,6 @@ bool describePintle(Joint& joint, Description& to) {
   }
 
   if (dynamic_cast<FixedJoint*>(&joint) != nullptr) to.align = Align::all;
-  if (dynamic_cast<UniversalJoint*>(&joint) != nullptr) to.align = Align::across;
   if (auto* distance = dynamic_cast<DistanceJoint*>(&joint)) {
     holdNothing(to);
     to.limits.push_back(
@@ -121,6 +150,12 @@ bool describePintle(Joint& joint, Description& to) {
       to.limits.push_back({Limit::Kind::bend, 0, shafts->getBendLimit()});
   }
   return true;
+}
+
+void setOrder(RotateOrder order, Description& to) {
+  static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                   {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  std::copy_n(orders[int(order)], 3, to.order);
 }
 
 void describeStock(btTypedConstraint& constraint, Description& to) {
@@ -149,9 +184,7 @@ void describeStock(btTypedConstraint& constraint, Description& to) {
         to.type = "btGeneric6DofSpringConstraint";
       if (dynamic_cast<btUniversalConstraint*>(&six) != nullptr) {
         to.type = "btUniversalConstraint";
-        setFrames(six, to);
-        to.align = Align::across;
-        return;
+        return describeUniversal(six, SIMD_PI, to);
       }
       return describeSixDof(six, to);
     }
@@ -161,6 +194,7 @@ void describeStock(btTypedConstraint& constraint, Description& to) {
       to.type = "btGeneric6DofSpring2Constraint";
       if (dynamic_cast<btFixedConstraint*>(&six) != nullptr) to.type = "btFixedConstraint";
       if (dynamic_cast<btHinge2Constraint*>(&six) != nullptr) to.type = "btHinge2Constraint";
+      setOrder(six.getRotationOrder(), to);
       return describeSixDof(six, to);
     }
     case GEAR_CONSTRAINT_TYPE: to.type = "btGearConstraint"; break;
@@ -176,7 +210,7 @@ const char* name(Align align) {
 }
 const char* name(Limit::Kind kind) {
   static const char* const names[] = {"angle", "twist", "slide", "distance",
-                                      "cone",  "wedge", "bend"};
+                                      "cone",  "wedge", "bend",  "turn"};
   return names[int(kind)];
 }
 
@@ -231,6 +265,12 @@ std::string Description::json(int a, int b) const {
   for (const bool axis : holds) held.item(axis ? 1. : 0.);
   joint.raw("holds", held.str()).text("align", name(align));
   if (one_sided) joint.number("oneSided", 1);
+  const auto is_turn = [](const Limit& limit) { return limit.kind == Limit::Kind::turn; };
+  if (std::any_of(limits.begin(), limits.end(), is_turn)) {
+    Json axes('[');
+    for (const int axis : order) axes.item(axis);
+    joint.raw("order", axes.str());
+  }
   Json ranges('[');
   for (const Limit& limit : limits) {
     Json range('{');

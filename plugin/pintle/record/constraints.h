@@ -33,7 +33,8 @@ struct Limit {
     distance,  ///< between the anchors, m
     cone,      ///< x of a about x of b: half angles about y (low) and z (high), rad
     wedge,     ///< x of b about z of a, rad
-    bend       ///< between the x axes, rad
+    bend,      ///< between the x axes, rad
+    turn       ///< Bullet's angle about x, y or z (axis) of Description::order, rad
   };
   Kind kind;
   btScalar low, high;
@@ -47,6 +48,9 @@ struct Description {
   bool holds[3] = {true, true, true};  ///< the anchor of b, along these axes of a
   bool one_sided = false;              ///< a contact: only z below 0 is a gap
   Align align = Align::nothing;
+  /// Of turns: a takes the orientation of b by its angles about these axes of its own, left-handed, the last
+  /// of the list first.
+  int order[3] = {0, 1, 2};
   std::vector<Limit> limits;
 
   std::string json(int a, int b) const;

@@ -49,6 +49,18 @@ double angleOff(Align align, const btMatrix3x3& a, const btMatrix3x3& b) {
   return 0;
 }
 
+// Of b against a, by their relative orientation; `crossed`: they have none about the last axis.
+double turnAbout(int axis, const int order[3], bool crossed, const btMatrix3x3& r) {
+  const int first = order[2], second = order[1], last = order[0];
+  const double sign = (last + 1) % 3 == second ? 1 : -1;
+  const auto at = [&](int row, int column) { return double(r[row][column]); };
+  if (crossed && axis == first) return std::atan2(sign * at(last, second), at(second, second));
+  if (crossed && axis == second) return std::atan2(sign * at(first, last), at(first, first));
+  if (axis == first) return std::atan2(-sign * at(second, last), at(last, last));
+  if (axis == last) return std::atan2(-sign * at(first, second), at(first, first));
+  return std::atan2(sign * at(first, last), std::hypot(at(last, last), at(second, last)));
+}
+
 }  // namespace
 
 double ErrorMeter::follow(std::size_t limit, double angle) {
@@ -106,6 +118,11 @@ Errors ErrorMeter::operator()(const btTransform& body_a, const btTransform& body
         beyond = outside(twist, limit);
         break;
       }
+      case Limit::Kind::turn:
+        beyond = outside(follow(i, turnAbout(limit.axis, m_description.order,
+                                             m_description.align == Align::across, turn)),
+                         limit);
+        break;
     }
     // What a distance passes is a gap, too.
     if (limit.kind == Limit::Kind::distance) errors.gap = std::max(errors.gap, beyond);
