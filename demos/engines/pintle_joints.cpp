@@ -65,6 +65,13 @@ BulletJoint cone_twist(const Joint& joint, btRigidBody& a, btRigidBody& b, const
   return {std::move(shoulder)};
 }
 
+BulletJoint shafts(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
+                   const btTransform& in_b) {
+  auto shafts = std::make_unique<pintle::ConstantVelocityJoint>(a, b, in_a, in_b);
+  if (joint.range.limited()) shafts->setBendLimit(btScalar(joint.range.high));
+  return {std::move(shafts)};
+}
+
 BulletJoint wedge(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,
                   const btTransform& in_b) {
   auto wedge = std::make_unique<pintle::WedgeJoint>(a, b, in_a, in_b);
@@ -102,8 +109,7 @@ BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
     case Kind::fixed: return {std::make_unique<pintle::FixedJoint>(a, b, in_a, in_b)};
     case Kind::cone_twist: return cone_twist(joint, a, b, in_a, in_b);
     case Kind::universal: return universal(joint, a, b, in_a, in_b);
-    case Kind::constant_velocity:
-      return {std::make_unique<pintle::ConstantVelocityJoint>(a, b, in_a, in_b)};
+    case Kind::constant_velocity: return shafts(joint, a, b, in_a, in_b);
     case Kind::wedge: return wedge(joint, a, b, in_a, in_b);
     case Kind::angle: return angle(joint, a, b, in_a, in_b);
     case Kind::distance: return distance(joint, a, b, in_a, in_b);

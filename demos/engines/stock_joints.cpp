@@ -69,8 +69,13 @@ BulletJoint universal(const Joint& joint, btRigidBody& a, btRigidBody& b, const 
                     frame_b = b.getCenterOfMassTransform() * in_b;
   auto universal = std::make_unique<btUniversalConstraint>(
       a, b, frame_a.getOrigin(), frame_a.getBasis().getColumn(2), frame_b.getBasis().getColumn(1));
-  if (joint.range.limited())
+  if (joint.range.limited() && joint.kind == Kind::constant_velocity) {
+    // Each angle alone: a bend about both goes further.
+    for (const int axis : {4, 5})
+      universal->setLimit(axis, btScalar(-joint.range.high), btScalar(joint.range.high));
+  } else if (joint.range.limited()) {
     universal->setLimit(4, btScalar(joint.range.low), btScalar(joint.range.high));
+  }
   return {std::move(universal)};
 }
 

@@ -53,6 +53,8 @@ double Overshoot::operator()(const State& a, const State& b) {
   if (!range.limited()) return -HUGE_VAL;
   if (joint_.kind == Kind::distance) return beyond(relative.translation().norm());
   if (joint_.kind == Kind::slider) return beyond(relative.translation().x());
+  if (joint_.kind == Kind::constant_velocity)
+    return angle_between(Vector3d::UnitX(), R.col(0)) - range.high;
   if (joint_.kind == Kind::wedge) return scenes::Wedge{range.low, range.high}.outside(R.col(0));
   return -HUGE_VAL;
 }

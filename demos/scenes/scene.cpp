@@ -17,7 +17,7 @@ const char* unit(Error error) {
 }
 
 const char* name(Group group) {
-  static const char* const names[] = {"Machines you know", "What was wrong",
+  static const char* const names[] = {"Machines you know", "What was wrong", "Limits, as they are drawn",
                                       "Measured in the report"};
   return names[int(group)];
 }

@@ -53,8 +53,8 @@ enum class Kind {
   contact             // origin of b not below the plane z = 0 of a
 };
 
-// Of a joint's free coordinate: an angle of b against a (rad; of a universal joint about y of b), the slider's
-// position or a distance (m).
+// Of a joint's free coordinate: an angle of b against a (rad; of a universal joint about y of b), the bend of a
+// constant velocity joint (from 0), the slider's position or a distance (m).
 struct Range {
   double low = 1, high = -1;  // low > high: free
   bool limited() const { return low <= high; }
@@ -104,7 +104,7 @@ const char* name(Error error);
 const char* unit(Error error);
 
 // Where the page shows a scene.
-enum class Group { known, wrong, measured };
+enum class Group { known, wrong, limits, measured };
 const char* name(Group group);
 
 // A bug of stock's joints that Pintle's do not have: of a run in steps of 1/60 s and 10 iterations.

@@ -153,6 +153,22 @@ TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
 }
 
 /// The report compares with stock joints: where there are none, it cannot.
+/// What is to show a limit comes to it, and stays there.
+TEST(ScenesOfLimits, ComeToTheirLimits) {
+  int shown = 0;
+  for (const Scene& scene : scenes::catalog()) {
+    if (scene.group != scenes::Group::limits) continue;
+    ++shown;
+    for (const char* who : {"pintle", "exact"}) {
+      const auto engine = engines::find_contender(who)->make(scene, 10);
+      const double overshoot = measures::run(scene, *engine, 1. / 60)[measures::Error::overshoot];
+      EXPECT_GT(overshoot, -1e-3) << scene.name << ' ' << who;
+      EXPECT_LT(overshoot, 0.02) << scene.name << ' ' << who;
+    }
+  }
+  EXPECT_EQ(shown, 4);
+}
+
 TEST_P(Scenes, AreBuiltOfStockJointsIfInTheReport) {
   const auto stock = engines::find_contender("stock")->make(GetParam(), 10);
   EXPECT_TRUE(stock || !GetParam().in_report);
