@@ -34,6 +34,11 @@ const newPage = async (options = {}) => {
   made.on('request', (request) => request.url().startsWith('http') && errors.push(`asked for ${request.url()}`));
   return made;
 };
+const seek = (time) => page.evaluate((to) => {
+  const scrubber = document.getElementById('scrubber');
+  scrubber.value = String(to);
+  scrubber.dispatchEvent(new Event('input'));
+}, time).then(drawn);
 const drawn = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 before(async () => {
@@ -77,16 +82,13 @@ test('every scene opens, and its bodies stand as they were recorded', async () =
     const first = runs.find((run) => run.scene === scene);
     const times = floats(first.times), poses = floats(first.poses);
     const frame = Math.floor(0.6 * times.length);
-    await page.evaluate((time) => {
-      const scrubber = document.getElementById('scrubber');
-      scrubber.value = String(time);
-      scrubber.dispatchEvent(new Event('input'));
-    }, times[frame]);
-    await drawn();
+    await seek(times[frame]);
     const now = await state();
     assert.ok(Math.abs(now.time - times[frame]) < 1e-3, scene);
     const pane = now.panes[0];
     assert.equal(pane.run, first.name);
+    assert.equal(pane.colour, first.colour);
+    if (scene.startsWith('cone_rim')) assert.ok(now.options.limits);
     first.bodies.forEach((body, index) => {
       if (body.track === undefined) return;
       const pose = poses.slice(7 * (body.track * times.length + frame));
@@ -103,6 +105,33 @@ test('every scene opens, and its bodies stand as they were recorded', async () =
     await page.screenshot({path: `${pictures}/${scene}.png`});
     assert.deepEqual(errors, [], scene);
   }
+});
+
+test('limits stand where they were recorded, and show how far a joint is beyond', async () => {
+  const kinds = new Set();
+  const areAngles = (joint) => joint.limits.every(({kind, low, high}) => kind !== 'slide' && kind !== 'distance' && high - low < 6);
+  for (const name of ['wedge_sides', 'cone_rim', 'bend_rim', 'hinge_turns', 'ragdoll', 'flat_cone', 'wedge_wide', 'door']) {
+    const both = ['stock', 'pintle'].map((who) => runs.find((run) => run.scene === name && run.name === who));
+    await page.evaluate((scene) => (location.hash = `#scene=${scene}&time=0.7&pane=stock&pane=pintle`), name);
+    await page.waitForFunction((scene) => window.pintle.state().scene === scene, name);
+    for (const part of [0.1, 0.3, 0.5, 0.7]) {
+      const times = floats(both[0].times), frame = Math.floor(part * times.length);
+      await seek(times[frame]);
+      const now = await state();
+      both.forEach((run, i) => {
+        const {limits} = now.panes[i];
+        assert.ok(limits.length > 0, `${name}, ${run.name}`);
+        limits.forEach(({kind}) => kinds.add(kind));
+        const overshoot = run.series.find(({key}) => key === 'overshoot');
+        if (!run.joints.every(areAngles)) return;
+        const recorded = overshoot === undefined ? 0 : floats(overshoot.values)[frame];
+        const drawnNow = Math.max(...limits.map(({beyond}) => beyond));
+        assert.ok(Math.abs(drawnNow - recorded) < 2e-3, `${name}, ${run.name}, ${times[frame]} s: ${drawnNow}, recorded ${recorded}`);
+      });
+    }
+  }
+  for (const kind of ['angle', 'wedge', 'cone', 'twist', 'bend', 'turn']) assert.ok(kinds.has(kind), kind);
+  assert.deepEqual(errors, []);
 });
 
 test('the plots have the clock as a cursor, and a click goes there', async () => {

@@ -21,7 +21,7 @@ export interface Body {
 }
 
 export interface Limit {
-  kind: 'angle' | 'twist' | 'slide' | 'distance' | 'cone' | 'wedge' | 'bend';
+  kind: 'angle' | 'twist' | 'slide' | 'distance' | 'cone' | 'wedge' | 'bend' | 'turn';
   axis: number;
   low: number;
   high: number;
@@ -35,6 +35,7 @@ export interface Joint {
   inB: number[] | null;
   align: string;
   holds: number[];
+  order?: number[];  // of turns
   limits: Limit[];
   alive: [number, number][];
 }

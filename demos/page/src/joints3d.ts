@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 
 import type {Joint, Limit, OpenRun} from './data';
+import {limitGeometry, reading, stand} from './limits3d';
 import {Many} from './many';
 import {radiusOf} from './shapes';
 
@@ -12,6 +13,7 @@ export interface JointOptions {
   magnified: boolean;  // gaps, ten times
 }
 
+const fewLimits = 6;  // of a scene
 const gapColour = '#e5173f', anchorColour = '#f2c200', axisColour = '#2b2b2b', limitColour = '#8a4fd0';
 
 // Seen through bodies.
@@ -21,66 +23,12 @@ function overlay(colour: string, opacity = 1): THREE.MeshBasicMaterial {
   });
 }
 
-function copies(geometry: THREE.BufferGeometry, material: THREE.MeshBasicMaterial, count: number, order: number): Many {
-  const many = new Many(geometry, Math.max(1, count), material, false);
+function copies(geometry: THREE.BufferGeometry, material: THREE.MeshBasicMaterial, count: number, order: number,
+                plain: boolean): Many {
+  const many = new Many(geometry, Math.max(1, count), material, false, plain);
   many.mesh.renderOrder = order;
   geometry.dispose();
   return many;
-}
-
-// A fan of directions about a centre, of unit length.
-function fan(directions: THREE.Vector3[], closed: boolean): THREE.BufferGeometry {
-  const points: number[] = [];
-  const last = closed ? directions.length : directions.length - 1;
-  for (let i = 0; i < last; ++i) {
-    const from = directions[i]!, to = directions[(i + 1) % directions.length]!;
-    points.push(0, 0, 0, from.x, from.y, from.z, to.x, to.y, to.z);
-  }
-  const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute('position', new THREE.Float32BufferAttribute(points, 3));
-  return geometry;
-}
-
-function arc(low: number, high: number): THREE.BufferGeometry {
-  const directions: THREE.Vector3[] = [];
-  const steps = Math.max(2, Math.ceil(Math.abs(high - low) / 0.12));
-  // What spans more than a turn is a spiral, so that its turns are told apart.
-  const turns = (high - low) / (2 * Math.PI);
-  for (let i = 0; i <= steps; ++i) {
-    const part = i / steps, angle = low + part * (high - low);
-    const radius = turns > 1 ? 0.55 + 0.45 * part : 1;
-    directions.push(new THREE.Vector3(radius * Math.cos(angle), radius * Math.sin(angle), 0));
-  }
-  return fan(directions, false);
-}
-
-function cone(aboutY: number, aboutZ: number): THREE.BufferGeometry {
-  const directions: THREE.Vector3[] = [];
-  for (let i = 0; i < 40; ++i) {
-    const angle = (2 * Math.PI * i) / 40, y = Math.cos(angle), z = Math.sin(angle);
-    const swing = Math.min(Math.PI, 1 / Math.hypot(y / Math.max(aboutY, 1e-3), z / Math.max(aboutZ, 1e-3)));
-    directions.push(new THREE.Vector3(1, 0, 0).applyAxisAngle(new THREE.Vector3(0, y, z), swing));
-  }
-  return fan(directions, true);
-}
-
-// In the frame it stands in: that of a, or of b.
-function limitGeometry(limit: Limit): {geometry: THREE.BufferGeometry; inB: boolean} | null {
-  switch (limit.kind) {
-    case 'angle':
-    case 'wedge': return {geometry: arc(limit.low, limit.high), inB: false};
-    case 'twist': {
-      const geometry = arc(limit.low, limit.high).scale(0.5, 0.5, 0.5);
-      geometry.applyQuaternion(new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), new THREE.Vector3(1, 0, 0)));
-      return {geometry: geometry.translate(0.25, 0, 0), inB: true};
-    }
-    case 'cone':
-      if (limit.low >= Math.PI && limit.high >= Math.PI) return null;
-      return {geometry: cone(limit.low, limit.high), inB: true};
-    case 'bend': return {geometry: cone(limit.high, limit.high), inB: false};
-    case 'slide':
-    case 'distance': return null;  // drawn in metres, by lines
-  }
 }
 
 const anchorA = new THREE.Vector3(), anchorB = new THREE.Vector3(), direction = new THREE.Vector3(),
@@ -102,10 +50,19 @@ interface Drawn {
   slides: Limit[];
 }
 
+// Those that look alike.
 interface LimitGroup {
   many: Many;
-  joints: Drawn[];
-  inB: boolean;
+  joints: {one: Drawn; limit: Limit}[];
+}
+
+/** A limit as it is drawn, for tests. */
+export interface ShownLimit {
+  kind: string;
+  low: number;
+  high: number;
+  at: number;      // rad
+  beyond: number;  // rad
 }
 
 /** The joints of one run in one pane. */
@@ -119,24 +76,35 @@ export class Joints3d {
   private readonly anchorsB: Many;
   private readonly axes: Many;
   private readonly slides: Many;
+  private readonly pointers: Many;
   private readonly limits: LimitGroup[] = [];
+
+  /** So that all of them can be seen at once. */
+  get hasFewLimits(): boolean {
+    return this.limits.reduce((sum, {joints}) => sum + joints.length, 0) <= fewLimits;
+  }
 
   /** `plain`: for a renderer in software, where of many joints no more than anchors and gaps are drawn. */
   constructor(private readonly run: OpenRun, sceneRadius: number, plain: boolean) {
     this.visibleGap = 4e-4 * sceneRadius;
     this.sparse = plain && run.joints.length > 150;
-    const groups = new Map<string, {geometry: THREE.BufferGeometry; inB: boolean; joints: Drawn[]}>();
+    const groups = new Map<string, {geometry: THREE.BufferGeometry; joints: LimitGroup['joints']}>();
+    let surfaces = 0;
+    const few = run.joints.reduce((sum, joint) => sum + joint.limits.length, 0) <= fewLimits;
     for (const joint of run.joints) {
       if (joint.inA === null || joint.inB === null) continue;
-      const radii = [joint.a, joint.b].filter((body) => body >= 0 && run.bodies[body]!.mass > 0)
-        .map((body) => radiusOf(run.shapes[run.bodies[body]!.shape]!));
+      const moving = [{body: joint.a, pivot: joint.inA}, {body: joint.b, pivot: joint.inB}]
+        .filter(({body}) => body >= 0 && run.bodies[body]!.mass > 0);
+      const radii = moving.map(({body}) => radiusOf(run.shapes[run.bodies[body]!.shape]!));
+      // Few limits are as long as the bodies from the joint on, and many as half of that.
+      const ends = radii.map((radius, i) => (few ? 0.8 * (radius + Math.hypot(...moving[i]!.pivot.slice(0, 3))) : 0.9 * radius));
       const size = Math.min(Math.max(0.7 * Math.min(...radii, sceneRadius), 0.012 * sceneRadius), 0.16 * sceneRadius);
       const axis = joint.align === 'z' || joint.limits.some((l) => l.kind === 'angle' || l.kind === 'wedge') ? new THREE.Vector3(0, 0, 1)
         : joint.align === 'x' || (joint.align === 'all' && joint.holds[0] === 0) ? new THREE.Vector3(1, 0, 0)
         : joint.align === 'across' ? new THREE.Vector3(0, 0, 1) : null;
       const one: Drawn = {
         joint, size, axis,
-        reach: Math.min(Math.max(0.9 * Math.min(...radii, sceneRadius), size), 0.45 * sceneRadius),
+        reach: Math.min(Math.max(Math.min(...ends, sceneRadius), size), (few ? 0.7 : 0.45) * sceneRadius),
         inA: frame(joint.inA, new THREE.Matrix4()),
         inB: frame(joint.inB, new THREE.Matrix4()),
         slides: joint.limits.filter((limit) => limit.kind === 'slide' && limit.high - limit.low < 1e3),
@@ -146,29 +114,31 @@ export class Joints3d {
         const key = [limit.kind, limit.axis, limit.low, limit.high].join();
         let group = groups.get(key);
         if (group === undefined) {
-          const made = limitGeometry(limit);
-          if (made === null) continue;
-          group = {...made, joints: []};
+          const geometry = limitGeometry(limit);
+          if (geometry === null) continue;
+          group = {geometry, joints: []};
           groups.set(key, group);
         }
-        group.joints.push(one);
+        group.joints.push({one, limit});
+        ++surfaces;
       }
     }
     const count = this.drawn.length;
     const ball = count > 100 ? new THREE.OctahedronGeometry(1) : new THREE.IcosahedronGeometry(1, 2);
     const rod = new THREE.CylinderGeometry(1, 1, 1, count > 100 ? 3 : 8, 1, true);
-    this.anchorsA = copies(ball, overlay(anchorColour, 0.95), count, 12);
-    this.anchorsB = copies(ball, overlay('#ffffff', 0.95), count, 13);
-    this.axes = copies(rod, overlay(axisColour, 0.95), count, 11);
-    this.slides = copies(rod, overlay(limitColour, 0.95), 3 * count, 11);
-    this.gaps = copies(rod, overlay(gapColour, 0.95), count, 14);
-    for (const {geometry, inB, joints} of groups.values())
-      this.limits.push({many: copies(geometry, overlay(limitColour, 0.3), joints.length, 10), joints, inB});
+    this.anchorsA = copies(ball, overlay(anchorColour, 0.95), count, 12, plain);
+    this.anchorsB = copies(ball, overlay('#ffffff', 0.95), count, 13, plain);
+    this.axes = copies(rod, overlay(axisColour, 0.95), count, 11, plain);
+    this.slides = copies(rod, overlay(limitColour, 0.95), 3 * count, 11, plain);
+    this.gaps = copies(rod, overlay(gapColour, 0.95), count, 14, plain);
+    this.pointers = copies(rod, overlay(limitColour, 0.95), surfaces, 11, plain);
+    for (const {geometry, joints} of groups.values())
+      this.limits.push({many: copies(geometry, overlay(limitColour, 0.3), joints.length, 10, plain), joints});
     this.group.add(...this.all().map((many) => many.mesh));
   }
 
   private all(): Many[] {
-    return [this.anchorsA, this.anchorsB, this.axes, this.slides, this.gaps, ...this.limits.map(({many}) => many)];
+    return [this.anchorsA, this.anchorsB, this.axes, this.slides, this.pointers, this.gaps, ...this.limits.map(({many}) => many)];
   }
 
   /** `poseOf`: the matrix of a body, null where it is not drawn. */
@@ -219,16 +189,35 @@ export class Joints3d {
     this.finish(this.axes, axes);
     this.finish(this.gaps, gaps);
     this.finish(this.slides, slides);
-    for (const {many, joints, inB} of this.limits) {
+    let pointers = 0;
+    for (const {many, joints} of this.limits) {
       let count = 0;
-      for (const one of options.limits ? joints : []) {
+      for (const {one, limit} of options.limits ? joints : []) {
         if (!shown.has(one)) continue;
-        const from = inB ? poseOf(one.joint.b)! : poseOf(one.joint.a)!;
-        matrix.multiplyMatrices(from, inB ? one.inB : one.inA);
-        many.setMatrix(count++, matrix.scale(scale.setScalar(one.reach)));
+        frameA.multiplyMatrices(poseOf(one.joint.a)!, one.inA);
+        frameB.multiplyMatrices(poseOf(one.joint.b)!, one.inB);
+        const {frame, pointer} = stand(limit, one.joint, frameA, frameB);
+        many.setMatrix(count++, matrix.copy(frame).scale(scale.setScalar(one.reach)));
+        if (this.sparse) continue;
+        anchorA.setFromMatrixPosition(frame);
+        if (limit.kind === 'twist') anchorA.addScaledVector(direction.setFromMatrixColumn(frame, 2), 0.25 * one.reach);
+        anchorB.copy(anchorA).addScaledVector(pointer, (limit.kind === 'twist' ? 0.5 : 1) * one.reach);
+        this.rod(this.pointers, pointers++, anchorA, anchorB, 0.04 * one.size);
       }
       this.finish(many, count);
     }
+    this.finish(this.pointers, pointers);
+  }
+
+  /** Limits at a frame's poses. */
+  shownLimits(poseOf: (body: number) => THREE.Matrix4 | null): ShownLimit[] {
+    return this.limits.flatMap(({joints}) => joints.flatMap(({one, limit}) => {
+      const a = poseOf(one.joint.a), b = poseOf(one.joint.b);
+      if (a === null || b === null) return [];
+      frameA.multiplyMatrices(a, one.inA);
+      frameB.multiplyMatrices(b, one.inB);
+      return [{kind: limit.kind, low: limit.low, high: limit.high, ...reading(limit, stand(limit, one.joint, frameA, frameB))}];
+    }));
   }
 
   private ball(many: Many, index: number, at: THREE.Vector3, radius: number): void {

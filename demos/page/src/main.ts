@@ -24,6 +24,7 @@ class App {
   private scene: Scene | null = null;
   private shown: Run[] = [];
   private elements: {pane: Pane; own: PaneElements}[] = [];
+  private limitsChosen = false;  // by the user; else they are drawn where they are few
   private stale = true;  // something is to be drawn
   private tab: Tab = 'plots';
   private linkTimer = 0;
@@ -137,6 +138,8 @@ class App {
     });
     holder.replaceChildren(...children);
     holder.dataset['count'] = String(children.length);
+    if (!this.limitsChosen) this.options.limits = this.elements.every(({pane}) => pane.view.joints.hasFewLimits);
+    this.setToggles();
     const longest = Math.max(0, ...this.shown.map((run) => run.open().duration));
     this.controls.setDuration(Math.max(longest, 1e-3));
     this.fillCounts(children.length);
@@ -212,6 +215,7 @@ class App {
 
   private toggle(option: keyof ViewOptions): void {
     this.options[option] = !this.options[option];
+    this.limitsChosen ||= option === 'limits';
     this.setToggles();
     this.changed();
   }
@@ -337,9 +341,11 @@ class App {
       options: {...this.options},
       framesPerSecond: this.stage.framesPerSecond,
       view: this.stage.view,
-      panes: this.elements.map(({pane}) => ({
+      panes: this.elements.map(({pane, own: {root}}) => ({
         run: pane.run.name,
+        colour: getComputedStyle(root).getPropertyValue('--colour'),
         bodies: pane.run.open().bodies.map((_, body) => pane.view.matrixOf(body)?.toArray() ?? null),
+        limits: pane.view.joints.shownLimits((body) => pane.view.matrixOf(body)),
       })),
     };
   }

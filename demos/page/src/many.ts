@@ -1,5 +1,6 @@
 // Many bodies in one draw: their geometries as one, each vertex with the number of its body, whose pose and colour are
-// read from a texture. (Renderers in software draw instances one by one, which takes a hundred times as long.)
+// read from a texture. (Renderers in software draw instances one by one, which takes a hundred times as long.) Where all is
+// drawn in software, the corners are posed here: there a shader takes longer to read a texture than to draw.
 
 import * as THREE from 'three';
 import {mergeVertices} from 'three/examples/jsm/utils/BufferGeometryUtils.js';
@@ -24,8 +25,9 @@ vec3 manyMove(vec3 p) {
 }
 `;
 
-// Poses a vertex before all that three does with it.
-function posed<M extends THREE.Material>(material: M, data: THREE.DataTexture, coloured: boolean): M {
+// Poses a vertex before all that three does with it; without a texture it is posed already.
+function posed<M extends THREE.Material>(material: M, data: THREE.DataTexture | null, coloured: boolean): M {
+  if (data === null) return material;
   material.onBeforeCompile = (shader) => {
     shader.uniforms['manyData'] = {value: data};
     shader.vertexShader = shader.vertexShader
@@ -43,31 +45,28 @@ function posed<M extends THREE.Material>(material: M, data: THREE.DataTexture, c
   return material;
 }
 
-/** Lit at the vertices, for renderers in software: a pixel costs next to nothing. */
+/** Lit at the vertices, for renderers in software: a pixel costs next to nothing. For corners that are posed here. */
 export const plainMaterial = (): THREE.ShaderMaterial => new THREE.ShaderMaterial({
-  vertexShader: `#include <common>
+  vertexShader: `
+    attribute vec3 bodyColour;
     varying vec3 lit;
     void main() {
-      #include <beginnormal_vertex>
-      #include <begin_vertex>
-      float above = 0.5 + 0.5 * normalize(objectNormal).z;
-      float sun = max(0.0, dot(normalize(objectNormal), vec3(-0.28, -0.47, 0.84)));
-      lit = sqrt(manyColour * (0.30 + 0.22 * above + 0.62 * sun));
-      gl_Position = projectionMatrix * viewMatrix * vec4(transformed, 1.0);
+      float above = 0.5 + 0.5 * normal.z;
+      float sun = max(0.0, dot(normal, vec3(-0.28, -0.47, 0.84)));
+      lit = sqrt(bodyColour * (0.30 + 0.22 * above + 0.62 * sun));
+      gl_Position = projectionMatrix * (viewMatrix * vec4(position, 1.0));
     }`,
-  fragmentShader: '#include <common>\nvarying vec3 lit;\nvoid main() { gl_FragColor = vec4(lit, 1.0); }',
+  fragmentShader: 'varying vec3 lit;\nvoid main() { gl_FragColor = vec4(lit, 1.0); }',
 });
 
 /** Bodies pressed flat onto the floor, away from the sun. */
 export const flatMaterial = (floor: number): THREE.ShaderMaterial => new THREE.ShaderMaterial({
   uniforms: {floor: {value: floor}, colour: {value: new THREE.Color()}},
-  vertexShader: `#include <common>
+  vertexShader: `
     uniform float floor;
     void main() {
-      #include <begin_vertex>
-      float height = max(0.0, transformed.z - floor);
-      transformed = vec3(transformed.xy + height * vec2(0.33, 0.56), floor);
-      gl_Position = projectionMatrix * viewMatrix * vec4(transformed, 1.0);
+      float height = max(0.0, position.z - floor);
+      gl_Position = projectionMatrix * (viewMatrix * vec4(position.xy + height * vec2(0.33, 0.56), floor, 1.0));
     }`,
   fragmentShader: 'uniform vec3 colour;\nvoid main() { gl_FragColor = vec4(colour, 1.0); }',
   polygonOffset: true,
@@ -78,15 +77,19 @@ export const flatMaterial = (floor: number): THREE.ShaderMaterial => new THREE.S
 export class Many {
   readonly mesh: THREE.Mesh;
   private readonly data: Float32Array;
-  private readonly texture: THREE.DataTexture;
+  private readonly texture: THREE.DataTexture | null = null;
   private readonly size: number;  // corners of a body, if all have the same geometry
+  // Where the corners are posed here: as they are in their bodies, and where each body's begin.
+  private readonly corners: Float32Array;
+  private readonly normals: Float32Array;
+  private readonly start: Int32Array;
 
-  /** Body i has geometries[i], or all have one. `coloured`: each has its own colour. */
+  /** Body i has geometries[i], or all have one. `coloured`: each has its own colour. `plain`: for a renderer in software. */
   constructor(geometries: THREE.BufferGeometry[] | THREE.BufferGeometry, readonly capacity: number,
-              material: THREE.Material, coloured: boolean) {
+              material: THREE.Material, coloured: boolean, private readonly plain: boolean) {
     const rows = Math.max(1, Math.ceil(capacity / perRow));
-    this.data = new Float32Array(4 * texels * perRow * rows);
-    this.texture = new THREE.DataTexture(this.data, texels * perRow, rows, THREE.RGBAFormat, THREE.FloatType);
+    this.data = new Float32Array(plain ? 0 : 4 * texels * perRow * rows);
+    if (!plain) this.texture = new THREE.DataTexture(this.data, texels * perRow, rows, THREE.RGBAFormat, THREE.FloatType);
 
     const indexed = new Map<THREE.BufferGeometry, THREE.BufferGeometry>();
     const of = (i: number): THREE.BufferGeometry => {
@@ -112,26 +115,33 @@ export class Many {
     this.size = count > 0 ? of(0).index!.count : 0;
     const position = new Float32Array(3 * vertices), normal = new Float32Array(3 * vertices), body = new Float32Array(vertices),
           index = new Uint32Array(corners);
+    this.start = new Int32Array(capacity + 1).fill(vertices);
     for (let i = 0, at = 0, corner = 0; i < count; ++i) {
       const geometry = of(i), points = geometry.getAttribute('position'), normals = geometry.getAttribute('normal');
       position.set(points.array as Float32Array, 3 * at);
       if (normals !== undefined) normal.set(normals.array as Float32Array, 3 * at);
+      this.start[i] = at;
       body.fill(i, at, at + points.count);
       for (const vertex of geometry.index!.array) index[corner++] = at + vertex;
       at += points.count;
     }
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(position, 3));
-    geometry.setAttribute('normal', new THREE.BufferAttribute(normal, 3));
+    this.corners = plain ? position.slice() : position;
+    this.normals = plain ? normal.slice() : normal;
+    const moving = plain ? THREE.DynamicDrawUsage : THREE.StaticDrawUsage;
+    geometry.setAttribute('position', new THREE.BufferAttribute(position, 3).setUsage(moving));
+    if (coloured) geometry.setAttribute('normal', new THREE.BufferAttribute(normal, 3).setUsage(moving));
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
-    geometry.setAttribute('many', new THREE.BufferAttribute(body, 1));
+    if (!plain) geometry.setAttribute('many', new THREE.BufferAttribute(body, 1));
+    else if (coloured) geometry.setAttribute('bodyColour', new THREE.BufferAttribute(new Float32Array(3 * vertices), 3));
     this.mesh = new THREE.Mesh(geometry, posed(material, this.texture, coloured));
-    this.mesh.customDepthMaterial = posed(new THREE.MeshDepthMaterial({depthPacking: THREE.RGBADepthPacking}), this.texture, false);
+    if (!plain) this.mesh.customDepthMaterial = posed(new THREE.MeshDepthMaterial({depthPacking: THREE.RGBADepthPacking}), this.texture, false);
     this.mesh.frustumCulled = false;
   }
 
   /** Null: it is not drawn. */
   setMatrix(index: number, matrix: THREE.Matrix4 | null): void {
+    if (this.plain) return this.pose(index, matrix);
     const at = this.place(index);
     if (matrix === null) {
       this.data.fill(0, at, at + 12);
@@ -143,22 +153,54 @@ export class Many {
     }
   }
   setColour(index: number, colour: THREE.Color): void {
-    this.data.set([colour.r, colour.g, colour.b], this.place(index) + 12);
+    if (!this.plain) {
+      this.data.set([colour.r, colour.g, colour.b], this.place(index) + 12);
+      return;
+    }
+    const colours = this.mesh.geometry.getAttribute('bodyColour');
+    for (let i = this.start[index]!; i < this.start[index + 1]!; ++i) colours.setXYZ(i, colour.r, colour.g, colour.b);
+    colours.needsUpdate = true;
+  }
+
+  // As the shader would.
+  private pose(index: number, matrix: THREE.Matrix4 | null): void {
+    const {geometry} = this.mesh, to = geometry.getAttribute('position').array;
+    const first = 3 * this.start[index]!, end = 3 * this.start[index + 1]!;
+    if (matrix === null) {
+      to.fill(0, first, end);
+      return;
+    }
+    const m = matrix.elements, {corners, normals} = this;
+    for (let i = first; i < end; i += 3) {
+      const x = corners[i]!, y = corners[i + 1]!, z = corners[i + 2]!;
+      to[i] = m[0]! * x + m[4]! * y + m[8]! * z + m[12]!;
+      to[i + 1] = m[1]! * x + m[5]! * y + m[9]! * z + m[13]!;
+      to[i + 2] = m[2]! * x + m[6]! * y + m[10]! * z + m[14]!;
+    }
+    const turned = geometry.attributes['normal']?.array;
+    if (turned === undefined) return;
+    for (let i = first; i < end; i += 3) {
+      const x = normals[i]!, y = normals[i + 1]!, z = normals[i + 2]!;
+      turned[i] = m[0]! * x + m[4]! * y + m[8]! * z;
+      turned[i + 1] = m[1]! * x + m[5]! * y + m[9]! * z;
+      turned[i + 2] = m[2]! * x + m[6]! * y + m[10]! * z;
+    }
   }
   /** Of those with one geometry: so many are drawn, the first ones. */
   setCount(count: number): void {
     this.mesh.visible = count > 0;
     this.mesh.geometry.setDrawRange(0, count * this.size);
   }
-  /** The same bodies once more, of another material. */
-  again(material: THREE.Material): THREE.Mesh {
-    const mesh = new THREE.Mesh(this.mesh.geometry, posed(material, this.texture, false));
-    mesh.frustumCulled = false;
-    return mesh;
-  }
   /** After all that has been set. */
   update(): void {
-    this.texture.needsUpdate = true;
+    if (this.texture !== null) {
+      this.texture.needsUpdate = true;
+      return;
+    }
+    for (const name of ['position', 'normal']) {
+      const attribute = this.mesh.geometry.attributes[name];
+      if (attribute !== undefined) attribute.needsUpdate = true;
+    }
   }
 
   private place(index: number): number {
@@ -169,6 +211,6 @@ export class Many {
     this.mesh.geometry.dispose();
     (this.mesh.material as THREE.Material).dispose();
     this.mesh.customDepthMaterial?.dispose();
-    this.texture.dispose();
+    this.texture?.dispose();
   }
 }

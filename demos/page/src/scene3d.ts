@@ -197,7 +197,7 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.renderer.setViewport(0, 0, width, height);
     this.renderer.setScissor(0, 0, width, height);
-    view.update(time, {joints: true, limits: false, magnified: false, contacts: false, shadows: true}, isDark());
+    view.update(time, {joints: true, limits: view.joints.hasFewLimits, magnified: false, contacts: false, shadows: true}, isDark());
     this.renderer.render(view.scene, camera);
     to.getContext('2d')!.drawImage(this.canvas, 0, 0, width, height);
     // One view is kept, and with it the compiled shaders, which the next one shares.

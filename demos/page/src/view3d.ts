@@ -72,7 +72,7 @@ export class View3d {
   private readonly light = new THREE.DirectionalLight('#fffaf2', 2.0);
   private readonly sky = new THREE.HemisphereLight('#f2f6ff', '#c3c7cf', 1.6);
   private readonly floor: THREE.Mesh<THREE.PlaneGeometry, THREE.MeshLambertMaterial | THREE.MeshBasicMaterial>;
-  private readonly flat: THREE.Mesh | null = null;  // shadows, where it is plain
+  private readonly flat: Many | null = null;  // shadows, where it is plain
   private readonly contactSize: number;
 
   /** `plain`: for a renderer in software. */
@@ -81,19 +81,23 @@ export class View3d {
     this.store = run.bodies.map(() => new THREE.Matrix4());
     this.matrices = run.bodies.map(() => null);
 
-    const detail = run.bodies.length <= 60 ? 2 : plain ? 0 : 1;
-    const shapes = run.shapes.map((shape) => geometryOf(shape, detail));
+    const isFew = run.bodies.length <= 60;
+    const shapes = run.shapes.map((shape) => geometryOf(shape, isFew ? 3 : plain ? 1 : 2));
     run.bodies.forEach((body, index) => {
       const isFloor = body.mass === 0 && body.pose !== null && isGround(run.shapes[body.shape]!, radius);
       if (!isFloor && shapes[body.shape] !== null) this.drawn.push(index);
     });
     const isOpen = run.shapes.some((shape) => shape.kind === 'mesh');
-    this.bodies = new Many(this.drawn.map((body) => shapes[run.bodies[body]!.shape]!), this.drawn.length,
-                           plain ? plainMaterial() : new THREE.MeshLambertMaterial(), true);
+    const drawnShapes = (of: (THREE.BufferGeometry | null)[]): THREE.BufferGeometry[] =>
+      this.drawn.map((body) => of[run.bodies[body]!.shape]!);
+    this.bodies = new Many(drawnShapes(shapes), this.drawn.length,
+                           plain ? plainMaterial() : new THREE.MeshLambertMaterial(), true, plain);
     (this.bodies.mesh.material as THREE.Material).side = isOpen ? THREE.DoubleSide : THREE.FrontSide;
     if (plain) {
-      this.flat = this.bodies.again(flatMaterial(framing.floor));
-      this.scene.add(this.flat);
+      const flat = isFew ? shapes : run.shapes.map((shape) => geometryOf(shape, 0));
+      this.flat = new Many(drawnShapes(flat), this.drawn.length, flatMaterial(framing.floor), false, true);
+      for (const shape of flat) shape?.dispose();
+      this.scene.add(this.flat.mesh);
     }
     this.bodies.mesh.castShadow = this.bodies.mesh.receiveShadow = true;
     for (const shape of shapes) shape?.dispose();
@@ -121,7 +125,7 @@ export class View3d {
     this.contactSize = 0.016 * radius;
     this.contacts = new Many(
       new THREE.IcosahedronGeometry(1, 1), Math.max(1, run.maxContacts),
-      new THREE.MeshBasicMaterial({color: '#ff9f1c', transparent: true, opacity: 0.9, depthTest: false}), false);
+      new THREE.MeshBasicMaterial({color: '#ff9f1c', transparent: true, opacity: 0.9, depthTest: false}), false, plain);
     this.contacts.mesh.renderOrder = 9;
     this.joints = new Joints3d(run, radius, plain);
     this.scene.add(this.floor, this.light, this.light.target, this.sky, this.bodies.mesh, this.contacts.mesh, this.joints.group);
@@ -136,7 +140,7 @@ export class View3d {
     this.sky.intensity = dark ? 1.15 : 1.55;
     this.floor.material.map?.dispose();
     this.floor.material.map = gridTexture(dark, this.plain);
-    const flat = this.flat?.material as THREE.ShaderMaterial | undefined;
+    const flat = this.flat?.mesh.material as THREE.ShaderMaterial | undefined;
     (flat?.uniforms['colour']?.value as THREE.Color | undefined)?.set(dark ? '#12151a' : '#b4bac3').convertLinearToSRGB();
     this.floor.material.needsUpdate = true;
     const still = new THREE.Color(dark ? '#3f4955' : '#d3d9e1');
@@ -177,7 +181,13 @@ export class View3d {
     this.drawn.forEach((body, i) => this.bodies.setMatrix(i, this.matrices[body]!));
     this.bodies.update();
     this.light.castShadow = options.shadows && !this.plain;
-    if (this.flat !== null) this.flat.visible = options.shadows;
+    if (this.flat !== null) {
+      this.flat.mesh.visible = options.shadows;
+      if (options.shadows) {
+        this.drawn.forEach((body, i) => this.flat!.setMatrix(i, this.matrices[body]!));
+        this.flat.update();
+      }
+    }
     this.joints.update(frame, (body) => this.matrixOf(body), options, dark);
 
     let count = 0;
@@ -206,7 +216,7 @@ export class View3d {
   dispose(): void {
     this.joints.dispose();
     this.bodies.dispose();
-    (this.flat?.material as THREE.Material | undefined)?.dispose();
+    this.flat?.dispose();
     this.floor.geometry.dispose();
     this.floor.material.map?.dispose();
     this.floor.material.dispose();
