@@ -2,6 +2,7 @@
 # Builds the demos and runs them in single, then in double precision.
 #   run.sh                                  every scene's table, beside the stock joints', and the page that plays them
 #   run.sh [options]                        tables alone: --list, --scene, --contender, --csv, --json (--help says more)
+#   run.sh --publish                        every scene's table, of which plugin/docs/benchmarks.md gets a few numbers
 #   run.sh page [options]                   the page alone: --list, --scene, --contender
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [--all] [--case TEXT]    what becomes of joints under extreme conditions; --all: 10^6 steps too
@@ -58,6 +59,15 @@ extreme)
   pintle_install_packages
   build pintle_extreme_single pintle_extreme_double
   for precision in single double; do build/release/demos/pintle_extreme_$precision "$@"; done
+  ;;
+--publish)
+  pintle_install_packages
+  build pintle_demos_single
+  table=$(mktemp)
+  build/release/demos/pintle_demos_single --brief "$table"
+  source demos/report/report.sh
+  report_replace plugin/docs/benchmarks.md scenes "$table"
+  rm "$table"
   ;;
 *)
   pintle_install_packages

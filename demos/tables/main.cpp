@@ -71,7 +71,7 @@ bool open(NumberFile& file, const char* option, const std::string& path, NumberF
 
 int main(int argc, char** argv) {
   std::vector<std::string> scenes, contenders;
-  std::string csv, json;
+  std::string csv, json, brief;
   bool list = false;
   CLI::App app("Runs the scenes with Bullet's joints and with Pintle's, and compares them.");
   app.add_option("--scene", scenes, "Only this scene; may be given more than once")
@@ -88,6 +88,7 @@ int main(int argc, char** argv) {
                  "The same as an array of objects\n"
                  "(\"inf\": never reached, or lost; null: no such quantity)")
       ->take_last();
+  app.add_option("--brief", brief, "Also write the documentation's table of scenes to this file");
   app.add_flag("--list", list, "Name the scenes and their contenders, and run nothing");
   CLI11_PARSE(app, argc, argv);
 
@@ -120,6 +121,10 @@ int main(int argc, char** argv) {
   progress.clear();
   if (!out.csv.close() || !out.json.close()) {
     std::fprintf(stderr, "--csv, --json: a file could not be written to its end\n");
+    return EXIT_FAILURE;
+  }
+  if (!brief.empty() && !out.brief.write(brief)) {
+    std::fprintf(stderr, "--brief: %s lacks a number, or cannot be written\n", brief.c_str());
     return EXIT_FAILURE;
   }
   return out.all_repeated ? EXIT_SUCCESS : EXIT_FAILURE;

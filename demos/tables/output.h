@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../progress.h"
+#include "brief.h"
 
 namespace tables {
 
@@ -43,6 +44,7 @@ struct Plan {
 
 struct Output {
   NumberFile csv, json;
+  Brief brief;
   std::vector<std::string> contenders;  // empty: all
   Plan* plan = nullptr;                 // set: nothing is run, and nothing printed
   Progress* progress = nullptr;

@@ -61,8 +61,9 @@ void Table::compare(const std::string& name, const std::vector<Contender>& all) 
   if (out_.progress != nullptr) out_.progress->clear();
   const auto write = [&](const std::string& who, const std::string& quantity,
                          const std::string& unit, double value) {
-    for (NumberFile* file : {&out_.csv, &out_.json})
-      file->write({scene_, name, who, quantity, unit, value});
+    const Number number = {scene_, name, who, quantity, unit, value};
+    for (NumberFile* file : {&out_.csv, &out_.json}) file->write(number);
+    out_.brief.note(number);
   };
   const Measurement* stock = nullptr;
   for (std::size_t i = 0; i < contenders.size(); ++i) {

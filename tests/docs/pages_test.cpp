@@ -1,5 +1,6 @@
 // The pages of documentation: what they link to and name exists, no sentence stands twice, and figures are those of the results.
 #include <gtest/gtest.h>
+#include <tables/brief.h>
 
 #include <cctype>
 #include <map>
@@ -248,6 +249,22 @@ TEST(Figures, OfTheBenchmarksAreThoseOfTheSummary) {
     EXPECT_EQ(ratios.at({"pintle", row.at(0), row.at(1), row.at(2)}), row.at(3)) << row[0];
     EXPECT_EQ(ratios.at({"exact", row.at(0), row.at(1), row.at(2)}), row.at(4)) << row[0];
   }
+}
+
+// The rows are those that the command writes, each with two numbers.
+TEST(Figures, OfScenesAreWrittenByTheirCommand) {
+  const auto table = rows(page("plugin/docs/benchmarks.md"), "scenes");
+  const auto& written = tables::Brief::rows();
+  ASSERT_EQ(table.size(), written.size()) << "bash demos/run.sh --publish";
+  const std::regex number(R"(-?[0-9.]+(e[-+][0-9]+)?(°| m| rad/s)?|never)");
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    ASSERT_EQ(table[i].size(), 4u);
+    EXPECT_EQ(table[i][0], written[i].scene);
+    EXPECT_EQ(table[i][1], written[i].what);
+    EXPECT_TRUE(std::regex_match(table[i][2], number)) << table[i][2];
+    EXPECT_TRUE(std::regex_match(table[i][3], number)) << table[i][3];
+  }
+  EXPECT_NE(page("plugin/docs/benchmarks.md").find(tables::Brief::head()), std::string::npos);
 }
 
 }  // namespace
