@@ -43,7 +43,9 @@ export class Stage {
   constructor(private readonly element: HTMLElement, readonly canvas: HTMLCanvasElement, onCamera: () => void) {
     this.plain = isSoftware() && !location.search.includes('full');
     if (this.plain) this.ratio = 1;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: !this.plain, powerPreference: 'high-performance'});
+    // Nothing of the document is seen through it.
+    const context = canvas.getContext('webgl2', {alpha: false, antialias: !this.plain, powerPreference: 'high-performance'});
+    this.renderer = new THREE.WebGLRenderer({canvas, ...(context === null ? {} : {context})});
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.renderer.setScissorTest(true);
@@ -131,6 +133,11 @@ export class Stage {
     this.follow(time);
     const outer = this.element.getBoundingClientRect();
     const dark = isDark();
+    // Lines between the panes.
+    this.renderer.setScissorTest(false);
+    this.renderer.setClearColor(dark ? '#2a313a' : '#dfe4ea');
+    this.renderer.clear();
+    this.renderer.setScissorTest(true);
     for (const {view, element} of this.panes) {
       const box = element.getBoundingClientRect();
       if (box.width === 0 || box.height === 0) continue;
