@@ -81,8 +81,8 @@ export class View3d {
     this.store = run.bodies.map(() => new THREE.Matrix4());
     this.matrices = run.bodies.map(() => null);
 
-    const isFew = run.bodies.length <= 60;
-    const shapes = run.shapes.map((shape) => geometryOf(shape, isFew ? 3 : plain ? 1 : 2));
+    const isFew = run.bodies.length <= 60, detail = isFew ? 4 : !plain ? 3 : run.bodies.length > 250 ? 1 : 2;
+    const shapes = run.shapes.map((shape) => geometryOf(shape, detail));
     run.bodies.forEach((body, index) => {
       const isFloor = body.mass === 0 && body.pose !== null && isGround(run.shapes[body.shape]!, radius);
       if (!isFloor && shapes[body.shape] !== null) this.drawn.push(index);
