@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -15,69 +14,19 @@
 
 #include "../reference/integrator.h"
 #include "../scenes/catalog.h"
-#include "pareto.h"
-#include "table.h"
+#include "results.h"
 
 namespace {
 
+using report::number;
 using report::Point;
+using report::precisions;
 using report::Ratio;
+using report::Results;
+using report::rounding;
 using report::Row;
 using scenes::Error;
 using scenes::Scene;
-
-const std::string precisions[] = {"single", "double"};
-
-// Below this an error is nothing but rounding, and ratios of it mean nothing: 8 epsilon.
-double rounding(const std::string& precision) {
-  return 8 * (precision == "double" ? std::numeric_limits<double>::epsilon()
-                                    : double(std::numeric_limits<float>::epsilon()));
-}
-
-std::string number(double value, int digits = 2) {
-  char text[32];
-  if (!std::isfinite(value)) return "lost";
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
-
-class Report {
- public:
-  explicit Report(std::vector<Row> rows) : rows_(std::move(rows)) {
-    for (const Row& row : rows_) {
-      if (std::find(contenders_.begin(), contenders_.end(), row.contender) == contenders_.end())
-        contenders_.push_back(row.contender);
-    }
-  }
-  const std::vector<std::string>& contenders() const { return contenders_; }
-  const std::vector<Row>& rows() const { return rows_; }
-
-  // Any row of the scene.
-  bool has(const Scene& scene, std::string Row::*field, const std::string& value) const {
-    return std::any_of(rows_.begin(), rows_.end(), [&](const Row& row) {
-      return row.scene == scene.name && row.*field == value;
-    });
-  }
-  std::vector<Point> points(const std::string& precision, const Scene& scene, Error error,
-                            const std::string& contender) const {
-    std::vector<Point> points;
-    for (const Row& row : rows_) {
-      if (row.precision != precision || row.scene != scene.name || row.contender != contender)
-        continue;
-      points.push_back({row.milliseconds_per_second(),
-                        std::max(row.errors[size_t(error)], rounding(precision))});
-    }
-    return points;
-  }
-  std::vector<Point> front(const std::string& precision, const Scene& scene, Error error,
-                           const std::string& contender) const {
-    return report::pareto(points(precision, scene, error, contender));
-  }
-
- private:
-  std::vector<Row> rows_;
-  std::vector<std::string> contenders_;
-};
 
 std::string verdict(const Ratio& ratio) {
   // Times differ by a few percent from run to run, and the errors with them.
@@ -112,7 +61,7 @@ std::string emphasized(bool first, Error error) {
 }
 
 // A contender against another one: a line for a scene and error.
-Score compare(std::ostream& out, const Report& report, const std::vector<Scene>& all,
+Score compare(std::ostream& out, const Results& results, const std::vector<Scene>& all,
               const std::string& ours, const std::string& stock, bool first_errors_only) {
   Score score;
   out << "| scene | error | precision | error ratio at equal time: mean (least to most) "
@@ -122,9 +71,9 @@ Score compare(std::ostream& out, const Report& report, const std::vector<Scene>&
       const bool first = error == scene.errors.front();
       if (first_errors_only && !first) continue;
       for (const std::string& precision : precisions) {
-        const auto theirs = report.front(precision, scene, error, stock);
-        const auto own = report.front(precision, scene, error, ours);
-        if (report.points(precision, scene, error, ours).empty() || theirs.empty()) continue;
+        const auto theirs = results.front(precision, scene, error, stock);
+        const auto own = results.front(precision, scene, error, ours);
+        if (results.points(precision, scene, error, ours).empty() || theirs.empty()) continue;
         const Ratio errors = error_ratio(own, theirs), times = time_ratio(own, theirs);
         out << "| " << scene.name << " | " << emphasized(first, error) << " | " << precision
             << " | " << range(errors) << " | "
@@ -147,11 +96,11 @@ void print(std::ostream& out, const std::string& who, const Score& score) {
 // steps a second; scenes that it does not solve have none.
 using StepErrors = std::map<std::string, std::map<int, measures::Errors>>;
 
-StepErrors errors_of_steps(const Report& report, const std::vector<Scene>& all) {
+StepErrors errors_of_steps(const Results& results, const std::vector<Scene>& all) {
   StepErrors errors;
   for (const Scene& scene : all) {
     std::set<int> lengths;
-    for (const Row& row : report.rows()) {
+    for (const Row& row : results.rows()) {
       if (row.scene == scene.name) lengths.insert(row.hz);
     }
     try {
@@ -164,21 +113,9 @@ StepErrors errors_of_steps(const Report& report, const std::vector<Scene>& all) 
   return errors;
 }
 
-// Over all iterations, in double precision.
-double min_error(const Report& report, const Scene& scene, Error error, const std::string& who,
-                 int hz) {
-  double min = HUGE_VAL;
-  for (const Row& row : report.rows()) {
-    if (row.scene == scene.name && row.contender == who && row.hz == hz &&
-        row.precision == "double")
-      min = std::min(min, row.errors[size_t(error)]);
-  }
-  return min;
-}
-
 // Where the least error of Pintle's joints, on either solver, is that of Bullet's steps, at every length
 // of the step: no joint that holds can lessen it.
-bool is_of_the_steps(const Report& report, const StepErrors& steps, const Scene& scene,
+bool is_of_the_steps(const Results& results, const StepErrors& steps, const Scene& scene,
                      Error error) {
   const auto of_scene = steps.find(scene.name);
   if (of_scene == steps.end()) return false;
@@ -187,7 +124,7 @@ bool is_of_the_steps(const Report& report, const StepErrors& steps, const Scene&
                        [&](const auto& hz_and_errors) {
                          constexpr double same = 1.1;
                          const auto& [hz, errors] = hz_and_errors;
-                         const double ours = min_error(report, scene, error, who, hz);
+                         const double ours = results.min_error(scene, error, who, hz);
                          const double of_steps = errors[size_t(error)];
                          return of_steps > 0 && ours < same * of_steps && of_steps < same * ours;
                        });
@@ -195,7 +132,7 @@ bool is_of_the_steps(const Report& report, const StepErrors& steps, const Scene&
   return follow_the_steps("pintle") || follow_the_steps("exact");
 }
 
-void write_steps(std::ostream& out, const Report& report, const StepErrors& steps,
+void write_steps(std::ostream& out, const Results& results, const StepErrors& steps,
                  const std::vector<Scene>& all) {
   const char* const compared[] = {"stock", "pintle", "exact"};
   out << "\n## What Bullet's steps alone leave\n\nBullet's own steps with joints that leave "
@@ -213,7 +150,7 @@ void write_steps(std::ostream& out, const Report& report, const StepErrors& step
         out << "| " << scene.name << " | " << name(error) << " | " << hz << " | "
             << number(errors[size_t(error)]) << " |";
         for (const char* who : compared)
-          out << ' ' << number(min_error(report, scene, error, who, hz)) << " |";
+          out << ' ' << number(results.min_error(scene, error, who, hz)) << " |";
         out << '\n';
       }
     }
@@ -222,7 +159,7 @@ void write_steps(std::ostream& out, const Report& report, const StepErrors& step
 
 // Pintle's joints on Bullet's solver and on the exact one, both against stock. Where the first error
 // is that of Bullet's steps, also the first of the joints' own.
-void write_brief(std::ostream& out, const Report& report, const StepErrors& steps,
+void write_brief(std::ostream& out, const Results& results, const StepErrors& steps,
                  const std::vector<Scene>& all) {
   Score pintle_score, exact_score, better_score;
   std::string of_the_steps;
@@ -231,10 +168,10 @@ void write_brief(std::ostream& out, const Report& report, const StepErrors& step
          "|\n|---|---|---|---|---|---|\n";
   const auto write = [&](const Scene& scene, Error error, bool first) {
     for (const std::string& precision : precisions) {
-      const auto stock = report.front(precision, scene, error, "stock");
+      const auto stock = results.front(precision, scene, error, "stock");
       if (stock.empty()) continue;
       const auto ratio = [&](const char* ours) {
-        return error_ratio(report.front(precision, scene, error, ours), stock);
+        return error_ratio(results.front(precision, scene, error, ours), stock);
       };
       const Ratio pintle = ratio("pintle"), exact = ratio("exact");
       const bool exact_is_better = exact.mean < pintle.mean;
@@ -251,7 +188,7 @@ void write_brief(std::ostream& out, const Report& report, const StepErrors& step
   for (const Scene& scene : all) {
     const Error first = scene.errors.front();
     write(scene, first, true);
-    if (first == Error::gap || !is_of_the_steps(report, steps, scene, first)) continue;
+    if (first == Error::gap || !is_of_the_steps(results, steps, scene, first)) continue;
     of_the_steps += (of_the_steps.empty() ? "" : ", ") + scene.name;
     for (const Error own : {Error::gap, Error::axis}) {
       if (!scene.has(own)) continue;
@@ -280,14 +217,14 @@ constexpr const char* legend =
     "the other side's errors, and the part of them that is reached at all. Errors below rounding "
     "(8 epsilon: 1e-6, 2e-15) count as that.\n\n";
 
-void write_summary(std::ostream& out, const Report& report, const StepErrors& steps,
+void write_summary(std::ostream& out, const Results& results, const StepErrors& steps,
                    const std::vector<Scene>& all) {
   out << "# Error against run time\n\nBy `bash demos/run.sh report`. " << legend;
-  const auto& who = report.contenders();
+  const auto& who = results.contenders();
   for (const std::string& ours : who) {
     if (ours == "stock") continue;
     out << "\n## " << ours << " against stock\n\n";
-    const Score score = compare(out, report, all, ours, "stock", false);
+    const Score score = compare(out, results, all, ours, "stock", false);
     out << "\nOf " << score.scenes << " scenes and precisions, by the first error of each:\n\n";
     print(out, ours, score);
   }
@@ -295,24 +232,24 @@ void write_summary(std::ostream& out, const Report& report, const StepErrors& st
     if (peer == "stock" || peer == "pintle" || peer == "document" || peer == "exact") continue;
     for (const char* ours : {"pintle", "exact"}) {
       out << "\n## " << ours << " against " << peer << "\n\n";
-      compare(out, report, all, ours, peer, true);
+      compare(out, results, all, ours, peer, true);
     }
   }
-  write_steps(out, report, steps, all);
+  write_steps(out, results, steps, all);
 }
 
 void write_instructions(std::ostream& out, const std::string& path, const std::vector<Scene>& all,
-                        const Report& report) {
+                        const Results& results) {
   const auto counts = report::read_instructions(path);
   if (counts.empty()) return;
   out << "\n## Instructions of a step\n\nCallgrind, single precision, 60 Hz, 10 iterations, the "
          "mean over the first steps.\n\n| scene |";
-  for (const std::string& who : report.contenders()) out << ' ' << who << " |";
+  for (const std::string& who : results.contenders()) out << ' ' << who << " |";
   out << "\n|---|";
-  for (size_t i = 0; i < report.contenders().size(); ++i) out << "---|";
+  for (size_t i = 0; i < results.contenders().size(); ++i) out << "---|";
   for (const Scene& scene : all) {
     out << "\n| " << scene.name << " |";
-    for (const std::string& who : report.contenders()) {
+    for (const std::string& who : results.contenders()) {
       const auto count = counts.find({scene.name, who});
       out << ' ' << (count == counts.end() ? "" : std::to_string(long(count->second))) << " |";
     }
@@ -320,7 +257,7 @@ void write_instructions(std::ostream& out, const std::string& path, const std::v
   out << '\n';
 }
 
-void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
+void write_scene(std::ostream& out, const Results& results, const Scene& scene) {
   out << "# " << scene.name << ": " << scene.title << "\n\n![plot](" << scene.name << ".svg)\n\n";
   for (const std::string& precision : precisions) {
     out << "\n## " << precision << " precision\n\n| contender | iterations | Hz | us a step | "
@@ -328,7 +265,7 @@ void write_scene(std::ostream& out, const Report& report, const Scene& scene) {
     for (const Error error : scene.errors) out << ' ' << name(error) << '/' << unit(error) << " |";
     out << "\n|---|---|---|---|---|";
     for (size_t i = 0; i < scene.errors.size(); ++i) out << "---|";
-    for (const Row& row : report.rows()) {
+    for (const Row& row : results.rows()) {
       if (row.scene != scene.name || row.precision != precision) continue;
       out << "\n| " << row.contender << " | "
           << (row.iterations > 0 ? std::to_string(row.iterations) : "") << " | " << row.hz << " | "
@@ -356,15 +293,15 @@ bool is_rounding(const std::vector<Point>& points, const std::string& precision)
 constexpr double far_above = 1e4;
 
 // For plot.gp: the points of a contender, and after two empty lines its front.
-void write_data(const std::string& folder, const Report& report, const Scene& scene) {
+void write_data(const std::string& folder, const Results& results, const Scene& scene) {
   for (const std::string& precision : precisions) {
     for (const Error error : scene.errors) {
-      for (const std::string& who : report.contenders()) {
+      for (const std::string& who : results.contenders()) {
         std::ofstream data(folder + "/" + precision + "_" + name(error) + "_" + who + ".dat");
-        const auto points = report.points(precision, scene, error, who);
+        const auto points = results.points(precision, scene, error, who);
         // Reduced coordinates leave no gap at all: nothing to draw, if that is far below the others.
         if (is_rounding(points, precision) &&
-            minError(report.points(precision, scene, error, "stock")) >
+            minError(results.points(precision, scene, error, "stock")) >
                 far_above * rounding(precision))
           continue;
         for (const Point& point : points) {
@@ -388,7 +325,7 @@ int main(int argc, char** argv) {
     const std::vector<Row> more = report::read(argv[i]);
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  const Report report(rows);
+  const Results results(rows);
   std::vector<Scene> measured;
   for (const Scene& scene : scenes::catalog()) {
     if (std::any_of(rows.begin(), rows.end(),
@@ -398,29 +335,29 @@ int main(int argc, char** argv) {
 
   std::filesystem::create_directories(out);
   std::ofstream summary(out + "/summary.md");
-  const StepErrors steps = errors_of_steps(report, measured);
-  write_summary(summary, report, steps, measured);
-  write_instructions(summary, argv[2], measured, report);
+  const StepErrors steps = errors_of_steps(results, measured);
+  write_summary(summary, results, steps, measured);
+  write_instructions(summary, argv[2], measured, results);
   std::ofstream brief(out + "/brief.md");  // for plugin/docs/benchmarks.md
-  write_brief(brief, report, steps, measured);
+  write_brief(brief, results, steps, measured);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
   for (const Scene& scene : measured) {
     std::ofstream page(out + "/" + scene.name + ".md");
-    write_scene(page, report, scene);
+    write_scene(page, results, scene);
     const std::string data = out + "/data/" + scene.name;
     std::filesystem::create_directories(data);
-    write_data(data, report, scene);
+    write_data(data, results, scene);
     plots << scene.name << '|' << scene.title << '|';
     for (const Error error : scene.errors) plots << name(error) << ' ';
     plots << '|';
     for (const Error error : scene.errors) plots << unit(error) << ' ';
     plots << '|';
-    for (const std::string& who : report.contenders()) {
-      if (report.has(scene, &Row::contender, who)) plots << who << ' ';
+    for (const std::string& who : results.contenders()) {
+      if (results.has(scene, &Row::contender, who)) plots << who << ' ';
     }
     plots << '|';
     for (const std::string& precision : precisions) {
-      if (report.has(scene, &Row::precision, precision)) plots << precision << ' ';
+      if (results.has(scene, &Row::precision, precision)) plots << precision << ' ';
     }
     plots << '\n';
   }
