@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the demos and runs them in single, then in double precision.
+# Builds the demos and runs them, in double precision unless another one is asked for.
 #   run.sh                                  every scene's table, beside the stock joints', and the page that plays them
 #   run.sh [options]                        tables alone: --list, --scene, --contender, --csv, --json (--help says more)
+#   run.sh single|both [options]            tables in single precision, or in single and then in double
 #   run.sh --publish                        every scene's table, of which plugin/docs/benchmarks.md gets a few numbers
 #   run.sh page [options]                   the page alone: --list, --scene, --contender
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
@@ -70,11 +71,13 @@ extreme)
   rm "$table"
   ;;
 *)
+  precisions=(double)
+  case "${1-}" in
+  single) precisions=(single) ;;
+  both) precisions=(single double) ;;
+  esac
+  [ "${1-}" != single ] && [ "${1-}" != both ] || shift
   pintle_install_packages
-  precisions=(single double)
-  for argument in "$@"; do
-    case "$argument" in -h | --help | --list) precisions=(double) ;; esac  # they say the same in both
-  done
   build "${precisions[@]/#/pintle_demos_}"
   for precision in "${precisions[@]}"; do
     results=build/release/demos/results_$precision
