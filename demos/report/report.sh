@@ -59,17 +59,17 @@ report_replace() {  # page, mark, file
   sed -i -e "/<!-- $2 begin/,/<!-- $2 end/{/<!-- $2 end/!{/<!-- $2 begin/!d}}" -e "/<!-- $2 begin/r $3" "$1"
 }
 
-# The README's five figures, from the summary: single precision, each contender's mean error against stock's.
+# The README's five figures, from the summary: double precision, as other engines have it, each contender's mean error against stock's.
 report_figures() {  # summary
   awk -F ' *[|] *' '
     BEGIN {
       scenes = split("chain crane ragdoll cone_shoulder drive_shaft", scene, " ")
-      contenders = split("pintle exact dantzig multibody", contender, " ")
-      print "| scene | error | Pintle\047s joints | on `ExactJointSolver` | Bullet\047s joints on `btMLCPSolver` | `btMultiBody` |"
-      print "|---|---|---|---|---|---|"
+      contenders = split("pintle exact dantzig multibody ode mujoco", contender, " ")
+      print "| scene | error | Pintle\047s joints | on `ExactJointSolver` | Bullet\047s joints on `btMLCPSolver` | `btMultiBody` | ODE | MuJoCo |"
+      print "|---|---|---|---|---|---|---|---|"
     }
     /^## / { who = $0; if (!sub(/ against stock$/, "", who)) who = ""; sub(/^## /, "", who) }
-    who != "" && $4 == "single" && $3 ~ /^[*]/ {
+    who != "" && $4 == "double" && $3 ~ /^[*]/ {
       split($5, ratio, " ")
       mean[$2, who] = ratio[1]
       error[$2] = $3

@@ -3,6 +3,7 @@
 #include <tables/brief.h>
 
 #include <cctype>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -230,10 +231,10 @@ TEST(Figures, OfTheReadmeAreThoseOfTheSummary) {
   const auto ratios = ratiosAgainstStock();
   const auto table = rows(page("README.md"), "figures");
   ASSERT_EQ(table.size(), 5u);
-  const char* contenders[] = {"pintle", "exact", "dantzig", "multibody"};
+  const char* contenders[] = {"pintle", "exact", "dantzig", "multibody", "ode", "mujoco"};
   for (const Strings& row : table)
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto ratio = ratios.find({contenders[k], row.at(0), "**" + row.at(1) + "**", "single"});
+    for (std::size_t k = 0; k < std::size(contenders); ++k) {
+      const auto ratio = ratios.find({contenders[k], row.at(0), "**" + row.at(1) + "**", "double"});
       const std::string expected =
           ratio == ratios.end() ? "" : ratio->second.substr(0, ratio->second.find(' '));
       EXPECT_EQ(row.at(k + 2), expected)
