@@ -78,7 +78,12 @@ extreme)
   esac
   [ "${1-}" != single ] && [ "${1-}" != both ] || shift
   pintle_install_packages
-  build "${precisions[@]/#/pintle_demos_}"
+  targets=("${precisions[@]/#/pintle_demos_}")
+  if [ $# -eq 0 ]; then  # with the page: all at once, so that no core waits
+    pintle_install_page_packages
+    targets+=(pintle_page pintle_gallery_double)
+  fi
+  build "${targets[@]}"
   for precision in "${precisions[@]}"; do
     results=build/release/demos/results_$precision
     build/release/demos/pintle_demos_$precision --csv $results.csv --json $results.json "$@"
