@@ -110,6 +110,17 @@ struct IslandRow {
   double sign = 1;  ///< of J against start: coordinates of an axis may fall along its row
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
   bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
+  /// Rigid stops of an angle, and nothing else.
+  bool has_stops_alone = false;
+  /// Whether u = J v is far from both, where bodies turn by `turn` (rad) in the step: what else they measure by then is of its square.
+  bool isFarFromStops(double straight, double turn, double dt) const {
+    for (int i = 0; i < law.parts(); ++i) {
+      const LawPart& part = law.part(i);
+      const double left = part.isLowerStop() ? straight - part.target : part.target - straight;
+      if (!(left * dt > turn * turn)) return false;
+    }
+    return true;
+  }
   double K;  ///< J M^-1 J^T
   double root_K;
   AxisLaw law;

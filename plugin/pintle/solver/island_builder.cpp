@@ -258,6 +258,7 @@ void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, Ax
   row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
   row.open = closing(q < low ? q - low : q > high ? q - high : 0);
+  row.has_stops_alone = row.start.angular && row.law.parts() <= 2 && !row.law.hasDrives();
 }
 
 void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {

@@ -122,6 +122,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
   m_softness.assign(size_t(block * nodes), 1.);
+  m_acts.assign(size_t(block * nodes), 0.);
   m_places.clear();
   forEachBlock([&](int i, int, int k, int) { m_places.push_back(m_factor.place(i, k)); },
                [&](int b, int i, int) {
@@ -136,12 +137,12 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, doub
                          bool acts) {
   const int node = m_node[size_t(c)] + i / block;
   m_softness[size_t(block * m_node[size_t(c)] + i)] = acts ? softness : 1;
+  m_acts[size_t(block * m_node[size_t(c)] + i)] = acts;
   for (int side = 0; side < 2; ++side) {
     const int body = m_joints[size_t(c)][size_t(side)];
     if (body < 0) continue;
     const InverseInertia& by = m_bodies[size_t(body)];
     Rows& to = rows(node, side);
-    to.acts[i % block] = acts;
     Eigen::Map<Vector6d> of(to.J[i % block]), answer(to.answer[i % block]);
     of.head<3>() = J.L(side) / root_K;
     of.tail<3>() = J.A(side) / root_K;
@@ -152,6 +153,9 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, doub
 
 bool JointMatrix::factorise(double least_pivot) {
   m_factor.clear();
+  for (size_t c = 0; c < m_joints.size(); ++c)
+    for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node)
+      if (isIdle(node)) m_factor.setIdle(node);
   for (int k = 0; k < m_factor.blocks(); ++k) {
     double* const to = m_factor.at(m_factor.place(k, k));
     for (int i = 0; i < block; ++i) to[(block + 1) * i] = m_softness[size_t(block * k + i)];
@@ -173,12 +177,15 @@ bool JointMatrix::factorise(double least_pivot) {
   forEachBlock(
       [&](int i, int side_i, int k, int side_k) {
         double* const to = m_factor.at(m_places[next++]);
+        if (isIdle(i) || isIdle(k)) return;
         const Rows &a = rows(i, side_i), &b = rows(k, side_k);
+        const double *const acts_a = m_acts.data() + block * i, *const acts_b =
+                                                                    m_acts.data() + block * k;
         for (int r = 0; r < block; ++r)
           for (int s = 0; s < block; ++s) {
             double sum = 0;
             for (int j = 0; j < 6; ++j) sum += a.J[r][j] * b.answer[s][j];
-            to[block * r + s] += a.acts[r] * b.acts[s] * sum;
+            to[block * r + s] += acts_a[r] * acts_b[s] * sum;
           }
       },
       [&](int b, int i, int side) {
@@ -188,8 +195,9 @@ bool JointMatrix::factorise(double least_pivot) {
           const bool is_row = nodeOfBody(b) > i;
           for (int r = 0; r < block; ++r)
             for (int k = 0; k < 3; ++k)
-              to[is_row ? block * k + r : block * r + k] +=
-                  of.acts[r] * of.answer[r][3 * half + k] * m_bodies[size_t(b)].scale[half];
+              to[is_row ? block * k + r : block * r + k] += m_acts[size_t(block * i + r)] *
+                                                            of.answer[r][3 * half + k] *
+                                                            m_bodies[size_t(b)].scale[half];
         }
       });
   return m_factor.factorise(least_pivot);

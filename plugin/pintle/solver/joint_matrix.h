@@ -61,12 +61,15 @@ class JointMatrix {
   /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each.
   struct Rows {
     double J[block][6] = {}, answer[block][6] = {};
-    double acts[block] = {};  ///< 1, or 0
   };
   struct End {
     int joint, side;
   };
 
+  bool isIdle(int node) const {
+    const double* const acts = m_acts.data() + block * node;
+    return acts[0] == 0 && acts[1] == 0 && acts[2] == 0;
+  }
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
   int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
@@ -84,6 +87,7 @@ class JointMatrix {
   std::vector<size_t> m_places;  ///< of the blocks, as forEachBlock visits them
   std::vector<Rows> m_rows;      ///< of each node on either body
   std::vector<double> m_softness;
+  std::vector<double> m_acts;  ///< of each row: 1, or 0
   std::vector<InverseInertia> m_bodies;
   SymmetricFactor m_factor;
 };

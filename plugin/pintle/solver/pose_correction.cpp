@@ -24,6 +24,7 @@ class PoseCorrection {
   bool findGoals();
   bool factorise(bool at_end);
   double measure();
+  double findResidual();
   double step(double open, bool is_fresh);
   double iterate(double open);
   void findChanges(PoseChange* changes) const;
@@ -86,7 +87,7 @@ bool PoseCorrection::factorise(bool at_end) {
   for (int i = m_component.first_body; i < m_component.first_body + m_component.bodies; ++i)
     bodies.emplace_back(m_island.bodies[size_t(i)],
                         m_work.stiffness[size_t(i - m_component.first_body)]);
-  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_work.J);
+  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_closes, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness,
                m_closes[r]);
@@ -97,7 +98,12 @@ bool PoseCorrection::factorise(bool at_end) {
 
 // work.x: what is still open, in the units of K. Returns the most, m or rad.
 double PoseCorrection::measure() {
-  measureAtEnd(m_island, m_component, m_work.moved, m_u);
+  measureAtEnd(m_island, m_component, m_work.moved, m_closes, m_u);
+  return findResidual();
+}
+
+// Of m_u.
+double PoseCorrection::findResidual() {
   double largest = 0;
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
@@ -200,7 +206,7 @@ void PoseCorrection::begin() {
 void PoseCorrection::run(bool has_factor, PoseChange* changes) {
   begin();
   has_factor = findGoals() && has_factor;
-  const double open = measure();
+  const double open = findResidual();
   if (open <= m_options.pose_tolerance / 2) return;
   m_open = m_work.x;
   m_nearest = m_work.moved;

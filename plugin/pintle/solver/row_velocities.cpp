@@ -56,6 +56,12 @@ class JointAtEnd {
       findArms(row.shape);
       return velocityOfArms(row);
     }
+    if (row.has_stops_alone) {
+      const double straight = row.J.along(m_a.v, m_b.v);
+      if (row.isFarFromStops(straight, m_dt * (m_a.v.tail<3>().norm() + m_b.v.tail<3>().norm()),
+                             m_dt))
+        return straight;
+    }
     ask();
     Row found;
     return findAtEnd(row, m_rows, m_joint.equalities, found)
@@ -166,11 +172,21 @@ void measureAtEnd(const Island& island, const Component& component,
                [&](const IslandRow& row, size_t r, JointAtEnd& end) { u[r] = end.velocity(row); });
 }
 
+void measureAtEnd(const Island& island, const Component& component,
+                  const std::vector<MovedBody>& moved, const std::vector<char>& which,
+                  std::vector<double>& u) {
+  forEachAtEnd(island, component, moved, [&](const IslandRow& row, size_t r, JointAtEnd& end) {
+    if (which[r]) u[r] = end.velocity(row);
+  });
+}
+
 void differentiateAtEnd(const Island& island, const Component& component,
-                        const std::vector<MovedBody>& moved, std::vector<RowJacobian>& J) {
+                        const std::vector<MovedBody>& moved, const std::vector<char>& which,
+                        std::vector<RowJacobian>& J) {
   J.resize(size_t(component.rows));
-  forEachAtEnd(island, component, moved,
-               [&](const IslandRow& row, size_t r, JointAtEnd& end) { J[r] = end.jacobian(row); });
+  forEachAtEnd(island, component, moved, [&](const IslandRow& row, size_t r, JointAtEnd& end) {
+    J[r] = which[r] ? end.jacobian(row) : row.J;
+  });
 }
 
 void measureAtStart(const Island& island, const Component& component, const Vector6d* v,

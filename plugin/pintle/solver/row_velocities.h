@@ -12,9 +12,14 @@ void moveBodies(const Island& island, const Component& component, const Vector6d
 /// u of each row: (C(end) - C(start)) / dt, or J v of a row that is known at the start alone.
 void measureAtEnd(const Island& island, const Component& component,
                   const std::vector<MovedBody>& moved, std::vector<double>& u);
-/// How C of each row changes there with the poses of its bodies.
+/// The same of `which` rows alone.
+void measureAtEnd(const Island& island, const Component& component,
+                  const std::vector<MovedBody>& moved, const std::vector<char>& which,
+                  std::vector<double>& u);
+/// How C of `which` rows changes there with the poses of their bodies. Of others: at the start.
 void differentiateAtEnd(const Island& island, const Component& component,
-                        const std::vector<MovedBody>& moved, std::vector<RowJacobian>& J);
+                        const std::vector<MovedBody>& moved, const std::vector<char>& which,
+                        std::vector<RowJacobian>& J);
 /// J v of each row.
 void measureAtStart(const Island& island, const Component& component, const Vector6d* v,
                     std::vector<double>& u);

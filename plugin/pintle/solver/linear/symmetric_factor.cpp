@@ -90,6 +90,7 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
     m_first.push_back(int(m_row.size()));
   }
   m_numbers.resize(area * (n + m_row.size()));
+  m_idle.assign(n, false);
 }
 
 size_t SymmetricFactor::place(int i, int k) const {
@@ -101,6 +102,7 @@ size_t SymmetricFactor::place(int i, int k) const {
 
 void SymmetricFactor::clear() {
   std::memset(m_numbers.data(), 0, m_numbers.size() * sizeof(double));
+  std::fill(m_idle.begin(), m_idle.end(), false);
 }
 
 bool SymmetricFactor::factorise(double least_pivot) {
@@ -108,12 +110,14 @@ bool SymmetricFactor::factorise(double least_pivot) {
   double* const diagonal = m_numbers.data();
   double* const below = diagonal + area * size_t(n);
   for (int k = 0; k < n; ++k) {
+    if (m_idle[size_t(k)]) continue;
     double* const inverse = diagonal + area * size_t(k);
     if (!invert(inverse, least_pivot)) return false;
     const int first = m_first[size_t(k)], last = m_first[size_t(k) + 1];
     for (int q = first; q < last; ++q) {
       // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
       const int j = m_row[size_t(q)];
+      if (m_idle[size_t(j)]) continue;
       double* const a_j = below + area * size_t(q);
       double l_j[area];
       multiply(a_j, inverse, l_j);
@@ -123,6 +127,7 @@ bool SymmetricFactor::factorise(double least_pivot) {
       for (int p = q + 1; p < last; ++p, ++to) {
         const int i = m_row[size_t(p)];
         while (!same && m_row[size_t(to)] != i) ++to;
+        if (m_idle[size_t(i)]) continue;
         subtractProduct(below + area * size_t(p), l_j, below + area * size_t(to));
       }
       std::copy(l_j, l_j + area, a_j);
@@ -136,9 +141,10 @@ void SymmetricFactor::solve(double* x) const {
   const double* const diagonal = m_numbers.data();
   const double* const below = diagonal + area * size_t(n);
   for (int k = 0; k < n; ++k)
-    for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
+    for (int p = m_first[size_t(k)]; !m_idle[size_t(k)] && p < m_first[size_t(k) + 1]; ++p)
       subtract(below + area * size_t(p), x + size * k, x + size * m_row[size_t(p)]);
   for (int k = n - 1; k >= 0; --k) {
+    if (m_idle[size_t(k)]) continue;
     double* const own = x + size * k;
     multiplySymmetric(diagonal + area * size_t(k), own);
     for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)

@@ -24,6 +24,8 @@ class SymmetricFactor {
   double* at(size_t place) { return m_numbers.data() + place; }
   /// Sets the matrix to zero. Then add to its blocks, and factorise.
   void clear();
+  /// Block k is coupled to nothing, and has 1 on its diagonal: nothing is done with it. (Until the next `clear`.)
+  void setIdle(int k) { m_idle[size_t(k)] = true; }
   /// A smaller pivot than `least_pivot` becomes that, with its sign. Returns false if one is zero or not finite.
   bool factorise(double least_pivot);
   /// x = A^-1 x.
@@ -39,6 +41,7 @@ class SymmetricFactor {
 
   std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
   std::vector<int> m_first;  ///< of each column in m_row
+  std::vector<char> m_idle;
   /// Of the diagonal, then of those below: A, and then D^-1 and L.
   std::vector<double> m_numbers;
 };
