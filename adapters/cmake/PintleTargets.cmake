@@ -15,6 +15,17 @@ function(pintle_set_warnings target)
   endif()
 endfunction()
 
+# How the library's own code is compiled.
+function(pintle_compile_library target precision)
+  # No errno and no traps: neither changes a number, and both cost in a step. -O3 also with debug information.
+  target_compile_options(${target} PRIVATE
+    "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
+    "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>"
+    # gcc packs loops over five rows for less than it costs, and vectors of three floats.
+    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-vectorize>"
+    "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<STREQUAL:${precision},single>>:-fno-tree-slp-vectorize>")
+endfunction()
+
 # pintle::<precision>, if `wanted` is ON, or AUTO and that Bullet was found. And pintle::extend_<precision>, for who
 # writes joints of his own (pintle/extend.h): with Eigen, which the joints' own headers do not include.
 function(pintle_add_library precision wanted)
@@ -32,6 +43,7 @@ function(pintle_add_library precision wanted)
 
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS
     "${PROJECT_SOURCE_DIR}/adapters/pintle/*.cpp" "${PROJECT_SOURCE_DIR}/plugin/pintle/*.cpp")
+  list(FILTER sources EXCLUDE REGEX "/pintle/solver/")
   set(target pintle_${precision})
   add_library(${target} STATIC ${sources})
   add_library(pintle::${precision} ALIAS ${target})
@@ -49,18 +61,21 @@ function(pintle_add_library precision wanted)
   add_library(pintle_extend_${precision} INTERFACE)
   add_library(pintle::extend_${precision} ALIAS pintle_extend_${precision})
   target_link_libraries(pintle_extend_${precision} INTERFACE ${target} Eigen3::Eigen)
-  # No errno and no traps: neither changes a number, and both cost in a step. -O3 also with debug information.
-  target_compile_options(${target} PRIVATE
-    "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
-    "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>"
-    # gcc packs loops over five rows for less than it costs, and vectors of three floats.
-    "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-vectorize>"
-    "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<STREQUAL:${precision},single>>:-fno-tree-slp-vectorize>")
-  # The exact solver is in double: a tenth of its step. A precompiled header would bring its own options.
+  pintle_compile_library(${target} ${precision})
+  # The exact solver is in double, and so packs what it can: a tenth of its step. It is compiled a few files at once, for Eigen's
+  # headers take longest. (A precompiled header would bring its own options.)
   file(GLOB solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp"
     "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/linear/*.cpp")
-  set_source_files_properties(${solver} PROPERTIES SKIP_PRECOMPILE_HEADERS ON
-    COMPILE_OPTIONS "$<$<CXX_COMPILER_ID:GNU>:-ftree-slp-vectorize>")
+  add_library(${target}_solver OBJECT ${solver})
+  target_compile_features(${target}_solver PUBLIC cxx_std_17)
+  target_include_directories(${target}_solver PRIVATE "${PROJECT_SOURCE_DIR}/adapters" "${PROJECT_SOURCE_DIR}/plugin")
+  target_link_libraries(${target}_solver PRIVATE PintleBullet::${precision} Eigen3::Eigen)
+  pintle_compile_library(${target}_solver ${precision})
+  target_compile_options(${target}_solver PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-ftree-slp-vectorize>")
+  set_target_properties(${target}_solver PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/plugin/pintle/solver/joint_system.cpp" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  pintle_set_warnings(${target}_solver -Wconversion)
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_solver>)
   pintle_set_warnings(${target} -Wconversion)
   if(PINTLE_TOP_LEVEL)  # who builds it with his own project does so once
     target_precompile_headers(${target} PRIVATE <Eigen/Geometry> <btBulletDynamicsCommon.h>)

@@ -8,14 +8,22 @@ namespace {
 
 constexpr unsigned count = 300;
 
+void expectPassive(unsigned seed) {
+  const Scene scene = makeScene(seed);
+  const Outcome out = play(scene);
+  EXPECT_TRUE(out.finite) << describe(scene);
+  EXPECT_LE(out.gain, 0.01 * out.peak) << describe(scene);
+  EXPECT_LE(out.jump, 10) << describe(scene);  // where joints contradict each other
+}
+
 TEST(PassiveScenes, GainNothing) {
-  for (unsigned seed = 1; seed <= count; ++seed) {
-    const Scene scene = makeScene(seed);
-    const Outcome out = play(scene);
-    EXPECT_TRUE(out.finite) << describe(scene);
-    EXPECT_LE(out.gain, 0.01 * out.peak) << describe(scene);
-    EXPECT_LE(out.jump, 10) << describe(scene);  // where joints contradict each other
-  }
+  for (unsigned seed = 1; seed <= count; ++seed) expectPassive(seed);
+}
+
+// Each of them once was solved with a wrong factor, wrong bounds, or impulses that grew from step to step.
+TEST(PassiveScenes, ThatOnceGained) {
+  for (const unsigned seed : {370, 1013, 1015, 1017, 1236, 1376, 2038, 2250, 2261, 3073, 3079})
+    expectPassive(seed);
 }
 
 }  // namespace

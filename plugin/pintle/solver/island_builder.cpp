@@ -12,7 +12,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr int max_stock_rows = 24;  // btGeneric6DofSpring2Constraint: four an axis
+constexpr int most_stock_rows = 24;  // btGeneric6DofSpring2Constraint: four an axis
 constexpr int unknown = std::numeric_limits<int>::min();
 
 Matrix3d inDouble(const btMatrix3x3& m) {
@@ -106,13 +106,13 @@ double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J
 
 // J M^-1 J^T less what the equalities hold of it, by Cholesky's factor of their own; those that repeat others are left out.
 double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const {
-  double L[max_stock_rows][max_stock_rows], y[max_stock_rows];
-  const IslandRow* equality[max_stock_rows];
+  double L[most_stock_rows][most_stock_rows], y[most_stock_rows];
+  const IslandRow* equality[most_stock_rows];
   double rest = inverseMass(joint, J, J);
   int n = 0;
   for (size_t r = size_t(joint.first_row); r < m_island.rows.size(); ++r) {
     const IslandRow& row = m_island.rows[r];
-    if (!row.law.isEquality() || n == max_stock_rows) continue;
+    if (!row.law.isEquality() || n == most_stock_rows) continue;
     double pivot = row.K;
     for (int j = 0; j < n; ++j) {
       double sum = inverseMass(joint, row.J, equality[j]->J);
@@ -266,8 +266,8 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
   const int count = size.m_numConstraintRows;  // all of which it writes
-  if (count <= 0 || count > max_stock_rows) return;
-  btSolverConstraint rows[max_stock_rows], at_twice_the_rate[max_stock_rows];
+  if (count <= 0 || count > most_stock_rows) return;
+  btSolverConstraint rows[most_stock_rows], at_twice_the_rate[most_stock_rows];
   const Scalar fps = 1 / m_info.m_timeStep;
   const auto ask = [&](Scalar rate, btSolverConstraint* answer) {
     return askRows(
@@ -278,7 +278,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   const Scalar damping = ask(fps, rows);
   // What grows with the rate of the steps closes what is open, with the ERP that the joint has for it. Not of a motor: where it
   // cannot do all, it does what it can. And of a stop that is not reached yet it is the way that is left to it.
-  Scalar closing[max_stock_rows];
+  Scalar closing[most_stock_rows];
   for (int i = 0; i < count; ++i) {
     const bool can_push = rows[i].m_upperLimit >= infinity,
                can_pull = rows[i].m_lowerLimit <= -infinity;

@@ -97,15 +97,22 @@ double PassiveJointSolver::State::gainInVelocity(const std::vector<const Compone
   return gain;
 }
 
-// The stiffness of its load with the impulses that are found. Returns whether there is any.
+// The stiffness of its load with the impulses that are found. Returns whether a body turns by less than half, or by more than twice
+// of what was foreseen.
 bool PassiveJointSolver::State::foreseeLoad(const Component& component) {
   Workspace& work = memoryOf(component).work;
   const std::vector<double> load = work.load;
+  const std::vector<Matrix3d> foreseen = work.stiffness;
   addLoad(work);
   findStiffness(island, component, options.stable_swing, work);
   work.load = load;
-  return std::any_of(work.stiffness.begin(), work.stiffness.end(),
-                     [](const Matrix3d& S) { return !S.isZero(0); });
+  for (int i = 0; i < component.bodies; ++i) {
+    const double own = island.bodies[size_t(component.first_body + i)].inertia.trace(),
+                 was = own + foreseen[size_t(i)].trace(),
+                 is = own + work.stiffness[size_t(i)].trace();
+    if (is > 2 * was || was > 2 * is) return true;
+  }
+  return false;
 }
 
 // The second tier: one component alone, or those that contacts touch.
@@ -260,7 +267,10 @@ void PassiveJointSolver::State::solveAll() {
     again = false;
     for (const Component* of : among_contacts) again = breaks(*of) || again;
   }
-  if (contacts.empty()) velocities.resize(island.bodies.size());
+  if (contacts.empty()) {  // who has no joint with rows is free
+    velocities.clear();
+    for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+  }
   for (const Component& component : components) {
     ComponentMemory& kept = memoryOf(component);
     finish(component, kept);
