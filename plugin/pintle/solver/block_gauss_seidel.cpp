@@ -45,10 +45,10 @@ class Block {
   int factors() const { return m_set.factors(); }
   /// Whether the last pass did.
   bool changesSet() const { return m_changes; }
-  void beginDirection() { m_work.y_before_pass = m_work.y; }
+  /// Of conjugate gradients: its impulses before a pass, and by so much of the last direction on.
+  void beginPass() { m_work.y_before_pass = m_work.y; }
   void goOn(double part) {
     std::vector<double>&y = m_work.y, &direction = m_work.y_direction;
-    direction.resize(y.size(), 0.);
     for (size_t k = 0; k < y.size(); ++k) {
       const double last = part * direction[k];
       direction[k] = y[k] - m_work.y_before_pass[k] + last;
@@ -81,6 +81,7 @@ class Block {
 };
 
 void Block::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
+  m_work.y_direction.assign(m_work.y.size(), 0.);
   measure(velocities);
   m_set.choose();
   if (sweep != Sweep::all_at_once) {
@@ -110,8 +111,8 @@ Block::Pass Block::solve(std::vector<Vector6d>& velocities) {
   if (m_swept == nullptr && !m_set.bounded().empty()) {
     m_work.y_before_choice = y;
     changes = m_set.chooseAgain();
-    if (changes) {
-      m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+    if (changes) m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+    if (y != m_work.y_before_choice) {  // those that came to a bound
       for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - m_work.y_before_choice[k];
       respond(x, velocities);
       measure(velocities);
@@ -206,24 +207,26 @@ double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& v
 // any sum of such changes.
 class Gradients {
  public:
-  explicit Gradients(std::vector<Vector6d>& velocities) : m_velocities(velocities) {}
+  Gradients(std::vector<ContactRow>& contacts, std::vector<Vector6d>& velocities)
+      : m_velocities(velocities), m_direction(velocities.size(), Vector6d::Zero()) {
+    for (ContactRow& row : contacts) row.direction = 0;
+  }
 
-  void begin(const std::vector<ContactRow>& contacts, std::vector<Block>& blocks) {
+  void beginPass(const std::vector<ContactRow>& contacts, std::vector<Block>& blocks) {
     m_start = m_velocities;
     m_impulses.clear();
     for (const ContactRow& row : contacts) m_impulses.push_back(row.impulse);
-    for (Block& block : blocks) block.beginDirection();
+    for (Block& block : blocks) block.beginPass();
   }
-  /// Goes on by as much of the last direction as makes the new one conjugate to it, unless `again`.
-  void goOn(std::vector<ContactRow>& contacts, std::vector<Block>& blocks, bool again) {
+  /// Goes on by as much of the last direction as makes the new one conjugate to it; of `anew`, by none.
+  void goOn(std::vector<ContactRow>& contacts, std::vector<Block>& blocks, bool anew) {
     double length2 = 0;
     for (size_t r = 0; r < contacts.size(); ++r) {
       const double change = contacts[r].impulse - m_impulses[r];
       length2 += contacts[r].K * change * change;
     }
-    const double part = again || !(length2 < m_length2) ? 0 : length2 / m_length2;
+    const double part = anew || !(length2 < m_length2) ? 0 : length2 / m_length2;
     m_length2 = length2;
-    m_direction.resize(m_velocities.size(), Vector6d::Zero());
     for (size_t i = 0; i < m_velocities.size(); ++i) {
       const Vector6d last = part * m_direction[i];
       m_direction[i] = m_velocities[i] - m_start[i] + last;
@@ -267,9 +270,9 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
     blocks.emplace_back(island, part, options);
     blocks.back().begin(sweep, velocities);
   }
-  Gradients gradients(velocities);
+  Gradients gradients(contacts, velocities);
   for (bool go_on = true; go_on;) {
-    gradients.begin(contacts, blocks);
+    gradients.beginPass(contacts, blocks);
     double largest = sweepContacts(contacts, velocities);
     bool changes_set = false;
     for (Block& block : blocks) {
@@ -280,9 +283,11 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
     }
     ++report.steps;
     report.error = largest * island.dt;
-    report.converged = report.error <= options.contact_tolerance;
+    // What contacts see in the first pass is not yet what joints do.
+    report.converged = report.steps > 1 && report.error <= options.contact_tolerance;
     go_on = is_swept && is_solvable && !report.converged && report.steps < most;
-    if (go_on) gradients.goOn(contacts, blocks, changes_set);
+    // They may gain: where that is to be mended, each pass takes energy.
+    if (go_on && sweep == Sweep::all_at_once) gradients.goOn(contacts, blocks, changes_set);
   }
   for (Block& block : blocks) {
     block.finish(velocities);

@@ -2,8 +2,9 @@
 //   M (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h)
 // and are solved by blocks: contacts one by one, the rows of a component of joints all at once, by the factor of their K.
 //
-// What rows ask for is that nothing moves along them. So each block takes as much kinetic energy as its impulses can: KE(v) never
-// is above KE(v*), converged or not, if it begins without impulses. What such a step leaves open is closed by moving poses (pose_correction.h).
+// Each block minimises the dual function KE(v) - KE(v*) - lambda . target over its own impulses. From none on, it never rises: so
+// KE(v) is never above KE(v*), converged or not, but for what targets ask for. What such a step leaves open is closed by moving
+// poses (pose_correction.h).
 #pragma once
 
 #include <pintle/solver/contacts.h>
