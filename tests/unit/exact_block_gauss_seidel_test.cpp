@@ -49,6 +49,7 @@ class Chain : public testing::Test {
     std::vector<pintle::JointBlock> blocks = {{&m_component, &m_K, &m_work}};
     pintle::SolverOptions options;
     options.contact_tolerance = 0;
+    options.newton_tolerance = 1e-9;
     return pintle::solveInVelocity(m_island, blocks, m_contacts, options, sweep, passes,
                                    m_velocities);
   }
