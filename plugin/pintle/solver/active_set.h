@@ -31,7 +31,7 @@ class ActiveSet {
   /// K without a factor, for who asks for no solution.
   void setRows();
   int factors() const { return m_factors; }
-  /// work.x = K^-1 times what work.u is off, in the units of K. Returns the most that a row is off, m or rad.
+  /// work.x = what work.u is off of rows that act, in the units of K. Returns the most, m or rad.
   double findResidual();
   /// work.lambda from work.y.
   void keepImpulses();

@@ -1,6 +1,7 @@
 #include <pintle/solver/block_gauss_seidel.h>
 
 #include <pintle/solver/active_set.h>
+#include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
 #include <cmath>
@@ -11,14 +12,11 @@ namespace {
 
 // Bodies that swing faster than a step resolves resist it (load_stiffness.h): (M + S) v = M v*. That takes energy, too.
 void addStiffness(const Island& island, const JointBlock& of, std::vector<Vector6d>& velocities) {
-  std::vector<InverseInertia>& bodies = of.K->bodies();
-  bodies.clear();
+  stiffen(island, *of.component, *of.work, *of.K);
   for (int i = 0; i < of.component->bodies; ++i) {
-    const int number = of.component->first_body + i;
-    const Matrix3d& S = of.work->stiffness[size_t(i)];
-    bodies.emplace_back(island.bodies[size_t(number)], S);
-    Vector6d& v = velocities[size_t(number)];
-    v.tail<3>() -= bodies.back().angular * (S * v.tail<3>());
+    Vector6d& v = velocities[size_t(of.component->first_body + i)];
+    v.tail<3>() -=
+        of.K->bodies()[size_t(i)].angular * (of.work->stiffness[size_t(i)] * v.tail<3>());
   }
 }
 
@@ -159,8 +157,7 @@ double Block::sweepRows(std::vector<Vector6d>& velocities) {
       const int body = joint.body[size_t(side)];
       if (body < 0) continue;
       const InverseInertia& by = m_of.K->bodies()[size_t(body - m_of.component->first_body)];
-      velocities[size_t(body)].head<3>() += change * by.linear.cwiseProduct(row.J.L(side));
-      velocities[size_t(body)].tail<3>() += change * by.angular * row.J.A(side);
+      velocities[size_t(body)] += change * by.answer(row.J.L(side), row.J.A(side));
     }
     largest = std::fmax(largest, std::abs(row.K * change));
   }
@@ -179,10 +176,10 @@ void findAnswers(const Island& island, const std::vector<JointBlock>& of,
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
       if (body < 0) continue;
+      const InverseInertia* const by = inertia[size_t(body)];  // null: it has no joints
       Vector6d& answer = row.answer[size_t(side)];
-      answer = island.bodies[size_t(body)].answer(row.J.L(side), row.J.A(side));
-      if (const InverseInertia* const by = inertia[size_t(body)])
-        answer.tail<3>() = by->angular * row.J.A(side);
+      answer = by != nullptr ? by->answer(row.J.L(side), row.J.A(side))
+                             : island.bodies[size_t(body)].answer(row.J.L(side), row.J.A(side));
       row.K += row.J.L(side).dot(answer.head<3>()) + row.J.A(side).dot(answer.tail<3>());
     }
   }

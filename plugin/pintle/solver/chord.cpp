@@ -1,22 +1,20 @@
 #include <pintle/solver/chord.h>
 
+#include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// The inertia of bodies, and their velocities without impulses of joints: M (v - v*) + S (v - v_0) = 0, S the stiffness.
+// Velocities without impulses of joints: M (v - v*) + S (v - v_0) = 0, S the stiffness.
 void findBase(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
-  std::vector<InverseInertia>& bodies = K.bodies();
-  bodies.clear();
   work.base.clear();
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Matrix3d& S = work.stiffness[size_t(i)];
-    bodies.emplace_back(body, S);
     Vector6d base = body.v_free;
-    base.tail<3>() -= bodies.back().angular * (S * (body.v_free - body.v0).tail<3>());
+    base.tail<3>() -= K.bodies()[size_t(i)].angular *
+                      (work.stiffness[size_t(i)] * (body.v_free - body.v0).tail<3>());
     work.base.push_back(base);
   }
 }
@@ -113,6 +111,7 @@ SolveReport Chord::run() {
 
 SolveReport solveByChord(const Island& island, const Component& component,
                          const SolverOptions& options, JointMatrix& K, Workspace& work) {
+  stiffen(island, component, work, K);
   findBase(island, component, K, work);
   return Chord(island, component, options, K, work).run();
 }

@@ -66,9 +66,9 @@ struct MostImpulse {
     double largest = 0;  // m: radius of gyration
     for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
       const IslandBody& body = island.bodies[size_t(i)];
-      const double radius = body.scale[1] / body.scale[0];
-      linear += body.mass * (body.v_free.head<3>().norm() + radius * body.v_free.tail<3>().norm());
-      largest = std::fmax(largest, radius);
+      linear +=
+          body.mass * (body.v_free.head<3>().norm() + body.radius() * body.v_free.tail<3>().norm());
+      largest = std::fmax(largest, body.radius());
       low.setMin(body.start.getOrigin());
       high.setMax(body.start.getOrigin());
     }

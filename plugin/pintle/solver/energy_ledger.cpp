@@ -8,10 +8,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to) {
-  const Vector6d sum = to + from, change = to - from;
-  return (body.mass * change.head<3>().dot(sum.head<3>()) +
-          change.tail<3>().dot(body.inertia * sum.tail<3>())) /
-         2;
+  return body.product(to - from, to + from) / 2;
 }
 
 void EnergyLedger::begin(const Island& island, const Component& component, double share) {
@@ -31,6 +28,7 @@ namespace {
 
 // The impulse of the parts of a law that drive.
 double drivingImpulse(const AxisLaw& law, double u, double lambda) {
+  if (!law.hasDrives()) return 0;
   double impulse[AxisLaw::max_parts], driving = 0;
   law.split(u, lambda, impulse);
   for (int k = 0; k < law.parts(); ++k)
@@ -52,10 +50,8 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Vector6d &v = end.v[size_t(i)], twice = v + body.*start, by_joints = v - body.v_free;
-    work += (body.mass * by_joints.head<3>().dot(twice.head<3>()) +
-             by_joints.tail<3>().dot(body.inertia * twice.tail<3>())) /
-            2;
+    const Vector6d& v = end.v[size_t(i)];
+    work += body.product(v - body.v_free, v + body.*start) / 2;
   }
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
@@ -66,8 +62,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       work += stored(island, row, end.u[r], end.lambda[r]);
-      const double driving =
-          row.law.hasDrives() ? drivingImpulse(row.law, end.u[r], end.lambda[r]) : 0;
+      const double driving = drivingImpulse(row.law, end.u[r], end.lambda[r]);
       if (driving != 0 || row.rebound_energy > 0) {
         const double u = row.J.along(mean(0), mean(1));
         work -= driving * u +
@@ -100,8 +95,7 @@ double workAmongContacts(const Island& island, const Component& component, const
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const double lambda = end.lambda[r], u = row.J.along(a, b),
-                   rest = lambda -
-                          (row.law.hasDrives() ? drivingImpulse(row.law, end.u[r], lambda) : 0);
+                   rest = lambda - drivingImpulse(row.law, end.u[r], lambda);
       work += rest * u + stored(island, row, end.u[r], lambda) -
               std::fmin(row.rebound_energy, std::fmax(0, rest * u));
     }
@@ -113,9 +107,7 @@ double workOfPoses(const Island& island, const Component& component, const Vecto
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Vector6d by_forces = (body.v_free - body.v0) / island.dt;
-    work -= body.mass * by_forces.head<3>().dot(changes[i].head<3>()) +
-            by_forces.tail<3>().dot(body.inertia * changes[i].tail<3>());
+    work -= body.product((body.v_free - body.v0) / island.dt, changes[i]);
   }
   return work;
 }
@@ -131,10 +123,8 @@ double slow(const Island& island, const Component& component, double energy,
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     const Vector6d& of = v[size_t(i)];
-    Vector6d p = body.mass * of;
-    p.tail<3>() = body.inertia * of.tail<3>();
-    a += p.dot(of);
-    b += p.dot(body.v0);
+    a += body.product(of, of);
+    b += body.product(of, body.v0);
   }
   if (!(a > 0)) return 0;
   const double root2 = (a + b) * (a + b) - 8 * a * energy;

@@ -41,6 +41,12 @@ struct IslandBody {
   Vector6d
       push;  ///< with which contacts move its pose out of others in this step, beside its velocity
 
+  /// a M b
+  double product(const Vector6d& a, const Vector6d& b) const {
+    return mass * a.head<3>().dot(b.head<3>()) + a.tail<3>().dot(inertia * b.tail<3>());
+  }
+  /// m: of gyration.
+  double radius() const { return scale[1] / scale[0]; }
   /// M^-1 of an impulse, N s and N m s: 0 where its factors hold it.
   Vector6d answer(const Vector3d& linear, const Vector3d& angular) const {
     Vector6d to;

@@ -146,8 +146,7 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, doub
     Eigen::Map<Vector6d> of(to.J[i % block]), answer(to.answer[i % block]);
     of.head<3>() = J.L(side) / root_K;
     of.tail<3>() = J.A(side) / root_K;
-    answer.head<3>() = by.linear.cwiseProduct(of.head<3>());
-    answer.tail<3>() = by.angular * of.tail<3>();
+    answer = by.answer(of.head<3>(), of.tail<3>());
   }
 }
 

@@ -24,6 +24,12 @@ struct InverseInertia {
 
   /// With `stiffness` (kg m^2, symmetric, not negative) added to what turns.
   InverseInertia(const IslandBody& body, const Matrix3d& stiffness);
+  /// Of an impulse, N s and N m s.
+  Vector6d answer(const Vector3d& along, const Vector3d& about) const {
+    Vector6d to;
+    to << linear.cwiseProduct(along), angular * about;
+    return to;
+  }
 };
 
 class JointMatrix {

@@ -51,5 +51,13 @@ void findStiffness(const Island& island, const Component& component, double stab
   }
 }
 
+void stiffen(const Island& island, const Component& component, const Workspace& work,
+             JointMatrix& K) {
+  std::vector<InverseInertia>& bodies = K.bodies();
+  bodies.clear();
+  for (int i = 0; i < component.bodies; ++i)
+    bodies.emplace_back(island.bodies[size_t(component.first_body + i)], work.stiffness[size_t(i)]);
+}
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -2,6 +2,7 @@
 // about their joints under the load. Where that is faster than a step resolves, they get inertia.
 #pragma once
 
+#include <pintle/solver/joint_matrix.h>
 #include <pintle/solver/workspace.h>
 
 namespace pintle {
@@ -15,6 +16,10 @@ void addLoad(Workspace& work);
 /// `stable_swing`. Of joints that hold a point or a distance.
 void findStiffness(const Island& island, const Component& component, double stable_swing,
                    Workspace& work);
+
+/// The inertia of the bodies of K: their own, and work.stiffness.
+void stiffen(const Island& island, const Component& component, const Workspace& work,
+             JointMatrix& K);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -46,10 +46,11 @@ struct PassiveJointSolver::State {
   std::vector<ContactRow> contacts;
   int sweeps = 0;  ///< of contacts
 
+  ComponentMemory& begin(const Component& component);
   bool solveByChord(const Component& component);
   void solveInVelocity(const std::vector<const Component*>& those, std::vector<ContactRow>& rows);
   double gainInVelocity(const std::vector<const Component*>& those,
-                        const std::vector<ContactRow>& rows) const;
+                        const std::vector<ContactRow>& rows);
   bool foreseeLoad(const Component& component);
   bool stopRebounds(const Component& component);
   bool isOpen(const Component& component) const;
@@ -61,18 +62,21 @@ struct PassiveJointSolver::State {
     return memory[island.joints[size_t(component.first_joint)].constraint];
   }
   ComponentMemory& memoryOf(const Component& component) { return *slotOf(component); }
-  const ComponentMemory& memoryOf(const Component& component) const {
-    return *memory.at(island.joints[size_t(component.first_joint)].constraint);
-  }
   void solveAll();
 };
 
-// The first tier. Returns false where it does not converge, or where its joints would give too much.
-bool PassiveJointSolver::State::solveByChord(const Component& component) {
+// Where a solve begins, with what its joints bore in the last steps.
+ComponentMemory& PassiveJointSolver::State::begin(const Component& component) {
   ComponentMemory& kept = memoryOf(component);
   kept.begin(island, component);
   findSoftness(island, component, options, kept.in_loop, kept.work);
   findStiffness(island, component, options.stable_swing, kept.work);
+  return kept;
+}
+
+// The first tier. Returns false where it does not converge, or where its joints would give too much.
+bool PassiveJointSolver::State::solveByChord(const Component& component) {
+  ComponentMemory& kept = begin(component);
   const SolveReport done = pintle::solveByChord(island, component, options, kept.K, kept.work);
   count(done, 1);
   if (!done.converged) return false;
@@ -84,7 +88,7 @@ bool PassiveJointSolver::State::solveByChord(const Component& component) {
 // J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each
 // other.
 double PassiveJointSolver::State::gainInVelocity(const std::vector<const Component*>& those,
-                                                 const std::vector<ContactRow>& rows) const {
+                                                 const std::vector<ContactRow>& rows) {
   double gain = 0;
   std::vector<char> counted(island.bodies.size(), false);
   for (const Component* of : those) {
@@ -136,12 +140,7 @@ void PassiveJointSolver::State::solveInVelocity(const std::vector<const Componen
   };
   // Again, where bodies swing fast, and under another load than was foreseen.
   const auto attempt = [&](Sweep sweep) {
-    for (const Component* of : those) {
-      ComponentMemory& kept = memoryOf(*of);
-      kept.begin(island, *of);
-      findSoftness(island, *of, options, kept.in_loop, kept.work);
-      findStiffness(island, *of, options.stable_swing, kept.work);
-    }
+    for (const Component* of : those) begin(*of);
     solve(sweep);
     bool again = false;
     for (const Component* of : those) again = foreseeLoad(*of) || again;

@@ -1,5 +1,6 @@
 #include <pintle/solver/pose_correction.h>
 
+#include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
 #include <Eigen/Geometry>
@@ -40,13 +41,10 @@ class PoseCorrection {
   JointMatrix& m_K;
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
-  std::vector<double> m_open;  ///< what was open at first, in the units of K
-  std::vector<MovedBody> m_nearest,
-      m_first;  ///< where least is open, and where the first step has led if it closes nothing
+  std::vector<double> m_open;        ///< what was open at first, in the units of K
+  std::vector<MovedBody> m_nearest;  ///< where least is open
+  std::vector<MovedBody> m_first;    ///< where the first step has led, if it closes nothing
 };
-
-// m: of gyration.
-double radius(const IslandBody& body) { return body.scale[1] / body.scale[0]; }
 
 // Beyond which of its stops a row that may leave them ends the step, and where that is.
 bool isBeyond(const AxisLaw& law, double u, double& stop) {
@@ -82,11 +80,7 @@ bool PoseCorrection::findGoals() {
 
 // By the rows of the start, or of where bodies are now.
 bool PoseCorrection::factorise(bool at_end) {
-  std::vector<InverseInertia>& bodies = m_K.bodies();
-  bodies.clear();
-  for (int i = m_component.first_body; i < m_component.first_body + m_component.bodies; ++i)
-    bodies.emplace_back(m_island.bodies[size_t(i)],
-                        m_work.stiffness[size_t(i - m_component.first_body)]);
+  stiffen(m_island, m_component, m_work, m_K);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_closes, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness,
@@ -177,11 +171,11 @@ void PoseCorrection::shorten(PoseChange* changes) const {
         const IslandBody& of = m_island.bodies[size_t(joint.body[size_t(side)])];
         most += open / row.K *
                 (row.J.L(side).norm() / of.mass +
-                 radius(of) * (of.inverse_inertia * row.J.A(side)).norm());
+                 of.radius() * (of.inverse_inertia * row.J.A(side)).norm());
       }
   });
   for (int i = 0; i < m_component.bodies; ++i) {
-    const double by = changes[i].head<3>().norm() + radius(body(i)) * changes[i].tail<3>().norm();
+    const double by = changes[i].head<3>().norm() + body(i).radius() * changes[i].tail<3>().norm();
     moved = by <= moved ? moved : by;  // and not finite if one is
   }
   if (moved <= most) return;
