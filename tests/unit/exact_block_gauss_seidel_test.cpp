@@ -156,7 +156,9 @@ TEST_F(Chain, WithoutContactsEveryRowIsOnItsLaw) {
   int found = 0, acts = 0;
   for (int trial = 0; trial < support::trials(300); ++trial) {
     make(0);
-    if (!solve(pintle::Sweep::all_at_once, 1).is_solvable) continue;  // no set of limits was found
+    const pintle::SolveReport done = solve(pintle::Sweep::all_at_once, 1);
+    if (!done.is_solvable) continue;  // no set of limits was found
+    EXPECT_TRUE(done.converged);
     ++found;
     for (size_t r = 0; r < m_island.rows.size(); ++r) {
       const double u = m_work.u[r], lambda = m_work.lambda[r];

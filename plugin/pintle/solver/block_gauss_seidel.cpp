@@ -281,7 +281,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
     ++report.steps;
     report.error = largest * island.dt;
     // What contacts see in the first pass is not yet what joints do.
-    report.converged = report.steps > 1 && report.error <= options.contact_tolerance;
+    report.converged = !is_swept || (report.steps > 1 && report.error <= options.contact_tolerance);
     go_on = is_swept && is_solvable && !report.converged && report.steps < most;
     // They may gain: where that is to be mended, each pass takes energy.
     if (go_on && sweep == Sweep::all_at_once) gradients.goOn(contacts, blocks, changes_set);
