@@ -112,6 +112,8 @@ struct IslandRow {
   RowShape shape;
   /// Whether C can be asked for at other poses.
   bool has_position;
+  /// An angle that may change by more than half a turn in the step: then poses do not tell by how much.
+  bool spins = false;
   int index;        ///< among the rows of the joint
   double sign = 1;  ///< of J against start: coordinates of an axis may fall along its row
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.

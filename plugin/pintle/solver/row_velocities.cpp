@@ -7,29 +7,21 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// The row of the start, among those of the end. Returns false if there is none. Tangents of a joint may be chosen anew at each pose:
-// an equality is then taken along that of the start.
-bool findAtEnd(const IslandRow& row, const Rows& end, int equalities_at_start, Row& found) {
-  if (row.start.axis >= 0) {
-    for (int i = end.equalities(); i < end.size(); ++i)
-      if (end[i].axis == row.start.axis) {
-        found = end[i];
-        return isSameRow(row.start, found);
-      }
-    return false;
-  }
-  if (end.equalities() != equalities_at_start) return false;
-  found = end[row.index];
-  if (isSameRow(row.start, found)) return true;
+// Along `row`, what rows of the end are together. Returns false if they hardly are.
+template <class IsOfThem>
+bool findAlong(const Row& row, const Rows& end, int first, int last, const IsOfThem& isOne,
+               Row& found) {
+  found = row;
   found.L = found.A_a = found.A_b = Vec3::Zero();
   found.position = 0;
   bool any = false;
-  for (int i = 0; i < end.equalities(); ++i) {
+  for (int i = first; i < last; ++i) {
     const Row& other = end[i];
-    if (other.angular != row.start.angular || other.group != row.start.group) continue;
-    const Vec3 &mine = row.start.angular ? row.start.A_b : row.start.L,
-               &its = row.start.angular ? other.A_b : other.L;
-    const Scalar part = mine.dot(its) / its.dot(its);
+    if (other.angular != row.angular || !isOne(other)) continue;
+    const Vec3 &mine = row.angular ? row.A_b : row.L, &its = row.angular ? other.A_b : other.L;
+    const Scalar size2 = its.dot(its);
+    if (!(size2 > 0)) continue;
+    const Scalar part = mine.dot(its) / size2;
     found.L += part * other.L;
     found.A_a += part * other.A_a;
     found.A_b += part * other.A_b;
@@ -37,6 +29,38 @@ bool findAtEnd(const IslandRow& row, const Rows& end, int equalities_at_start, R
     any = any || btFabs(part) > Scalar(0.1);
   }
   return any;
+}
+
+// The row `start`, the number `index` of its joint, among those of the end. Returns false if there is none. Tangents of a joint may be
+// chosen anew at each pose, and the axes of a motor about all of them: such rows are then taken along those of the start. So are
+// rows along axes of the world: along what `carry` makes of them.
+template <class Carry>
+bool findAtEnd(const Row& start, int index, Rows& end, int equalities_at_start, const Carry& carry,
+               Row& found) {
+  if (start.axis >= 0) {
+    const Axis* const axis = end.axis(start.axis).axis;
+    const auto isOne = [&](const Row& other) {
+      return !other.limit && end.axis(other.axis).axis == axis;
+    };
+    int same = 0, at = -1;
+    for (int i = end.equalities(); i < end.size(); ++i) {
+      if (end[i].axis == start.axis) at = i;
+      if (isOne(end[i])) ++same;
+    }
+    if (at < 0) return false;
+    if (!start.limit && same > 1)
+      return findAlong(start, end, end.equalities(), end.size(), isOne, found);
+    found = end[at];
+    return isSameRow(start, found);
+  }
+  if (end.equalities() != equalities_at_start) return false;
+  found = end[index];
+  const bool of_world = start.angular && start.A_b == found.A_b;
+  const Row along = of_world ? carry(start) : start;
+  if (isSameRow(start, found) && along.A_b == start.A_b) return true;
+  return findAlong(
+      along, end, 0, end.equalities(), [&](const Row& other) { return other.group == start.group; },
+      found);
 }
 
 // The two bodies of a joint at the end of the step, and what its rows are there.
@@ -64,9 +88,10 @@ class JointAtEnd {
     }
     ask();
     Row found;
-    return findAtEnd(row, m_rows, m_joint.equalities, found)
-               ? (double(found.position) - double(row.start.position)) / m_dt
-               : row.J.along(m_a.v, m_b.v);
+    const double at_start = row.J.along(m_a.v, m_b.v);
+    if (!find(row, found)) return at_start;
+    const double change = double(found.position) - double(row.start.position);
+    return (row.spins ? change + turnsBeside(row, change) : change) / m_dt;
   }
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
@@ -76,7 +101,7 @@ class JointAtEnd {
     }
     ask();
     Row found;
-    return findAtEnd(row, m_rows, m_joint.equalities, found) ? jacobianOf(found, row.sign) : row.J;
+    return find(row, found) ? jacobianOf(found, row.sign) : row.J;
   }
 
  private:
@@ -84,6 +109,25 @@ class JointAtEnd {
                           const std::vector<MovedBody>& moved, int side) const {
     const int body = m_joint.body[size_t(side)];
     return body < 0 ? island.unmovedBody(body) : moved[size_t(body - component.first_body)];
+  }
+
+  bool find(const IslandRow& row, Row& found) {
+    // With the mean of both bodies.
+    const auto carry = [this](const Row& start) {
+      Row to = start;
+      const Vector3d from = inDouble(start.A_b), mean = m_a.turn * from + m_b.turn * from;
+      const double size = mean.norm();
+      if (size > 0) to.A_a = to.A_b = (from.norm() / size * mean).cast<Scalar>();
+      return to;
+    };
+    return findAtEnd(row.start, row.index, m_rows, m_joint.equalities, carry, found);
+  }
+
+  // rad: the whole turns that the bodies make in the step beside `change`.
+  double turnsBeside(const IslandRow& row, double change) const {
+    const RotationOfStep a(m_a.v.tail<3>(), m_dt), b(m_b.v.tail<3>(), m_dt);
+    const double turn = row.J.A_a.dot(a.phi) + row.J.A_b.dot(b.phi);
+    return 2 * pi * std::round((turn - change) / (2 * pi));
   }
 
   // What two arms of the bodies do not tell: the joint's own rows.
