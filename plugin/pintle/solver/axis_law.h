@@ -18,6 +18,9 @@ struct LawPart {
   static constexpr double unbounded = 1e30;
   bool isLowerStop() const { return lower == 0 && upper == unbounded; }
   bool isUpperStop() const { return upper == 0 && lower == -unbounded; }
+  bool rebounds() const {
+    return !drives && ((isLowerStop() && target > 0) || (isUpperStop() && target < 0));
+  }
 
   double at(double u) const {
     if (softness > 0) return std::fmin(std::fmax((target - u) / softness, lower), upper);
@@ -35,6 +38,8 @@ struct LawPiece {
   double impulseAt(double free, double K) const {
     return acts ? (target - free) / (K + softness) : impulse;
   }
+  /// u of that impulse, without what a solve has left of it.
+  double velocityAt(double u, double lambda) const { return acts ? target - softness * lambda : u; }
 };
 
 class AxisLaw {
@@ -45,15 +50,18 @@ class AxisLaw {
   void add(const LawPart& part) { m_part[m_parts++] = part; }
   /// Changes the target of a law of one part.
   void aim(double target) { m_part[0].target = target; }
+  /// Whether one of its stops sends it back with this velocity.
+  bool rebounds(double u) const {
+    for (int i = 0; i < m_parts; ++i)
+      if (m_part[i].rebounds() && m_part[i].target == u) return true;
+    return false;
+  }
   /// Stops give back nothing of the speed with which they are met. Returns whether they did.
   bool stopRebound() {
     bool any = false;
     for (int i = 0; i < m_parts; ++i) {
-      LawPart& part = m_part[i];
-      const bool rebounds =
-          (part.isLowerStop() && part.target > 0) || (part.isUpperStop() && part.target < 0);
-      if (part.drives || !rebounds) continue;
-      part.target = 0;
+      if (!m_part[i].rebounds()) continue;
+      m_part[i].target = 0;
       any = true;
     }
     return any;

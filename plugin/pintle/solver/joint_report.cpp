@@ -42,10 +42,8 @@ void report(const Island& island, const Component& component, const Workspace& e
     btJointFeedback* const feedback = constraint.getJointFeedback();
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const double u = end.u[size_t(joint.row_of_component + i)];
-      const double lambda = end.lambda[size_t(joint.row_of_component + i)];
-      // Bullet's sign is the other one, and coordinates may fall along their rows.
-      constraint.internalSetAppliedImpulse(Scalar(-row.sign * lambda));
+      const auto r = size_t(joint.row_of_component + i);
+      const double lambda = end.lambda[r];
       if (feedback != nullptr) {
         const double force = lambda / island.dt;
         feedback->m_appliedForceBodyA += toBullet(force * row.J.L_a);
@@ -53,10 +51,14 @@ void report(const Island& island, const Component& component, const Workspace& e
         feedback->m_appliedForceBodyB += toBullet(force * row.J.L_b);
         feedback->m_appliedTorqueBodyB += toBullet(force * row.J.A_b);
       }
-      if (joint.ours == nullptr || row.start.axis < 0) continue;
+      // Bullet's sign is the other one, and coordinates may fall along their rows.
+      if (joint.ours == nullptr || row.start.axis < 0) {
+        constraint.internalSetAppliedImpulse(Scalar(-lambda));
+        continue;
+      }
       AxisState& state = JointAccess::axis(*joint.ours, row.start);
       double impulse[AxisLaw::max_parts];
-      row.law.split(u, lambda, impulse);
+      row.law.split(end.pieces[r].velocityAt(end.u[r], lambda), lambda, impulse);
       state.taken = 0;
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)
@@ -67,8 +69,12 @@ void report(const Island& island, const Component& component, const Workspace& e
                               : axis.drive != Axis::Drive::off ? Axis::motor
                               : axis.max_friction > 0          ? Axis::friction
                                                                : Axis::limit;
-      constraint.internalSetAppliedImpulse(Scalar(-row.sign) * state.impulse[size_t(last)]);
-      if (state.incoming > 0 && state.impulse[Axis::limit] != 0)
+      // A limit that does not act has no row there.
+      if (last != Axis::limit || state.impulse[last] != 0)
+        constraint.internalSetAppliedImpulse(Scalar(-row.sign) * state.impulse[size_t(last)]);
+      if (state.impulse[Axis::limit] == 0)
+        state.incoming = 0;  // it was not met
+      else if (state.incoming > 0)
         state.taken = btMax(
             Scalar(0), -state.impulse[Axis::limit] *
                            Scalar(row.J.along(meanVelocity(island, joint, 0, component, end),

@@ -64,9 +64,12 @@ bool PoseCorrection::findGoals() {
   bool all_act = true;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     const LawPiece& piece = m_work.pieces[r];
-    const bool holds = piece.acts && (row.has_position || row.law.isEquality());
+    // What rebounds has a velocity to end with, and no pose.
+    const bool holds =
+        piece.acts && (row.has_position || row.law.isEquality()) && !row.law.rebounds(piece.target);
     double stop = 0;
-    const bool beyond = !holds && row.has_position && isBeyond(row.law, m_u[r], stop);
+    const bool beyond =
+        !holds && !piece.acts && row.has_position && isBeyond(row.law, m_u[r], stop);
     m_closes[r] = holds || beyond || row.open != 0;
     if (!m_closes[r]) return;
     const double end = !(holds && row.has_position) ? m_u[r]
@@ -201,7 +204,7 @@ void PoseCorrection::run(bool has_factor, PoseChange* changes) {
   begin();
   has_factor = findGoals() && has_factor;
   const double open = findResidual();
-  if (open <= m_options.pose_tolerance / 2) return;
+  if (open <= m_options.pose_tolerance) return;
   m_open = m_work.x;
   m_nearest = m_work.moved;
   m_work.broyden.begin();
