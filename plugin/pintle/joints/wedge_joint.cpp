@@ -180,13 +180,14 @@ PINTLE_FLATTEN void WedgeJoint::addRows(const PosePair& poses, Rows& rows) const
     addWedgeRows({a, c_b}, reach, rows);
 }
 
-PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const Reference& reference,
-                                              const AngularReach& reach, Rows& rows) const {
+PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const Reference& reference, const AngularReach& reach,
+                                              Rows& rows) const {
   const bool spring = m_side.limit_spring.angular_frequency > 0;
   const Directions at{reference.frame, reference.c_b, spring ? Vec3(Vec3::Zero()) : reach.moved(),
                       Reach{0, reach.gained()}.of(m_other_side).gained};
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
-  Index side = low_side;
+  // Of a pose alone nobody knows whether it is reached: what acts along the angle then has a row of its own.
+  Index side = rows.inStep() ? low_side : drive;
   if (isFarBehindEdge(at)) {
     const auto row = equations::edge_distance<Scalar>(at.frame.c(), at.c_b);
     rows.addAngularAxis(corner, row.J_b, row.C, m_corner, true);
@@ -202,11 +203,11 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const Reference& reference,
     const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
     // The nearer one last: what the solver leaves over is then no violation.
     if (m_convex && !m_side.locked() && other.reached()) addPlaneRow(other, at, m_other_side, rows);
-    side = nearer.index;
     near_side = nearer.reached() && (m_convex || other.reached());
-    if (near_side) addPlaneRow(nearer, at, m_side, rows);
+    if (near_side) addPlaneRow(nearer, at, rows.inStep() ? m_side : m_other_side, rows);
+    if (rows.inStep()) side = nearer.index;
   }
-  if (near_side || !m_side.driven()) return;
+  if ((near_side && rows.inStep()) || !m_side.driven()) return;
   const auto to = equations::angle_about(at.frame.c(), at.frame.a(), at.c_b);
   rows.addAngularAxis(side, to.unit, angle(to), m_side, false);
 }

@@ -88,14 +88,14 @@ class WedgeJoint : public FrameJoint {
   void addRows(const PosePair& poses, Rows& rows) const override;
 
  private:
-  enum Index { low_side, high_side, corner, axes };
+  enum Index { low_side, high_side, corner, drive, axes };
   struct Reference;
   struct Plane;
   struct Directions;
 
   void setDefaults();
   Scalar sideImpulse(Axis::Part part) const {
-    return axisImpulse(low_side, part) + axisImpulse(high_side, part);
+    return axisImpulse(low_side, part) + axisImpulse(high_side, part) + axisImpulse(drive, part);
   }
   bool limited() const { return m_convex || m_reflex; }
   Scalar angle(const equations::AngleAbout<Scalar>& to) const;
