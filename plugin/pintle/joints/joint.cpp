@@ -173,6 +173,8 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows)
       m_rests(false),
       m_starts_apart(false),
       m_shows_passes(false),
+      m_type_is_known(false),
+      m_is_clients(false),
       m_rows(makeRows(max_rows)) {}
 
 Joint::Joint(btRigidBody& a, RowCount max_rows) : Joint(a, getFixedBody(), max_rows) {}

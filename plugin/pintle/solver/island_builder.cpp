@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joint_rows.h>
+#include <pintle/solver/client_joint.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_matrix.h>
 
@@ -170,39 +171,48 @@ void IslandBuilder::addOurs(IslandJoint& to) {
     if (is_axis) row.sign = JointAccess::axis(joint, rows[i]).sign;
     row.J = jacobianOf(rows[i], row.sign);
     row.K = inverseMass(to, row.J, row.J);
+    row.spins = is_axis && row.shape.kind == RowShape::angle &&
+                std::abs(velocityAlong(to, row.J, &IslandBody::v_free)) * m_island.dt > pi;
     if (is_axis)
       setAxisLaw(to, pair, row);
     else
-      setEqualityLaw(joint, row);
+      setEqualityLaw(to, row);
     addRow(to, row);
   }
 }
 
-void IslandBuilder::setEqualityLaw(const Joint& joint, IslandRow& row) const {
+double IslandBuilder::velocityAlong(const IslandJoint& of, const RowJacobian& J,
+                                    Vector6d IslandBody::*v) const {
+  const auto velocity = [&](int body) -> const Vector6d& {
+    return body < 0 ? m_island.unmovedBody(body).v : m_island.bodies[size_t(body)].*v;
+  };
+  return J.along(velocity(of.body[0]), velocity(of.body[1]));
+}
+
+void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const {
+  const Joint& joint = *of.ours;
   const auto soft = JointAccess::softness(joint, row.start.group, m_info);
-  const double position = double(row.start.position),
-               bound = bounded(JointAccess::setting(joint).max_impulse);
+  const ImpulseSetting setting = JointAccess::setting(joint);
+  const double position = double(row.start.position), bound = bounded(setting.max_impulse);
+  // What damping leaves of the velocity that forces lead to.
+  const double left = 1 - double(setting.damping),
+               target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
   if (bound < AxisLaw::unbounded) {
-    row.law.add({-double(soft.erp) * position / m_island.dt, double(soft.cfm) * row.K, -bound,
-                 bound, true});
+    row.law.add({target - double(soft.erp) * position / m_island.dt, double(soft.cfm) * row.K,
+                 -bound, bound, true});
     return;
   }
   const double erp = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp);
-  row.law.add({0, double(soft.cfm) * row.K, -bound, bound});
-  const double most = double(row.start.max_speed) * m_island.dt;
-  row.open = std::fmax(-most, std::fmin(erp * position, most));
+  row.law.add({target, double(soft.cfm) * row.K, -bound, bound});
+  row.open = closing(erp, position, double(row.start.max_speed));
   if (soft.cfm > 0) row.spring = {erp, row.open, 0};
 }
 
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
   AxisState& state = JointAccess::axis(*of.ours, row.start);
   const Axis& axis = *state.axis;
-  const auto v0 = [&](int side) -> const Vector6d& {
-    const int body = of.body[size_t(side)];
-    return body < 0 ? m_island.unmovedBody(body).v : m_island.bodies[size_t(body)].v0;
-  };
-  const AxisMotion motion = JointAccess::motion(*of.ours, row.start, state, pair,
-                                                Scalar(row.J.along(v0(0), v0(1))), m_info);
+  const AxisMotion motion = JointAccess::motion(
+      *of.ours, row.start, state, pair, Scalar(velocityAlong(of, row.J, &IslandBody::v0)), m_info);
   state.acted = true;
   state.incoming = 0;
   row.rebound_energy = double(state.taken);  // a rebound may give it back
@@ -231,17 +241,25 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
     addRigidLimit(axis, motion, state, row);
 }
 
+// ERP of it, and what is left in the end at once: a part of that would be less than poses are corrected by.
+double IslandBuilder::closing(double erp, double error, double max_speed) const {
+  if (!(erp > 0)) return 0;
+  const double size = std::abs(error),
+               part = std::fmax(erp * size, std::fmin(size, 2 * m_options.pose_tolerance));
+  return std::copysign(std::fmin(part, max_speed * m_island.dt), error);
+}
+
 // Beyond a limit no further, and back by moving poses; inside up to it.
 void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
                                   IslandRow& row) const {
   const double q = double(row.start.position), low = double(axis.low), high = double(axis.high);
-  const double dt = m_island.dt, most = double(motion.max_speed) * dt;
-  const auto closing = [&](double beyond) {
-    return std::fmax(-most, std::fmin(double(motion.limit_erp) * beyond, most));
+  const double dt = m_island.dt;
+  const auto close = [&](double beyond) {
+    return closing(double(motion.limit_erp), beyond, double(motion.max_speed));
   };
   if (axis.locked()) {
     row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded, false, Axis::limit});
-    row.open = closing(q - low);
+    row.open = close(q - low);
     return;
   }
   // It stops at the limit, and rebounds in the next step.
@@ -257,7 +275,7 @@ void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, Ax
   }
   row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
-  row.open = closing(q < low ? q - low : q > high ? q - high : 0);
+  row.open = close(q < low ? q - low : q > high ? q - high : 0);
   row.has_stops_alone = row.start.angular && row.law.parts() <= 2 && !row.law.hasDrives();
 }
 
@@ -380,10 +398,17 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   to.body = {body(bodies, solver_body_a), body(bodies, solver_body_b)};
   to.first_row = int(m_island.rows.size());
   to.ours = JointAccess::ours(joint);
-  if (to.ours != nullptr)
+  const btSolverBody &a = bodies[solver_body_a], &b = bodies[solver_body_b];
+  if (to.ours == nullptr) {
+    addStock(to, a, b);
+  } else if (JointAccess::mayHaveOtherRows(*to.ours, isOfPintle) &&
+             hasOtherRows(*to.ours, m_info)) {
+    const JointAccess::PlainRows plain(*to.ours);
+    to.ours = nullptr;
+    addStock(to, a, b);
+  } else {
     addOurs(to);
-  else
-    addStock(to, bodies[solver_body_a], bodies[solver_body_b]);
+  }
   if (to.rows > 0) m_island.joints.push_back(to);
 }
 

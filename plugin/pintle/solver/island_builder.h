@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/solver/island.h>
+#include <pintle/solver/solver_options.h>
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
@@ -14,7 +15,8 @@ using SolverBodies = btAlignedObjectArray<btSolverBody>;
 
 class IslandBuilder {
  public:
-  explicit IslandBuilder(Island& island) : m_island(island) {}
+  IslandBuilder(Island& island, const SolverOptions& options)
+      : m_island(island), m_options(options) {}
 
   void begin(const btContactSolverInfo& info);
   /// A joint, with the numbers of its bodies among Bullet's. Bodies that do not move are left out.
@@ -27,13 +29,14 @@ class IslandBuilder {
 
  private:
   void addOurs(IslandJoint& to);
-  void setEqualityLaw(const Joint& joint, IslandRow& row) const;
+  void setEqualityLaw(const IslandJoint& of, IslandRow& row) const;
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
   void addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
                      IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   void addRow(IslandJoint& to, const IslandRow& row);
   void findPoint(const IslandJoint& joint);
+  double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
   /// J_1 M^-1 J_2^T
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
                      const RowJacobian& J_2) const;
@@ -44,7 +47,11 @@ class IslandBuilder {
   /// The number of a body that only its owner moves.
   int unmoved(const btSolverBody& from);
 
+  /// m or rad: how much of an error a step closes.
+  double closing(double erp, double error, double max_speed) const;
+
   Island& m_island;
+  const SolverOptions& m_options;
   btContactSolverInfo m_info;
   std::vector<int> m_body_of;  ///< of Bullet's bodies
 };

@@ -26,6 +26,28 @@ struct JointAccess {
     joint.m_solver_row_count = 1;
     return joint.m_rows;
   }
+  /// While it lives, Bullet's rows of the joint are those of addRows: none is made orthogonal to others.
+  class PlainRows {
+   public:
+    explicit PlainRows(Joint& joint) : m_joint(joint), m_before(joint.m_solved_at_once) {
+      joint.m_solved_at_once = true;
+    }
+    ~PlainRows() { m_joint.m_solved_at_once = m_before; }
+    PlainRows(const PlainRows&) = delete;
+    PlainRows& operator=(const PlainRows&) = delete;
+
+   private:
+    Joint& m_joint;
+    const bool m_before;
+  };
+  /// Whether a client's type may answer otherwise than its base. It is looked up once.
+  static bool mayHaveOtherRows(Joint& joint, bool (*is_of_pintle)(const Joint&)) {
+    if (!joint.m_type_is_known) {
+      joint.m_type_is_known = true;
+      joint.m_is_clients = !is_of_pintle(joint);
+    }
+    return joint.m_is_clients;
+  }
   static ImpulseSetting setting(const Joint& joint) { return joint.impulseSetting(); }
 
   /// ERP and CFM of a group of its equalities.

@@ -38,7 +38,7 @@ struct PassiveJointSolver::State {
   SolverOptions options;
   StepReport report;
   Island island;
-  IslandBuilder builder{island};
+  IslandBuilder builder{island, options};
   std::vector<Component> components;
   std::unordered_map<const btTypedConstraint*, std::unique_ptr<ComponentMemory>> memory;
   std::vector<PoseChange> pose_changes;
