@@ -6,6 +6,7 @@
 //   steps          after how many steps the error is within 1 degree for good; -1: never
 //   angular speed  the largest of either body after any step, rad/s: a correction that is exact
 //                  but throws the bodies about is no recovery
+//   turning        the same by how far they turn in a step, whatever moves them
 
 #pragma once
 
@@ -31,6 +32,7 @@ struct RecoverySettings {
 struct RecoveryResult {
   int steps = -1;                // -1: never
   double max_angular_speed = 0;  // rad/s
+  double max_turning = 0;        // rad/s
   double start_axis_angle = 0;   // rad, or that of a lock: the settings' angle, but for rounding
   double end_axis_angle = 0;     // rad
   double max_gap = 0;            // m
@@ -68,7 +70,13 @@ RecoveryResult recovery(const RecoverySettings& settings, Configure configure = 
   result.start_axis_angle = axis_angle();
   const int steps = int(std::lround(settings.seconds / settings.dt));
   for (int step = 1; step <= steps; ++step) {
+    const Eigen::Matrix3d before_a = rotation(a), before_b = rotation(b);
     world.step(settings.dt);
+    for (const auto& [body, before] : {std::pair(&a, before_a), std::pair(&b, before_b)}) {
+      const Eigen::Matrix3d by = rotation(*body) * before.transpose();
+      result.max_turning =
+          std::max(result.max_turning, Eigen::AngleAxisd(by).angle() / settings.dt);
+    }
     result.end_axis_angle = axis_angle();
     // Written so that NaN counts as outside.
     const bool inside = result.end_axis_angle <= settings.tolerance;

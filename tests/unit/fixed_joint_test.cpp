@@ -99,12 +99,12 @@ TEST_P(FixedRecovery, IsSoonAndGentleAndForGood) {
   // from there to 1 degree, each step 0.8 of the last, 17 more.
   EXPECT_LE(ours.steps, 38);
   // Half the bound each about a principal axis; about others the anchors pull the bodies along.
-  EXPECT_LE(ours.max_angular_speed, 12);
+  EXPECT_LE(ours.max_turning, 12);
   EXPECT_LE(ours.max_gap, 0.005);
   if (stock.finite) {
     // The exact solver closes at once what is as slow to close as 1 rad/s.
     const double free = onExactSolver() ? 0.55 : 0.1, more = onExactSolver() ? 1.05 : 1.01;
-    EXPECT_LE(ours.max_angular_speed, std::max(more * stock.max_angular_speed, free));
+    EXPECT_LE(ours.max_turning, std::max(more * stock.max_angular_speed, free));
   }
 }
 
@@ -128,7 +128,7 @@ TEST(FixedJointRecovery, SpeedIsBoundedByItsSetting) {
         scenes::recovery<FixedJoint>(settings(150, directions[0]), Configure{{}, speed});
     EXPECT_GT(run.steps, 0) << speed;
     // Each body at half the relative speed; the last steps' rounding.
-    EXPECT_NEAR(run.max_angular_speed, speed / 2, 0.01 * speed);
+    EXPECT_NEAR(run.max_turning, speed / 2, 0.01 * speed);
   }
 }
 
@@ -391,6 +391,8 @@ TEST(FixedJointPhysics, APairSpinsAsOneBody) {
 }
 
 TEST(FixedJointPhysics, AViolatedPairKeepsItsAngularMomentum) {
+  PINTLE_SKIP_ON_PASSIVE_SOLVER(
+      "bodies that move against each other are brought together by their poses");
   scenes::SpinSettings settings;
   settings.lock = true;
   settings.dt = 1.0 / 240;

@@ -146,7 +146,7 @@ TYPED_TEST(AnyHinge, RecoversBelow90DegreesAsStocksDoes) {
       EXPECT_GT(ours.steps, 0);
       EXPECT_LE(ours.steps, stock.steps + (onExactSolver() ? 10 : 3))
           << degrees << " about " << about.transpose();
-      EXPECT_LE(ours.max_angular_speed, 12);
+      EXPECT_LE(ours.max_turning, 12);
     }
   }
 }
@@ -192,7 +192,7 @@ TEST(DotHinge, PullsTheAxesTo180DegreesFromBeyond90) {
       const RecoveryResult run = recovery<DotHinge>(degrees, about);
       EXPECT_TRUE(run.finite);
       EXPECT_EQ(run.steps, -1) << degrees;
-      EXPECT_LE(run.max_angular_speed, 20);
+      EXPECT_LE(run.max_turning, 20);
       if (about.y() == 0) {
         EXPECT_NEAR(run.end_axis_angle, pi, 0.02) << degrees;
       }
@@ -204,7 +204,7 @@ TEST(DotHinge, PullsTheAxesTo180DegreesFromBeyond90) {
 TEST(DotHinge, IsStuckAt90Degrees) {
   const RecoveryResult run = recovery<DotHinge>(90, directions[0]);
   EXPECT_EQ(run.steps, -1);
-  EXPECT_LT(run.max_angular_speed, 1e-3);
+  EXPECT_LT(run.max_turning, 1e-3);
 }
 
 TEST(DotHinge, SpeedIsBoundedByItsSetting) {
@@ -214,7 +214,8 @@ TEST(DotHinge, SpeedIsBoundedByItsSetting) {
     const RecoveryResult run = recovery<DotHinge>(
         80, directions[0], [=](DotHinge& h) { h.setMaxCorrectionSpeed(scalar(speed)); });
     EXPECT_GT(run.steps, 0);
-    EXPECT_NEAR(run.max_angular_speed, speed / 2, 0.01 * speed);
+    // The passive solver closes what the dot product is to close in the step, which bends on the way.
+    EXPECT_NEAR(run.max_turning, speed / 2, (onPassiveSolver() ? 0.03 : 0.01) * speed);
   }
 }
 
@@ -291,7 +292,7 @@ TEST(TwoPointHingeJoint, IsStuckAt180Degrees) {
     const RecoveryResult run = recovery<TwoPointHinge>(
         180, directions[0], [=](TwoPointHinge& hinge) { hinge.setSixRows(six); });
     EXPECT_EQ(run.steps, -1);
-    EXPECT_LT(run.max_angular_speed, 1e-3);
+    EXPECT_LT(run.max_turning, 1e-3);
   }
 }
 
@@ -300,7 +301,7 @@ TEST(TwoPointHingeJoint, SpeedIsBoundedByItsSetting) {
     const RecoveryResult run = recovery<TwoPointHinge>(
         150, directions[0], [=](TwoPointHinge& h) { h.setMaxCorrectionSpeed(scalar(speed)); });
     EXPECT_GT(run.steps, 0);
-    EXPECT_NEAR(run.max_angular_speed, speed / 2, 0.01 * speed);
+    EXPECT_NEAR(run.max_turning, speed / 2, 0.01 * speed);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "physics_support.h"
+#include "solver_of_tests.h"
 
 namespace recovery_test {
 
@@ -54,16 +55,16 @@ TEST_P(Recovery, IsSoonAndGentleAndForGood) {
   const RecoveryResult ours = scenes::recovery<pintle::QuaternionHinge>(start);
   const RecoveryResult stock = scenes::recovery<btHingeConstraint>(start);
   RecordProperty("ours", std::to_string(ours.steps) + " steps, " +
-                             std::to_string(ours.max_angular_speed) + " rad/s");
+                             std::to_string(ours.max_turning) + " rad/s");
   RecordProperty("stock", std::to_string(stock.steps) + " steps, " +
                               std::to_string(stock.max_angular_speed) + " rad/s");
   ASSERT_TRUE(ours.finite);
   ASSERT_NEAR(ours.start_axis_angle, start.angle, physics::rounding(1e-3, 1e-7));
   ASSERT_GT(stock.steps, 0);
   EXPECT_GT(ours.steps, 0) << "never";
-  EXPECT_LE(ours.steps, 40);
+  EXPECT_LE(ours.steps, onPassiveSolver() ? 44 : 40);
   EXPECT_LE(ours.steps, stock.steps + 4);
-  EXPECT_LE(ours.max_angular_speed, 12);
+  EXPECT_LE(ours.max_turning, 12);
 }
 
 INSTANTIATE_TEST_SUITE_P(AngleAndDirection, Recovery,
@@ -84,11 +85,11 @@ TEST_P(CorrectionSpeed, IsBoundedByItsSetting) {
     const RecoveryResult run =
         scenes::recovery<pintle::QuaternionHinge>(settings(150, GetParam()), configure);
     EXPECT_GT(run.steps, 0) << speed << " rad/s";
-    EXPECT_GT(run.max_angular_speed, 1.2 * lower) << speed << " rad/s";
+    EXPECT_GT(run.max_turning, 1.2 * lower) << speed << " rad/s";
     if (GetParam().y == 0) {
-      EXPECT_NEAR(run.max_angular_speed, speed / 2, 0.01 * speed);
+      EXPECT_NEAR(run.max_turning, speed / 2, 0.01 * speed);
     }
-    lower = run.max_angular_speed;
+    lower = run.max_turning;
   }
 }
 

@@ -676,10 +676,12 @@ TEST(Slider, ALockedAngleIsReachedThroughAllTheTurnsThatItIsOff) {
       rig.joint->setAccumulatedAngularPos(scalar(locked + off));
       double turned = 0, fastest = 0;
       for (int i = 0; i < 600; ++i) {
+        // By poses: the passive solver closes it without velocities.
+        const double before = double(rig.joint->getAngularPos());
         rig.step();
-        const double speed = double(rig.b->getAngularVelocity().dot(rig.axis()));
-        turned += speed / 60;
-        fastest = std::max(fastest, std::abs(speed));
+        const double by = std::remainder(double(rig.joint->getAngularPos()) - before, 2 * pi);
+        turned += by;
+        fastest = std::max(fastest, std::abs(by) * 60);
       }
       EXPECT_NEAR(double(rig.joint->getAccumulatedAngularPos()), locked, 1e-3);
       EXPECT_NEAR(turned, -off, 0.05);
@@ -810,6 +812,7 @@ Correction correct(pintle::Formulation formulation, bool block, bool turns, bool
   const double before = rig.across();
   Correction result = {};
   for (int i = 0; i < 60; ++i) {
+    const Eigen::Matrix3d last = scenes::rotation(*rig.b);
     rig.step();
     Eigen::Vector3d L(0, 0, 0), P(0, 0, 0);
     for (const btRigidBody* body : {rig.a, rig.b}) {  // a cube's inertia is a number
@@ -819,7 +822,11 @@ Correction correct(pintle::Formulation formulation, bool block, bool turns, bool
            double(body->getLocalInertia().x()) * scenes::to_eigen(body->getAngularVelocity());
       P += v;
     }
-    result.spin = std::max(result.spin, double(rig.b->getAngularVelocity().length()));
+    // Of the passive solver poses say it, which closes it without velocities.
+    const double turn =
+        Eigen::AngleAxisd(Eigen::Matrix3d(scenes::rotation(*rig.b) * last.transpose())).angle();
+    result.spin = std::max(
+        result.spin, onPassiveSolver() ? turn * 60 : double(rig.b->getAngularVelocity().length()));
     result.angular = std::max(result.angular, L.norm());
     result.momentum = std::max(result.momentum, P.norm());
   }
@@ -848,7 +855,7 @@ TEST(Slider, CorrectsWithTorqueAndConservesAngularMomentum) {
         const Correction other = correct(formulation, block, turns, false);
         EXPECT_LT(other.left, 0.01);
         EXPECT_LT(other.momentum, nothing);
-        if (document && !turns) {
+        if (document && !turns && !onPassiveSolver()) {
           EXPECT_GT(other.angular, 10 * nothing);
         } else {
           EXPECT_LT(other.angular, nothing);

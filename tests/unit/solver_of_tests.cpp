@@ -55,5 +55,10 @@ class SolverOfTests : public testing::Environment {
 
 bool onExactSolver() {
   const char* const name = std::getenv(variable);
-  return name != nullptr && (std::string(name) == "exact" || std::string(name) == "passive");
+  return onPassiveSolver() || (name != nullptr && std::string(name) == "exact");
+}
+
+bool onPassiveSolver() {
+  const char* const name = std::getenv(variable);
+  return name != nullptr && std::string(name) == "passive";
 }

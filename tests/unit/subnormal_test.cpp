@@ -7,6 +7,7 @@
 
 #include "physics_support.h"
 #include "scenes/world.h"
+#include "solver_of_tests.h"
 #include "support.h"
 
 namespace subnormal_test {
@@ -29,11 +30,12 @@ TEST(Subnormal, ADoorDoesNotConvergeToTheLeastNumbers) {
     slow += std::fetestexcept(FE_UNDERFLOW) != 0;
   }
   EXPECT_LT(slow, steps / 5);
-  // It stays in its plane, exactly.
-  EXPECT_EQ(door.getAngularVelocity().x(), 0);
-  EXPECT_EQ(door.getAngularVelocity().y(), 0);
-  EXPECT_EQ(door.getCenterOfMassTransform().getBasis()[0].z(), 0);
-  EXPECT_EQ(door.getCenterOfMassTransform().getBasis()[1].z(), 0);
+  // It stays in its plane, exactly. (The passive solver takes all rows of the joint at once, which rounds.)
+  const double rounding = onPassiveSolver() ? 100 * double(SIMD_EPSILON) : 0;
+  EXPECT_NEAR(door.getAngularVelocity().x(), 0, rounding);
+  EXPECT_NEAR(door.getAngularVelocity().y(), 0, rounding);
+  EXPECT_NEAR(door.getCenterOfMassTransform().getBasis()[0].z(), 0, rounding);
+  EXPECT_NEAR(door.getCenterOfMassTransform().getBasis()[1].z(), 0, rounding);
   EXPECT_GT(double(door.getAngularVelocity().z()), 0.5);
 }
 

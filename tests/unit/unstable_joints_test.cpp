@@ -72,7 +72,8 @@ TEST(UnstableJoints, SingleRowsGiveWayUnderALoad) {
       EXPECT_TRUE(run.finite);
       EXPECT_GT(degrees(run.max_error), sag);
       EXPECT_GT(run.last_error, 0.2 * run.first_error);
-      EXPECT_GT(run.max_angular_speed, 1.5);
+      // Of which the passive solver leaves out what corrections add.
+      EXPECT_GT(run.max_angular_speed, onPassiveSolver() ? 1 : 1.5);
     }
     for (const BeamResult& run : {beam<QuaternionHinge>(false, hz), beam<FixedJoint>(true, hz)}) {
       EXPECT_LT(degrees(run.max_error), rounding(1e-4, 1e-10));
@@ -138,7 +139,7 @@ TEST(UnstableJoints, TheLockTurnsTheShortWay) {
     settings.angle = radians(angle);
     const auto run = scenes::recovery<SingleRowLock>(settings);
     EXPECT_GT(run.steps, 0) << angle;
-    EXPECT_LE(run.max_angular_speed, 4.1) << angle;  // half of 8 rad/s each
+    EXPECT_LE(run.max_turning, 4.1) << angle;  // half of 8 rad/s each
   }
 }
 
