@@ -21,9 +21,9 @@ void addStiffness(const Island& island, const JointBlock& of, std::vector<Vector
 }
 
 /// The joints of a component.
-class Block {
+class BlockSolver {
  public:
-  Block(const Island& island, const JointBlock& of, const SolverOptions& options)
+  BlockSolver(const Island& island, const JointBlock& of, const SolverOptions& options)
       : m_island(island),
         m_of(of),
         m_options(options),
@@ -78,7 +78,7 @@ class Block {
   bool m_has_factor = false, m_solvable = true, m_changes = false;
 };
 
-void Block::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
+void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
   m_work.y_direction.assign(m_work.y.size(), 0.);
   measure(velocities);
   m_set.choose();
@@ -95,14 +95,14 @@ void Block::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
   respond(m_work.y, velocities);
 }
 
-double Block::sweep(std::vector<Vector6d>& velocities) {
+double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
   m_changes = m_has_factor && solve(velocities).changes_set;
   return change;
 }
 
 // All rows at once, with one factor.
-Block::Pass Block::solve(std::vector<Vector6d>& velocities) {
+BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
   std::vector<double>&x = m_work.x, &y = m_work.y;
   measure(velocities);
   bool changes = false;
@@ -125,7 +125,7 @@ Block::Pass Block::solve(std::vector<Vector6d>& velocities) {
   return {error, changes};
 }
 
-void Block::finish(std::vector<Vector6d>& velocities) {
+void BlockSolver::finish(std::vector<Vector6d>& velocities) {
   for (double last = infinity; m_has_factor;) {
     const Pass pass = solve(velocities);
     if (!pass.changes_set && !(pass.error > m_options.newton_tolerance && pass.error < last / 2))
@@ -138,7 +138,7 @@ void Block::finish(std::vector<Vector6d>& velocities) {
   m_set.keepImpulses();
 }
 
-double Block::sweepRows(std::vector<Vector6d>& velocities) {
+double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
   double largest = 0;
   for (const ActiveSet::Place& of : *m_swept) {
     const IslandRow& row = *of.row;
@@ -209,14 +209,14 @@ class Gradients {
     for (ContactRow& row : contacts) row.direction = 0;
   }
 
-  void beginPass(const std::vector<ContactRow>& contacts, std::vector<Block>& blocks) {
+  void beginPass(const std::vector<ContactRow>& contacts, std::vector<BlockSolver>& blocks) {
     m_start = m_velocities;
     m_impulses.clear();
     for (const ContactRow& row : contacts) m_impulses.push_back(row.impulse);
-    for (Block& block : blocks) block.beginPass();
+    for (BlockSolver& block : blocks) block.beginPass();
   }
   /// Goes on by as much of the last direction as makes the new one conjugate to it; of `anew`, by none.
-  void goOn(std::vector<ContactRow>& contacts, std::vector<Block>& blocks, bool anew) {
+  void goOn(std::vector<ContactRow>& contacts, std::vector<BlockSolver>& blocks, bool anew) {
     double length2 = 0;
     for (size_t r = 0; r < contacts.size(); ++r) {
       const double change = contacts[r].impulse - m_impulses[r];
@@ -235,7 +235,7 @@ class Gradients {
       row.direction = row.impulse - m_impulses[r] + last;
       row.impulse += last;
     }
-    for (Block& block : blocks) block.goOn(part);
+    for (BlockSolver& block : blocks) block.goOn(part);
   }
 
  private:
@@ -260,7 +260,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
       row.push(row.impulse, velocities);
     else
       row.impulse = 0;
-  std::vector<Block> blocks;
+  std::vector<BlockSolver> blocks;
   blocks.reserve(of.size());
   bool is_swept = !contacts.empty(), is_solvable = true;
   for (const JointBlock& part : of) {
@@ -272,7 +272,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
     gradients.beginPass(contacts, blocks);
     double largest = sweepContacts(contacts, velocities);
     bool changes_set = false;
-    for (Block& block : blocks) {
+    for (BlockSolver& block : blocks) {
       largest = std::fmax(largest, block.sweep(velocities));
       changes_set = changes_set || block.changesSet();
       is_swept = is_swept || block.isSwept();
@@ -286,7 +286,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
     // They may gain: where that is to be mended, each pass takes energy.
     if (go_on && sweep == Sweep::all_at_once) gradients.goOn(contacts, blocks, changes_set);
   }
-  for (Block& block : blocks) {
+  for (BlockSolver& block : blocks) {
     block.finish(velocities);
     report.factors += block.factors();
     report.is_solvable = report.is_solvable && block.isSolvable();
