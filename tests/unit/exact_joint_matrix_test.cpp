@@ -75,7 +75,7 @@ IslandBody body(Random& random, bool is_locked) {
 
 // The same rows in a JointMatrix and in dense ones.
 struct Problem {
-  Eigen::MatrixXd J, inverse_A, K;
+  Eigen::MatrixXd J, acting, inverse_A, K;
   std::vector<std::vector<char>> acts;  ///< of each joint
   std::vector<int> first;
 
@@ -118,7 +118,7 @@ struct Problem {
         matrix.setRow(int(c), i, row, root_K, softness[r], acts[c].back());
       }
     }
-    Eigen::MatrixXd acting = J;
+    acting = J;
     for (size_t c = 0; c < acts.size(); ++c)
       for (size_t i = 0; i < acts[c].size(); ++i)
         if (!acts[c][i]) acting.row(first[c] + Eigen::Index(i)).setZero();
@@ -146,6 +146,21 @@ struct Problem {
     for (size_t k = 0; k < v.size(); ++k)
       ASSERT_LT((v[k] - expected.segment<6>(6 * Eigen::Index(k))).norm(), 1e-8 * expected.norm())
           << name;
+    compareAnswers(matrix, name);
+  }
+
+  // A^-1 - A^-1 J^T K^-1 J A^-1, of each body.
+  void compareAnswers(JointMatrix& matrix, const std::string& name) const {
+    const Eigen::MatrixXd response = inverse_A * acting.transpose(),
+                          all = inverse_A - response * K.llt().solve(response.transpose());
+    std::vector<JointMatrix::Matrix6d> found;
+    matrix.findAnswers(found);
+    for (size_t b = 0; b < found.size(); ++b) {
+      const auto at = 6 * Eigen::Index(b);
+      ASSERT_LT((found[b] - all.block<6, 6>(at, at)).norm(),
+                1e-8 * (1 + inverse_A.block<6, 6>(at, at).norm()))
+          << name << ", " << b;
+    }
   }
 };
 

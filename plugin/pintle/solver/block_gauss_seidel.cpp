@@ -43,15 +43,12 @@ class BlockSolver {
   int factors() const { return m_set.factors(); }
   /// Whether the last pass did.
   bool changesSet() const { return m_changes; }
-  /// Of conjugate gradients: its impulses before a pass, and by so much of the last direction on.
+  /// Its impulses before a pass, and back to a part of the way from there.
   void beginPass() { m_work.y_before_pass = m_work.y; }
-  void goOn(double part) {
-    std::vector<double>&y = m_work.y, &direction = m_work.y_direction;
-    for (size_t k = 0; k < y.size(); ++k) {
-      const double last = part * direction[k];
-      direction[k] = y[k] - m_work.y_before_pass[k] + last;
-      y[k] += last;
-    }
+  void goBack(double part) {
+    std::vector<double>& y = m_work.y;
+    for (size_t k = 0; k < y.size(); ++k)
+      y[k] = m_work.y_before_pass[k] + part * (y[k] - m_work.y_before_pass[k]);
   }
 
  private:
@@ -79,7 +76,6 @@ class BlockSolver {
 };
 
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
-  m_work.y_direction.assign(m_work.y.size(), 0.);
   measure(velocities);
   m_set.choose();
   if (sweep != Sweep::all_at_once) {
@@ -164,23 +160,35 @@ double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
   return largest;
 }
 
-// What impulses of contacts do.
+// What impulses of contacts do. `with_joints`: of components whose joints hold.
 void findAnswers(const Island& island, const std::vector<JointBlock>& of,
-                 std::vector<ContactRow>& contacts) {
-  std::vector<const InverseInertia*> inertia(island.bodies.size(), nullptr);
+                 std::vector<ContactRow>& contacts, bool with_joints) {
+  struct Source {
+    const InverseInertia* alone = nullptr;  ///< null: it has no joints
+    const JointMatrix::Matrix6d* with_joints = nullptr;
+  };
+  std::vector<Source> source(island.bodies.size());
   for (const JointBlock& part : of)
-    for (int i = 0; i < part.component->bodies; ++i)
-      inertia[size_t(part.component->first_body + i)] = &part.K->bodies()[size_t(i)];
+    for (int i = 0; i < part.component->bodies; ++i) {
+      Source& to = source[size_t(part.component->first_body + i)];
+      to.alone = &part.K->bodies()[size_t(i)];
+      if (with_joints) to.with_joints = &part.work->answers[size_t(i)];
+    }
   for (ContactRow& row : contacts) {
     row.K = 0;
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
       if (body < 0) continue;
-      const InverseInertia* const by = inertia[size_t(body)];  // null: it has no joints
+      const Source& by = source[size_t(body)];
+      const Vector3d &L = row.J.L(side), &A = row.J.A(side);
       Vector6d& answer = row.answer[size_t(side)];
-      answer = by != nullptr ? by->answer(row.J.L(side), row.J.A(side))
-                             : island.bodies[size_t(body)].answer(row.J.L(side), row.J.A(side));
-      row.K += row.J.L(side).dot(answer.head<3>()) + row.J.A(side).dot(answer.tail<3>());
+      answer =
+          by.alone != nullptr ? by.alone->answer(L, A) : island.bodies[size_t(body)].answer(L, A);
+      Vector6d& with = row.with_joints[size_t(side)];
+      with = by.with_joints != nullptr
+                 ? Vector6d(by.with_joints->leftCols<3>() * L + by.with_joints->rightCols<3>() * A)
+                 : answer;
+      row.K += L.dot(with.head<3>()) + A.dot(with.tail<3>());
     }
   }
 }
@@ -194,56 +202,106 @@ double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& v
     const double next = row.meet(row.velocity(velocities)), change = next - row.impulse;
     if (change == 0) continue;
     row.impulse = next;
-    row.push(change, velocities);
+    row.push(change, row.with_joints, velocities);
     largest = std::fmax(largest, std::abs(row.K * change));
   }
   return largest;
 }
 
-// What a pass has changed leads on: nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe and Erleben 2010). Joints hold along
-// any sum of such changes.
-class Gradients {
+class Passes {
  public:
-  Gradients(std::vector<ContactRow>& contacts, std::vector<Vector6d>& velocities)
-      : m_velocities(velocities), m_direction(velocities.size(), Vector6d::Zero()) {
-    for (ContactRow& row : contacts) row.direction = 0;
+  Passes(const Island& island, std::vector<JointBlock>& of, std::vector<ContactRow>& contacts,
+         const SolverOptions& options, Sweep sweep, std::vector<Vector6d>& velocities)
+      : m_contacts(contacts), m_velocities(velocities), m_sweep(sweep) {
+    velocities.clear();
+    for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+    for (const JointBlock& part : of) addStiffness(island, part, velocities);
+    if (sweep != Sweep::all_at_once)
+      for (ContactRow& row : contacts) row.impulse = 0;
+    findAnswers(island, of, contacts, false);
+    for (ContactRow& row : contacts) row.push(row.impulse, velocities);
+    m_blocks.reserve(of.size());
+    for (const JointBlock& part : of) {
+      m_blocks.emplace_back(island, part, options);
+      m_blocks.back().begin(sweep, velocities);
+    }
+    if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
+    for (JointBlock& part : of) part.K->findAnswers(part.work->answers);
+    findAnswers(island, of, contacts, true);
+    sweepBlocks();
+    for (ContactRow& row : contacts) row.speed = row.velocity(velocities);
   }
-
-  void beginPass(const std::vector<ContactRow>& contacts, std::vector<BlockSolver>& blocks) {
-    m_start = m_velocities;
-    m_impulses.clear();
-    for (const ContactRow& row : contacts) m_impulses.push_back(row.impulse);
-    for (BlockSolver& block : blocks) block.beginPass();
+  bool isSolvable() const {
+    for (const BlockSolver& block : m_blocks)
+      if (!block.isSolvable()) return false;
+    return true;
   }
-  /// Goes on by as much of the last direction as makes the new one conjugate to it; of `anew`, by none.
-  void goOn(std::vector<ContactRow>& contacts, std::vector<BlockSolver>& blocks, bool anew) {
-    double length2 = 0;
-    for (size_t r = 0; r < contacts.size(); ++r) {
-      const double change = contacts[r].impulse - m_impulses[r];
-      length2 += contacts[r].K * change * change;
+  bool isSwept() const {
+    for (const BlockSolver& block : m_blocks)
+      if (block.isSwept()) return true;
+    return !m_contacts.empty();
+  }
+  bool changesSet() const {
+    for (const BlockSolver& block : m_blocks)
+      if (block.changesSet()) return true;
+    return false;
+  }
+  double pass() {
+    if (m_sweep == Sweep::all_at_once && !m_contacts.empty()) return passAtOnce();
+    const double largest = sweepContacts(m_contacts, m_velocities);
+    return std::fmax(largest, sweepBlocks());
+  }
+  int finish() {
+    int factors = 0;
+    for (BlockSolver& block : m_blocks) {
+      block.finish(m_velocities);
+      factors += block.factors();
     }
-    const double part = anew || !(length2 < m_length2) ? 0 : length2 / m_length2;
-    m_length2 = length2;
-    for (size_t i = 0; i < m_velocities.size(); ++i) {
-      const Vector6d last = part * m_direction[i];
-      m_direction[i] = m_velocities[i] - m_start[i] + last;
-      m_velocities[i] += last;
-    }
-    for (size_t r = 0; r < contacts.size(); ++r) {
-      ContactRow& row = contacts[r];
-      const double last = part * row.direction;
-      row.direction = row.impulse - m_impulses[r] + last;
-      row.impulse += last;
-    }
-    for (BlockSolver& block : blocks) block.goOn(part);
+    return factors;
   }
 
  private:
+  double sweepBlocks() {
+    double largest = 0;
+    for (BlockSolver& block : m_blocks) largest = std::fmax(largest, block.sweep(m_velocities));
+    return largest;
+  }
+  double passAtOnce();
+
+  std::vector<ContactRow>& m_contacts;
   std::vector<Vector6d>& m_velocities;
-  std::vector<Vector6d> m_start, m_direction;
-  std::vector<double> m_impulses;
-  double m_length2 = 0;
+  const Sweep m_sweep;
+  std::vector<BlockSolver> m_blocks;
+  std::vector<Vector6d> m_start;
 };
+
+// Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
+double Passes::passAtOnce() {
+  m_start = m_velocities;
+  for (ContactRow& row : m_contacts) row.before = row.impulse;
+  for (BlockSolver& block : m_blocks) block.beginPass();
+  double largest = sweepContacts(m_contacts, m_velocities);
+  m_velocities = m_start;
+  for (ContactRow& row : m_contacts) row.push(row.impulse - row.before, m_velocities);
+  sweepBlocks();
+  double slope = 0, bend = 0;
+  for (ContactRow& row : m_contacts) {
+    const double by = row.impulse - row.before, next = row.velocity(m_velocities);
+    slope += by * (row.speed + row.softness * row.before - row.target);
+    bend += by * (next - row.speed + row.softness * by);
+    row.speed = next;
+  }
+  if (changesSet() || !(slope < 0) || !(bend > -slope)) return largest;
+  const double part = -slope / bend;
+  for (size_t i = 0; i < m_start.size(); ++i)
+    m_velocities[i] = m_start[i] + part * (m_velocities[i] - m_start[i]);
+  for (ContactRow& row : m_contacts) {
+    row.impulse = row.before + part * (row.impulse - row.before);
+    row.speed = row.velocity(m_velocities);
+  }
+  for (BlockSolver& block : m_blocks) block.goBack(part);
+  return part * largest;
+}
 
 }  // namespace
 
@@ -251,46 +309,18 @@ SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,
                             Sweep sweep, int most, std::vector<Vector6d>& velocities) {
   SolveReport report;
-  velocities.clear();
-  for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
-  for (const JointBlock& part : of) addStiffness(island, part, velocities);
-  findAnswers(island, of, contacts);
-  for (ContactRow& row : contacts)
-    if (sweep == Sweep::all_at_once)
-      row.push(row.impulse, velocities);
-    else
-      row.impulse = 0;
-  std::vector<BlockSolver> blocks;
-  blocks.reserve(of.size());
-  bool is_swept = !contacts.empty(), is_solvable = true;
-  for (const JointBlock& part : of) {
-    blocks.emplace_back(island, part, options);
-    blocks.back().begin(sweep, velocities);
-  }
-  Gradients gradients(contacts, velocities);
+  Passes passes(island, of, contacts, options, sweep, velocities);
+  report.is_solvable = passes.isSolvable();
   for (bool go_on = true; go_on;) {
-    gradients.beginPass(contacts, blocks);
-    double largest = sweepContacts(contacts, velocities);
-    bool changes_set = false;
-    for (BlockSolver& block : blocks) {
-      largest = std::fmax(largest, block.sweep(velocities));
-      changes_set = changes_set || block.changesSet();
-      is_swept = is_swept || block.isSwept();
-      is_solvable = is_solvable && block.isSolvable();
-    }
+    report.error = passes.pass() * island.dt;
     ++report.steps;
-    report.error = largest * island.dt;
-    // What contacts see in the first pass is not yet what joints do.
-    report.converged = !is_swept || (report.steps > 1 && report.error <= options.contact_tolerance);
-    go_on = is_swept && is_solvable && !report.converged && report.steps < most;
-    // They may gain: where that is to be mended, each pass takes energy.
-    if (go_on && sweep == Sweep::all_at_once) gradients.goOn(contacts, blocks, changes_set);
+    report.converged =
+        !passes.isSwept() || (!passes.changesSet() && report.error <= options.contact_tolerance);
+    report.is_solvable = report.is_solvable && passes.isSolvable();
+    go_on = passes.isSwept() && report.is_solvable && !report.converged && report.steps < most;
   }
-  for (BlockSolver& block : blocks) {
-    block.finish(velocities);
-    report.factors += block.factors();
-    report.is_solvable = report.is_solvable && block.isSolvable();
-  }
+  report.factors = passes.finish();
+  report.is_solvable = report.is_solvable && passes.isSolvable();
   return report;
 }
 

@@ -29,8 +29,10 @@ bool Broyden::step(const JointMatrix& K, const std::vector<double>& x, std::vect
     }
   }
   now.length2 = map(now.s).dot(map(now.Ks));
-  if (!(now.length2 >= 0) || (m_count > 0 && !(now.length2 <= m_steps[m_count - 1].length2)))
-    return false;
+  const auto isLonger = [&](size_t back) {
+    return m_count >= back && !(now.length2 <= m_steps[m_count - back].length2);
+  };
+  if (!(now.length2 >= 0) || (isLonger(1) && (!m_may_wander || isLonger(2)))) return false;
   map(y) += map(now.s);
   ++m_count;
   return true;

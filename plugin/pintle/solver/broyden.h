@@ -11,10 +11,13 @@ inline namespace PINTLE_PRECISION {
 
 class Broyden {
  public:
-  /// Nothing is known beside K.
-  void begin() { m_count = 0; }
-  /// y += a step from the residual x, in the units of K. Returns false, and leaves y, where it is no shorter than the last one: this
-  /// leads nowhere.
+  /// Nothing is known beside K. A step may be no longer than the last one, or, where it `may_wander`, than one of the last two.
+  void begin(bool may_wander = false) {
+    m_count = 0;
+    m_may_wander = may_wander;
+  }
+  /// y += a step from the residual x, in the units of K. Returns false, and leaves y, where it is longer than that: this leads
+  /// nowhere.
   bool step(const JointMatrix& K, const std::vector<double>& x, std::vector<double>& y);
   /// What y was changed by.
   const std::vector<double>& last() const { return m_steps[m_count - 1].s; }
@@ -26,6 +29,7 @@ class Broyden {
   };
   std::vector<Step> m_steps;  ///< m_count of them; the others are memory
   size_t m_count = 0;
+  bool m_may_wander = false;
 };
 
 }  // namespace PINTLE_PRECISION

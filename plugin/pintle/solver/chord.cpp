@@ -90,7 +90,9 @@ SolveReport Chord::run() {
   m_set.choose();
   broyden.begin();
   if (!factorise() || !startFromForeseen()) return m_report;
-  broyden.begin();
+  // Where each body's swing is resolved, a way that is not straight leads there, too.
+  const bool may_wander = isResolved(m_work);
+  broyden.begin(may_wander);
   for (bool changed = end(); !m_report.converged; changed = end()) {
     m_report.factors = m_set.factors();
     if (m_report.steps >= m_options.max_iterations) return m_report;
@@ -98,7 +100,7 @@ SolveReport Chord::run() {
       if (!factorise()) return m_report;
       measure();
       m_set.findResidual();
-      broyden.begin();
+      broyden.begin(may_wander);
     }
     if (!broyden.step(m_K, m_work.x, m_work.y)) return m_report;
   }

@@ -14,14 +14,15 @@ inline namespace PINTLE_PRECISION {
 struct ContactRow {
   std::array<int, 2> body;  ///< of the island; below 0: one that does not move
   RowJacobian J;
-  std::array<Vector6d, 2> answer = {Vector6d::Zero(),
-                                    Vector6d::Zero()};  ///< of each body to an impulse of 1
-  double K = 0;                                         ///< of its velocity
+  using Answers = std::array<Vector6d, 2>;  ///< of each body to an impulse of 1
+  Answers answer = {Vector6d::Zero(), Vector6d::Zero()}, with_joints = answer;
+  double K = 0;  ///< of its velocity
   double target, softness, lower, upper;
-  int normal;       ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
-  double friction;  ///< of friction: its coefficient
-  double impulse;   ///< N s
-  double direction = 0;  ///< N s: of conjugate gradients (block_gauss_seidel.cpp)
+  int normal;         ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
+  double friction;    ///< of friction: its coefficient
+  double impulse;     ///< N s
+  double speed = 0;   ///< m/s, before a pass
+  double before = 0;  ///< N s: before a pass
   btSolverConstraint* from;
 
   /// Its impulse at which it is satisfied, where it has the velocity u now.
@@ -38,9 +39,10 @@ struct ContactRow {
       }
     return u;
   }
-  void push(double by, std::vector<Vector6d>& v) const {
+  void push(double by, std::vector<Vector6d>& v) const { push(by, answer, v); }
+  void push(double by, const Answers& to, std::vector<Vector6d>& v) const {
     for (int side = 0; side < 2; ++side)
-      if (body[size_t(side)] >= 0) v[size_t(body[size_t(side)])] += by * answer[size_t(side)];
+      if (body[size_t(side)] >= 0) v[size_t(body[size_t(side)])] += by * to[size_t(side)];
   }
 };
 /// Friction by its contact's impulse.

@@ -116,22 +116,5 @@ double gainOverForces(const Island& island, const Component& component, const Wo
   return workFrom(&IslandBody::v_free, island, component, end);
 }
 
-// Impulses (s - 1) M v work by their mean velocity, (v0 + s v) / 2.
-double slow(const Island& island, const Component& component, double energy,
-            std::vector<Vector6d>& v) {
-  double a = 0, b = 0;  // v M v, v M v0
-  for (int i = 0; i < component.bodies; ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const Vector6d& of = v[size_t(i)];
-    a += body.product(of, of);
-    b += body.product(of, body.v0);
-  }
-  if (!(a > 0)) return 0;
-  const double root2 = (a + b) * (a + b) - 8 * a * energy;
-  const double s = std::clamp((a - b + std::sqrt(std::fmax(root2, 0))) / (2 * a), 0., 1.);
-  for (Vector6d& of : v) of *= s;
-  return (s - 1) * (b + s * a) / 2;
-}
-
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

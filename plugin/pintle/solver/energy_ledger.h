@@ -11,6 +11,7 @@ inline namespace PINTLE_PRECISION {
 struct EnergyLedger {
   double given = 0;        ///< J: by the joints, so far
   double peak = 0;         ///< J: the largest recent kinetic energy
+  double taken = 0;        ///< J: what was taken of what arcs gave, and may be given back
   double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
 
   void begin(const Island& island, const Component& component, double share);
@@ -32,10 +33,6 @@ double workOfPoses(const Island& island, const Component& component, const Vecto
 /// J: what all impulses gave, those of contacts, too, to the velocities that forces lead to: KE(v) - KE(v*). Without motors, springs
 /// and friction again.
 double gainOverForces(const Island& island, const Component& component, const Workspace& end);
-
-/// Slows the bodies of the component by one part, so that this works by -`energy` (J), or by as much of it as it can. Returns its work.
-double slow(const Island& island, const Component& component, double energy,
-            std::vector<Vector6d>& v);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -5,6 +5,7 @@
 #include <pintle/solver/client_joint.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/row_shapes.h>
 
 #include <cmath>
 #include <limits>
@@ -316,6 +317,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     const btSolverConstraint& from = rows[i];
     IslandRow row;
     row.has_position = false;
+    row.start.axis = -1;
     row.index = i;
     // Bullet's sign of an impulse is the other one.
     row.J = {-pintle::inDouble(from.m_contactNormal1), -pintle::inDouble(from.m_relpos1CrossNormal),
@@ -332,62 +334,26 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
     addRow(to, row);
   }
-  findPoint(to);
 }
 
-namespace {
-
-// The lever r of a body, of which rows 0 and 1 of three along n have the moment A = r x n. Returns whether they do.
-bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
-  constexpr double rounding = 1e3 * double(std::numeric_limits<Scalar>::epsilon());
-  const Vector3d across_0 = cross(n[0], A[0]),
-                 across_1 = cross(n[1], A[1]);  // r without its part along n
-  r = n[0].dot(across_1) * n[0] + n[1].dot(across_0) * n[1] +
-      n[2].dot(across_0 + across_1) / 2 * n[2];
-  const double size = A[0].norm() + A[1].norm();
-  return (A[0] - cross(r, n[0])).norm() <= rounding * size &&
-         (A[1] - cross(r, n[1])).norm() <= rounding * size;
-}
-
-}  // namespace
-
-// Of a stock joint, rows are known at the start alone. But three of them that hold a point along three axes are a ball, of which the
-// end is known, too. (Where a body is static and the others do not let it turn, Bullet may leave out the moment of one.)
-void IslandBuilder::findPoint(const IslandJoint& joint) {
-  if (joint.rows < 3) return;
-  IslandRow* const rows = &m_island.rows[size_t(joint.first_row)];
-  constexpr double rounding = 1e3 * double(std::numeric_limits<Scalar>::epsilon());
-  for (int i = 0; i < 3; ++i) {
-    const RowJacobian& J = rows[i].J;
-    if (!rows[i].law.isEquality() || !(std::abs(J.L_b.squaredNorm() - 1) < rounding) ||
-        !((J.L_a + J.L_b).norm() < rounding) ||
-        !(std::abs(J.L_b.dot(rows[(i + 1) % 3].J.L_b)) < rounding))
-      return;
-  }
-  Vector3d r[2];
-  bool found = false;
-  for (int last = 2; last >= 0 && !found; --last) {
-    Vector3d n[3], A_a[3], A_b[3];
-    for (int k = 0; k < 3; ++k) {
-      const RowJacobian& J = rows[(last + 1 + k) % 3].J;
-      n[k] = J.L_b;
-      A_a[k] = -J.A_a;
-      A_b[k] = J.A_b;
+// Of rows that are open, what the joint says of its error is more than these shapes do.
+void IslandBuilder::findShapes(const IslandJoint& joint) {
+  if (joint.ours != nullptr && JointAccess::mayHaveOtherRows(*joint.ours, isOfPintle)) return;
+  IslandRow* const rows = m_island.rows.data() + joint.first_row;
+  if (joint.ours == nullptr && joint.rows >= 3 && findPoint(rows))
+    for (IslandRow* row = rows; row < rows + 3; ++row) {
+      row->K = inverseMass(joint, row->J, row->J);
+      row->root_K = std::sqrt(row->K);
     }
-    found = findLever(n, A_a, r[0]) && findLever(n, A_b, r[1]);
+  IslandRow* turns[3];
+  int count = 0;
+  for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
+    if (row->shape.kind < RowShape::angle && row->has_position) continue;
+    if (!row->law.isEquality() || row->start.axis >= 0 || !row->J.L_b.isZero(0)) continue;
+    if (count == 3 || std::abs(double(row->start.position)) > m_options.pose_tolerance) return;
+    turns[count++] = row;
   }
-  for (int i = 0; found && i < 3; ++i) {
-    IslandRow& row = rows[i];
-    const Vector3d n = row.J.L_b;
-    row.J = {-n, -cross(r[0], n), n, cross(r[1], n)};
-    row.K = inverseMass(joint, row.J, row.J);
-    row.root_K = std::sqrt(row.K);
-    row.has_position = true;
-    row.start.L = n.cast<Scalar>();
-    row.shape.kind = RowShape::point;
-    row.shape.a = r[0].cast<Scalar>();
-    row.shape.b = r[1].cast<Scalar>();
-  }
+  if (count >= 2) findTurn(turns, count);
 }
 
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
@@ -409,7 +375,9 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   } else {
     addOurs(to);
   }
-  if (to.rows > 0) m_island.joints.push_back(to);
+  if (to.rows == 0) return;
+  findShapes(to);
+  m_island.joints.push_back(to);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -35,7 +35,7 @@ class IslandBuilder {
                      IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   void addRow(IslandJoint& to, const IslandRow& row);
-  void findPoint(const IslandJoint& joint);
+  void findShapes(const IslandJoint& joint);
   double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
   /// J_1 M^-1 J_2^T
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,

@@ -78,7 +78,7 @@ void JointMatrix::analyse(const std::vector<Joint>& joints, const Locks& locks) 
     });
 }
 
-// Blocks that are added to: visit(row, column, end of row, end of column) of two ends on a body that does not stay, the row not
+// Blocks that are added to: visit(body, row, end, column, end) of two ends on a body that does not stay, the row not
 // before the column; and visit(node of the body, node of the joint, end) of one that does.
 template <class OfPair, class OfStaying>
 void JointMatrix::forEachBlock(const OfPair& ofPair, const OfStaying& ofStaying) const {
@@ -94,7 +94,7 @@ void JointMatrix::forEachBlock(const OfPair& ofPair, const OfStaying& ofStaying)
         const int before = m_node[size_t(ends[q].joint)];
         for (int i = first; i < first + n; ++i)
           for (int k = before; k < (p == q ? i + 1 : before + nodesOf(ends[q].joint)); ++k)
-            ofPair(i, ends[p].side, k, ends[q].side);
+            ofPair(b, i, ends[p].side, k, ends[q].side);
       }
     }
   }
@@ -124,7 +124,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   m_softness.assign(size_t(block * nodes), 1.);
   m_acts.assign(size_t(block * nodes), 0.);
   m_places.clear();
-  forEachBlock([&](int i, int, int k, int) { m_places.push_back(m_factor.place(i, k)); },
+  forEachBlock([&](size_t, int i, int, int k, int) { m_places.push_back(m_factor.place(i, k)); },
                [&](int b, int i, int) {
                  for (int half = 0; half < 2; ++half) {
                    const int node = nodeOfBody(b) + half;
@@ -174,7 +174,7 @@ bool JointMatrix::factorise(double least_pivot) {
   }
   size_t next = 0;
   forEachBlock(
-      [&](int i, int side_i, int k, int side_k) {
+      [&](size_t, int i, int side_i, int k, int side_k) {
         double* const to = m_factor.at(m_places[next++]);
         if (isIdle(i) || isIdle(k)) return;
         const Rows &a = rows(i, side_i), &b = rows(k, side_k);
@@ -200,6 +200,44 @@ bool JointMatrix::factorise(double least_pivot) {
         }
       });
   return m_factor.factorise(least_pivot);
+}
+
+// A^-1 - A^-1 J^T K^-1 J A^-1, of which a body's own joints have their part. Of one that stays, its velocity is an unknown.
+void JointMatrix::findAnswers(std::vector<Matrix6d>& answers) {
+  m_factor.invertWhereFactored(m_inverse);
+  answers.assign(m_ends.size(), Matrix6d::Zero());
+  for (size_t b = 0; b < m_ends.size(); ++b) {
+    if (m_stays[b]) continue;
+    answers[b].diagonal().head<3>() = m_bodies[b].linear;
+    answers[b].bottomRightCorner<3, 3>() = m_bodies[b].angular;
+  }
+  size_t next = 0;
+  const auto subtract = [&](size_t b, int i, int side_i, int k, int side_k) {
+    const double* const of = m_inverse.data() + m_places[next++];
+    for (int r = 0; r < block; ++r) {
+      Vector6d sum = Vector6d::Zero();
+      for (int s = 0; s < block; ++s) sum += of[block * r + s] * answer(k, side_k, s);
+      const Matrix6d part = answer(i, side_i, r) * sum.transpose();
+      answers[b] -= part;
+      if (i != k) answers[b] -= part.transpose();
+    }
+  };
+  forEachBlock(subtract, [&](int, int, int) { next += 2; });
+  for (size_t b = 0; b < m_ends.size(); ++b) {
+    if (!m_stays[b]) continue;
+    const int node = nodeOfBody(int(b));
+    Matrix6d W, by = Matrix6d::Zero();
+    for (int p = 0; p < 2; ++p)
+      for (int q = 0; q <= p; ++q) {
+        const double* const of = m_inverse.data() + m_factor.place(node + p, node + q);
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            W(3 * p + i, 3 * q + j) = W(3 * q + j, 3 * p + i) = -of[3 * i + j];
+      }
+    by.diagonal().head<3>() = m_bodies[b].scale[0] * m_bodies[b].linear;
+    by.bottomRightCorner<3, 3>() = m_bodies[b].scale[1] * m_bodies[b].angular;
+    answers[b] = by * W * by;
+  }
 }
 
 void JointMatrix::addResponse(const double* x, Vector6d* v) const {

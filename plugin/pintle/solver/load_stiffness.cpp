@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -49,6 +51,11 @@ void findStiffness(const Island& island, const Component& component, double stab
     of = clipped(island.dt / stable_swing * of -
                  island.bodies[size_t(component.first_body + i)].inertia);
   }
+}
+
+bool isResolved(const Workspace& work) {
+  return std::all_of(work.stiffness.begin(), work.stiffness.end(),
+                     [](const Matrix3d& of) { return of.isZero(0); });
 }
 
 void stiffen(const Island& island, const Component& component, const Workspace& work,

@@ -1,5 +1,6 @@
 #include <pintle/solver/passive_joint_solver.h>
 
+#include <pintle/solver/balance.h>
 #include <pintle/solver/block_gauss_seidel.h>
 #include <pintle/solver/chord.h>
 #include <pintle/solver/component_memory.h>
@@ -48,6 +49,7 @@ struct PassiveJointSolver::State {
 
   ComponentMemory& begin(const Component& component);
   bool solveByChord(const Component& component);
+  void solveAlone(const Component& component);
   void solveInVelocity(const std::vector<const Component*>& those, std::vector<ContactRow>& rows);
   double gainInVelocity(const std::vector<const Component*>& those,
                         const std::vector<ContactRow>& rows);
@@ -55,7 +57,10 @@ struct PassiveJointSolver::State {
   bool stopRebounds(const Component& component);
   bool isOpen(const Component& component) const;
   bool isAnchored(const Component& component) const;
+  bool isFree(const ComponentMemory& kept) const;
   void finish(const Component& component, ComponentMemory& kept);
+  bool canBalance(const Component& component, const ComponentMemory& kept) const;
+  double balance(const Component& component, ComponentMemory& kept, PoseChange* changes);
   std::vector<char> findTouched() const;
   void count(const SolveReport& done, int components);
   std::unique_ptr<ComponentMemory>& slotOf(const Component& component) {
@@ -77,12 +82,30 @@ ComponentMemory& PassiveJointSolver::State::begin(const Component& component) {
 // The first tier. Returns false where it does not converge, or where its joints would give too much.
 bool PassiveJointSolver::State::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
+  kept.holds_end = false;
   const SolveReport done = pintle::solveByChord(island, component, options, kept.K, kept.work);
   count(done, 1);
   if (!done.converged) return false;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(island, component, kept.work);
-  return kept.ledger.mayGive(kept.work_done, options.ledger_share);
+  return (isResolved(kept.work) && canBalance(component, kept)) ||
+         kept.ledger.mayGive(kept.work_done, options.ledger_share);
+}
+
+// Where the first tier gives too much, the second one may lose more than that: then it is balanced.
+void PassiveJointSolver::State::solveAlone(const Component& component) {
+  if (solveByChord(component)) return;
+  ComponentMemory& kept = memoryOf(component);
+  const bool has_end = kept.holds_end && canBalance(component, kept);
+  const Workspace::Solution by_chord = has_end ? kept.work.solution() : Workspace::Solution();
+  const double given = kept.work_done;
+  std::vector<ContactRow> none;
+  solveInVelocity({&component}, none);
+  if (!has_end || kept.ledger.mayGive(-kept.work_done, options.ledger_share)) return;
+  kept.work.take(by_chord);
+  kept.work_done = given;
+  kept.has_factor = false;
+  kept.holds_end = true;
 }
 
 // J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each
@@ -181,18 +204,35 @@ void PassiveJointSolver::State::finish(const Component& component, ComponentMemo
   PoseChange* const changes = pose_changes.data() + component.first_body;
   if (!kept.holds_end || isOpen(component))
     correctPoses(island, component, options, work, kept.K, kept.has_factor, changes);
-  const double by_joints = kept.work_done;
   kept.work_done += workOfPoses(island, component, changes);
-  if (const double excess = kept.ledger.excess(kept.work_done, options.ledger_share);
-      excess > 0 && isAnchored(component)) {
-    const double slowed = slow(island, component, excess, work.v);
-    std::fill_n(changes, component.bodies, PoseChange(PoseChange::Zero()));
-    correctPoses(island, component, options, work, kept.K, false, changes);
-    kept.work_done = by_joints + workOfPoses(island, component, changes) + slowed;
-  }
+  kept.work_done += balance(component, kept, changes);
   kept.ledger.book(kept.work_done, options.ledger_share);
   kept.keep(island, component);
   pintle::report(island, component, work);
+}
+
+// What stops take is gone: but for that, joints give and take by arcs alone.
+bool PassiveJointSolver::State::canBalance(const Component& component,
+                                           const ComponentMemory& kept) const {
+  return (isAnchored(component) || isFree(kept)) && !actsByStops(island, component, kept.work);
+}
+
+// Arcs give back what was taken of them; else no more is taken than what is too much. Returns its work.
+double PassiveJointSolver::State::balance(const Component& component, ComponentMemory& kept,
+                                          PoseChange* changes) {
+  EnergyLedger& ledger = kept.ledger;
+  const bool by_arcs = kept.holds_end && canBalance(component, kept);
+  ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
+  const double energy = by_arcs ? std::fmax(ledger.given + kept.work_done, -ledger.taken)
+                                : std::fmax(ledger.excess(kept.work_done, options.ledger_share), 0);
+  const bool is_anchored = isAnchored(component);
+  if ((!is_anchored && !isFree(kept)) ||
+      !(std::abs(energy) > workOfGaps(island, component, kept.work, options.newton_tolerance)))
+    return 0;
+  const double work =
+      pintle::balance(island, component, !is_anchored, energy, kept.work.v, changes);
+  if (by_arcs) ledger.taken = std::fmax(0, ledger.taken - work);
+  return work;
 }
 
 bool PassiveJointSolver::State::isOpen(const Component& component) const {
@@ -207,6 +247,14 @@ bool PassiveJointSolver::State::isAnchored(const Component& component) const {
     for (const int body : island.joints[size_t(c)].body)
       if (body < 0) return true;
   return false;
+}
+
+// Whether nothing holds one of its bodies but its joints.
+bool PassiveJointSolver::State::isFree(const ComponentMemory& kept) const {
+  const auto isLocked = [](const std::array<bool, 6>& of) {
+    return std::find(of.begin(), of.end(), true) != of.end();
+  };
+  return std::none_of(kept.locks.begin(), kept.locks.end(), isLocked);
 }
 
 bool PassiveJointSolver::State::stopRebounds(const Component& component) {
@@ -243,7 +291,6 @@ std::vector<char> PassiveJointSolver::State::findTouched() const {
 void PassiveJointSolver::State::solveAll() {
   const std::vector<char> touched = findTouched();
   std::vector<const Component*> among_contacts;
-  std::vector<ContactRow> none;
   for (size_t c = 0; c < components.size(); ++c) {
     const Component& component = components[c];
     remember(island, component, slotOf(component));
@@ -258,7 +305,7 @@ void PassiveJointSolver::State::solveAll() {
   for (size_t c = 0; c < components.size(); ++c) {
     if (touched[c]) continue;
     do {
-      if (!solveByChord(components[c])) solveInVelocity({&components[c]}, none);
+      solveAlone(components[c]);
     } while (breaks(components[c]));
   }
   for (bool again = !contacts.empty(); again;) {
@@ -347,6 +394,18 @@ void PassiveJointSolver::addContacts(btConstraintArray& pool, bool are_friction)
     row.from = &from;
     state.contacts.push_back(row);
   }
+}
+
+// Contacts need many passes to find a heavy load on light, jointed bodies. The warm start spreads them over the steps, so it must keep
+// all of the impulse.
+btScalar PassiveJointSolver::solveGroupCacheFriendlySetup(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& info,
+    btIDebugDraw* drawer) {
+  btContactSolverInfo with_all = info;
+  if (numConstraints > 0) with_all.m_warmstartingFactor = 1;
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
+      bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, with_all, drawer);
 }
 
 btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(

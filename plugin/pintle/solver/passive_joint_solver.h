@@ -41,6 +41,11 @@ class PassiveJointSolver : public btSequentialImpulseConstraintSolver {
  protected:
   void convertJoints(btTypedConstraint** constraints, int numConstraints,
                      const btContactSolverInfo& infoGlobal) override;
+  btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int numBodies,
+                                        btPersistentManifold** manifoldPtr, int numManifolds,
+                                        btTypedConstraint** constraints, int numConstraints,
+                                        const btContactSolverInfo& infoGlobal,
+                                        btIDebugDraw* debugDrawer) override;
   btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int numBodies,
                                              btPersistentManifold** manifoldPtr, int numManifolds,
                                              btTypedConstraint** constraints, int numConstraints,

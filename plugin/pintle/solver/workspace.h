@@ -25,9 +25,24 @@ struct Workspace {
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
+  /// What a solve has found.
+  struct Solution {
+    std::vector<Vector6d> v;
+    std::vector<double> u, lambda;
+    std::vector<LawPiece> pieces;
+  };
+  Solution solution() const { return {v, u, lambda, pieces}; }
+  void take(const Solution& from) {
+    v = from.v;
+    u = from.u;
+    lambda = from.lambda;
+    pieces = from.pieces;
+  }
+
   // Memory of the solves.
   std::vector<double> y, x;  ///< impulses, and a residual, in the units of K (joint_matrix.h)
-  std::vector<double> y_before_pass, y_before_choice, y_direction;
+  std::vector<double> y_before_pass, y_before_choice;
+  std::vector<Eigen::Matrix<double, 6, 6>> answers;  ///< of each body (JointMatrix::findAnswers)
   std::vector<Vector6d> base;  ///< of each body: its velocity without impulses of joints
   std::vector<MovedBody> moved;
   std::vector<double> straight, goal;  ///< of each row: other velocities

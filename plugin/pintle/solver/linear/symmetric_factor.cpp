@@ -58,6 +58,18 @@ bool invert(double* a, double least_pivot) {
   return true;
 }
 
+// to -= a b; and of the transposed a.
+inline void subtractPlainProduct(const double* a, const double* b, double* to) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      to[3 * i + j] -= a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+}
+inline void subtractTransposedProduct(const double* a, const double* b, double* to) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      to[3 * i + j] -= a[i] * b[j] + a[3 + i] * b[3 + j] + a[6 + i] * b[6 + j];
+}
+
 }  // namespace
 
 // The rows of a column are its own, and those of the columns of which it is the first one below.
@@ -149,6 +161,41 @@ void SymmetricFactor::solve(double* x) const {
     multiplySymmetric(diagonal + area * size_t(k), own);
     for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
       subtractTransposed(below + area * size_t(p), x + size * m_row[size_t(p)], own);
+  }
+}
+
+// Z_ik = -sum of Z_ij L_jk over the rows j of column k; Z_kk = D_k^-1 - sum of L_jk^T Z_jk. From the last column on.
+void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
+  const int n = blocks();
+  to.assign(m_numbers.size(), 0.);
+  const double* const inverse = m_numbers.data();
+  const double* const L = inverse + area * size_t(n);
+  double* const diagonal = to.data();
+  double* const Z = diagonal + area * size_t(n);
+  for (int k = n - 1; k >= 0; --k) {
+    if (m_idle[size_t(k)]) continue;
+    const int first = m_first[size_t(k)], last = m_first[size_t(k) + 1];
+    for (int q = first; q < last; ++q) {
+      const int j = m_row[size_t(q)];
+      if (m_idle[size_t(j)]) continue;
+      const double* const L_j = L + area * size_t(q);
+      double* const Z_j = Z + area * size_t(q);
+      subtractPlainProduct(diagonal + area * size_t(j), L_j, Z_j);
+      int at = m_first[size_t(j)];
+      const bool same = m_first[size_t(j) + 1] - at == last - q - 1;
+      for (int p = q + 1; p < last; ++p, ++at) {
+        const int i = m_row[size_t(p)];
+        while (!same && m_row[size_t(at)] != i) ++at;
+        if (m_idle[size_t(i)]) continue;
+        const double* const Z_ij = Z + area * size_t(at);
+        subtractPlainProduct(Z_ij, L_j, Z + area * size_t(p));
+        subtractTransposedProduct(Z_ij, L + area * size_t(p), Z_j);
+      }
+    }
+    double* const own = diagonal + area * size_t(k);
+    std::copy(inverse + area * size_t(k), inverse + area * size_t(k + 1), own);
+    for (int q = first; q < last; ++q)
+      subtractTransposedProduct(L + area * size_t(q), Z + area * size_t(q), own);
   }
 }
 

@@ -30,6 +30,8 @@ class SymmetricFactor {
   bool factorise(double least_pivot);
   /// x = A^-1 x.
   void solve(double* x) const;
+  /// Of A^-1, the blocks that the factor has, too: each at its place in `to` (Takahashi, Fagan and Chen 1973).
+  void invertWhereFactored(std::vector<double>& to) const;
 
   size_t bytes() const {
     return sizeof(double) * m_numbers.capacity() +

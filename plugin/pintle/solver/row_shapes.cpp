@@ -1,0 +1,85 @@
+#include <pintle/solver/row_shapes.h>
+
+#include <limits>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+constexpr double rounding = 1e3 * double(std::numeric_limits<Scalar>::epsilon());
+
+// The lever r of a body, of which rows 0 and 1 of three along n have the moment A = r x n. Returns whether they do.
+bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
+  const Vector3d across_0 = cross(n[0], A[0]),
+                 across_1 = cross(n[1], A[1]);  // r without its part along n
+  r = n[0].dot(across_1) * n[0] + n[1].dot(across_0) * n[1] +
+      n[2].dot(across_0 + across_1) / 2 * n[2];
+  const double size = A[0].norm() + A[1].norm();
+  return (A[0] - cross(r, n[0])).norm() <= rounding * size &&
+         (A[1] - cross(r, n[1])).norm() <= rounding * size;
+}
+
+// C is a.b, of axes that turn with bodies a and b.
+void setDot(IslandRow& row, const Vector3d& a, const Vector3d& b) {
+  row.has_position = true;
+  row.shape.kind = RowShape::dot;
+  row.shape.a = a.cast<Scalar>();
+  row.shape.b = b.cast<Scalar>();
+}
+
+}  // namespace
+
+bool findPoint(IslandRow* rows) {
+  for (int i = 0; i < 3; ++i) {
+    const RowJacobian& J = rows[i].J;
+    if (!rows[i].law.isEquality() || !(std::abs(J.L_b.squaredNorm() - 1) < rounding) ||
+        !((J.L_a + J.L_b).norm() < rounding) ||
+        !(std::abs(J.L_b.dot(rows[(i + 1) % 3].J.L_b)) < rounding))
+      return false;
+  }
+  Vector3d r[2];
+  bool found = false;
+  for (int last = 2; last >= 0 && !found; --last) {
+    Vector3d n[3], A_a[3], A_b[3];
+    for (int k = 0; k < 3; ++k) {
+      const RowJacobian& J = rows[(last + 1 + k) % 3].J;
+      n[k] = J.L_b;
+      A_a[k] = -J.A_a;
+      A_b[k] = J.A_b;
+    }
+    found = findLever(n, A_a, r[0]) && findLever(n, A_b, r[1]);
+  }
+  for (int i = 0; found && i < 3; ++i) {
+    IslandRow& row = rows[i];
+    const Vector3d n = row.J.L_b;
+    row.J = {-n, -cross(r[0], n), n, cross(r[1], n)};
+    row.has_position = true;
+    row.start.L = n.cast<Scalar>();
+    row.shape.kind = RowShape::point;
+    row.shape.a = r[0].cast<Scalar>();
+    row.shape.b = r[1].cast<Scalar>();
+  }
+  return found;
+}
+
+// Of axes p, q and h = p x q a turn by phi of b against a changes h_b . q_a by -p . phi, h_b . p_a by q . phi, and p_b . q_a by h . phi.
+bool findTurn(IslandRow* const* rows, int count) {
+  Vector3d n[3];
+  double size[3];
+  for (int i = 0; i < count; ++i) {
+    const RowJacobian& J = rows[i]->J;
+    size[i] = J.A_b.norm();
+    if (!(size[i] > 0) || !((J.A_a + J.A_b).norm() <= rounding * size[i])) return false;
+    n[i] = J.A_b / size[i];
+    for (int k = 0; k < i; ++k)
+      if (!(std::abs(n[i].dot(n[k])) <= rounding)) return false;
+  }
+  const Vector3d h = cross(n[0], n[1]);
+  setDot(*rows[0], -size[0] * n[1], h);
+  setDot(*rows[1], size[1] * n[0], h);
+  if (count == 3) setDot(*rows[2], std::copysign(size[2], h.dot(n[2])) * n[1], n[0]);
+  return true;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,17 @@
+// Purpose: what rows of a joint measure, where their Jacobians tell it: then their end of the step is known without asking the joint.
+#pragma once
+
+#include <pintle/solver/island.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// Three rows that hold a point along three axes are a ball. Returns whether they are. Their Jacobians are then those of a ball, too:
+/// where a body is static and the others do not let it turn, Bullet may leave out the moment of one.
+bool findPoint(IslandRow* rows);
+
+/// Two or three rows that hold a turn about axes at right angles: they keep axes of the bodies at right angles. Returns whether they do.
+bool findTurn(IslandRow* const* rows, int count);
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
