@@ -6,7 +6,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr double rounding = 1e3 * double(std::numeric_limits<Scalar>::epsilon());
+// Half of the digits: what a body has turned for a while rounds some of them.
+const double rounding = std::sqrt(double(std::numeric_limits<Scalar>::epsilon()));
 
 // The lever r of a body, of which rows 0 and 1 of three along n have the moment A = r x n. Returns whether they do.
 bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
