@@ -6,14 +6,22 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Takes away what moves the rows of a component that act.
-void holdJoints(const BlockOfJoints& of, std::vector<Vector6d>& push) {
-  std::vector<double>& x = of.work->x;
-  Vector6d* const w = push.data() + of.component->first_body;
-  of.K->measure(w, x.data());
-  for (double& of_row : x) of_row = -of_row;
-  of.K->solve(x.data());
-  of.K->addResponse(x.data(), w);
+// J w of the rows of a component that act, and then what they do against it.
+void holdJoints(const Island& island, const BlockOfJoints& of, std::vector<Vector6d>& push) {
+  Workspace& work = *of.work;
+  const Vector6d zero = Vector6d::Zero();
+  work.x.assign(of.K->unknowns(), 0.);
+  forEachRow(island, *of.component, [&](int c, int i, const IslandRow& row, size_t r) {
+    if (!work.pieces[r].acts) return;
+    const IslandJoint& joint = island.joints[size_t(of.component->first_joint + c)];
+    const auto at = [&](int side) -> const Vector6d& {
+      const int body = joint.body[size_t(side)];
+      return body < 0 ? zero : push[size_t(body)];
+    };
+    work.x[of.K->row(c) + size_t(i)] = -row.J.along(at(0), at(1)) / row.root_K;
+  });
+  of.K->solve(work.x.data());
+  of.K->addResponse(work.x.data(), push.data() + of.component->first_body);
 }
 
 }  // namespace
@@ -40,7 +48,7 @@ void findPush(const Island& island, const std::vector<BlockOfJoints>& blocks,
     }
     push = start;
     for (size_t r = 0; r < contacts.size(); ++r) contacts[r].push(impulse[r] - before[r], push);
-    for (const BlockOfJoints& of : blocks) holdJoints(of, push);
+    for (const BlockOfJoints& of : blocks) holdJoints(island, of, push);
     double slope = 0, bend = 0;
     for (size_t r = 0; r < contacts.size(); ++r) {
       const ContactRow& row = contacts[r];

@@ -240,20 +240,6 @@ void JointMatrix::findAnswers(std::vector<Matrix6d>& answers) {
   }
 }
 
-void JointMatrix::measure(const Vector6d* v, double* x) const {
-  std::fill_n(x, unknowns(), 0.);
-  for (size_t c = 0; c < m_joints.size(); ++c)
-    for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node)
-      for (int side = 0; side < 2; ++side) {
-        const int body = m_joints[c][size_t(side)];
-        if (body < 0) continue;
-        const Rows& of = m_rows[size_t(2 * node + side)];
-        for (int i = 0; i < block; ++i)
-          x[block * node + i] +=
-              m_acts[size_t(block * node + i)] * Eigen::Map<const Vector6d>(of.J[i]).dot(v[body]);
-      }
-}
-
 void JointMatrix::addResponse(const double* x, Vector6d* v) const {
   for (size_t c = 0; c < m_joints.size(); ++c)
     for (int i = 0; i < nodesOf(int(c)); ++i) {

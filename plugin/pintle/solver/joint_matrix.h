@@ -60,8 +60,6 @@ class JointMatrix {
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
   /// Of each body: what an impulse on it gives to its own velocity, when the joints of the factor hold.
   void findAnswers(std::vector<Matrix6d>& answers);
-  /// x = J v / root_K, of the rows that act.
-  void measure(const Vector6d* v, double* x) const;
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
 
