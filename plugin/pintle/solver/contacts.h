@@ -18,12 +18,11 @@ struct ContactRow {
   Answers answer = {Vector6d::Zero(), Vector6d::Zero()}, with_joints = answer;
   double K = 0;  ///< of its velocity
   double target, softness, lower, upper;
-  int normal;       ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
-  double friction;  ///< of friction: its coefficient
-  double impulse;   ///< N s
-  double push_target = 0;  ///< m/s: with which poses are to be pushed apart
-  double speed = 0;        ///< m/s, before a pass
-  double before = 0;       ///< N s: before a pass
+  int normal;         ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
+  double friction;    ///< of friction: its coefficient
+  double impulse;     ///< N s
+  double speed = 0;   ///< m/s, before a pass
+  double before = 0;  ///< N s: before a pass
   btSolverConstraint* from;
 
   /// Its impulse at which it is satisfied, where it has the velocity u now.

@@ -4,7 +4,6 @@
 #include <pintle/solver/block_gauss_seidel.h>
 #include <pintle/solver/chord.h>
 #include <pintle/solver/component_memory.h>
-#include <pintle/solver/contact_push.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_report.h>
@@ -34,8 +33,6 @@ void move(btRigidBody& body, const PoseChange& by) {
   body.setWorldTransform(to);
 }
 
-btVector3 inBullets(const Vector3d& v) { return {Scalar(v[0]), Scalar(v[1]), Scalar(v[2])}; }
-
 }  // namespace
 
 struct PassiveJointSolver::State {
@@ -49,8 +46,6 @@ struct PassiveJointSolver::State {
   std::vector<Vector6d> velocities;  ///< with which bodies end the step
   std::vector<ContactRow> contacts;
   int sweeps = 0;  ///< of contacts
-  double turn_erp =
-      0;  ///< of bodies without joints: which part of a turn out of each other is done
 
   ComponentMemory& begin(const Component& component);
   bool solveByChord(const Component& component);
@@ -67,7 +62,6 @@ struct PassiveJointSolver::State {
   bool canBalance(const Component& component, const ComponentMemory& kept) const;
   double balance(const Component& component, ComponentMemory& kept, PoseChange* changes);
   std::vector<char> findTouched() const;
-  void pushApart(const std::vector<const Component*>& those);
   void count(const SolveReport& done, int components);
   std::unique_ptr<ComponentMemory>& slotOf(const Component& component) {
     return memory[island.joints[size_t(component.first_joint)].constraint];
@@ -152,7 +146,7 @@ bool PassiveJointSolver::State::foreseeLoad(const Component& component) {
 void PassiveJointSolver::State::solveInVelocity(const std::vector<const Component*>& those,
                                                 std::vector<ContactRow>& rows) {
   report.second_tier += int(those.size());
-  std::vector<BlockOfJoints> blocks;
+  std::vector<JointBlock> blocks;
   double largest = 0;
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
@@ -293,27 +287,6 @@ std::vector<char> PassiveJointSolver::State::findTouched() const {
   return touched;
 }
 
-// Bodies that are deep in others. Where the rows of a component have no factor, what contacts push is open, too.
-void PassiveJointSolver::State::pushApart(const std::vector<const Component*>& those) {
-  const bool any = std::any_of(contacts.begin(), contacts.end(),
-                               [](const ContactRow& row) { return row.push_target > 0; });
-  if (!any) return;
-  std::vector<BlockOfJoints> blocks;
-  for (const Component* of : those) {
-    ComponentMemory& kept = memoryOf(*of);
-    if (kept.has_factor) blocks.push_back({of, &kept.K, &kept.work});
-  }
-  std::vector<Vector6d> push;
-  findPush(island, blocks, contacts, options, sweeps, push);
-  std::vector<char> has_joints(island.bodies.size(), false);
-  for (const Component& of : components)
-    std::fill_n(has_joints.begin() + of.first_body, of.bodies, true);
-  for (size_t i = 0; i < push.size(); ++i) {
-    island.bodies[i].push = push[i];
-    if (!has_joints[i]) island.bodies[i].push.tail<3>() *= turn_erp;
-  }
-}
-
 // A joint breaks at what it bears when all else is solved, and the step is then solved without it.
 void PassiveJointSolver::State::solveAll() {
   const std::vector<char> touched = findTouched();
@@ -340,7 +313,6 @@ void PassiveJointSolver::State::solveAll() {
     again = false;
     for (const Component* of : among_contacts) again = breaks(*of) || again;
   }
-  pushApart(among_contacts);
   if (contacts.empty()) {  // who has no joint with rows is free
     velocities.clear();
     for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
@@ -419,8 +391,6 @@ void PassiveJointSolver::addContacts(btConstraintArray& pool, bool are_friction)
     row.normal = are_friction ? from.m_frictionIndex : -1;
     row.friction = double(from.m_friction);
     row.impulse = double(from.m_appliedImpulse);
-    row.push_target =
-        inverse_K > 0 && !are_friction ? double(from.m_rhsPenetration) / inverse_K : 0;
     row.from = &from;
     state.contacts.push_back(row);
   }
@@ -447,6 +417,13 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
   if (state.components.empty())
     return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
         bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info, drawer);
+  solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifolds, numManifolds,
+                                                constraints, numConstraints, info, drawer);
+  for (IslandBody& of : state.island.bodies) {
+    const btSolverBody& from = m_tmpSolverBodyPool[of.solver_body];
+    of.push << inDouble(from.m_pushVelocity),
+        double(info.m_splitImpulseTurnErp) * inDouble(from.m_turnVelocity);
+  }
   state.contacts.clear();
   addContacts(m_tmpSolverContactConstraintPool, false);
   addContacts(m_tmpSolverContactFrictionConstraintPool, true);
@@ -454,16 +431,13 @@ btScalar PassiveJointSolver::solveGroupCacheFriendlyIterations(
   state.pose_changes.assign(state.island.bodies.size(), PoseChange::Zero());
   state.sweeps = info.m_numIterations;
   state.report.components += int(state.components.size());
-  state.turn_erp = double(info.m_splitImpulseTurnErp);
   state.solveAll();
   for (size_t i = 0; i < state.island.bodies.size(); ++i) {
     const IslandBody& body = state.island.bodies[i];
     btSolverBody& to = m_tmpSolverBodyPool[body.solver_body];
-    to.m_pushVelocity = inBullets(body.push.head<3>());
-    if (state.turn_erp > 0) to.m_turnVelocity = inBullets(body.push.tail<3>() / state.turn_erp);
     const Vector6d change = state.velocities[i] - body.v_free;
-    to.m_deltaLinearVelocity = inBullets(change.head<3>());
-    to.m_deltaAngularVelocity = inBullets(change.tail<3>());
+    to.m_deltaLinearVelocity = btVector3(Scalar(change[0]), Scalar(change[1]), Scalar(change[2]));
+    to.m_deltaAngularVelocity = btVector3(Scalar(change[3]), Scalar(change[4]), Scalar(change[5]));
   }
   for (const ContactRow& row : state.contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
   return 0;
