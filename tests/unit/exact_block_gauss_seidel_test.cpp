@@ -46,7 +46,7 @@ class Chain : public testing::Test {
   pintle::SolveReport solve(pintle::Sweep sweep, int passes) {
     m_work.lambda.assign(m_work.lambda.size(), 0.);
     for (pintle::ContactRow& row : m_contacts) row.impulse = 0;
-    std::vector<pintle::JointBlock> blocks = {{&m_component, &m_K, &m_work}};
+    std::vector<pintle::BlockOfJoints> blocks = {{&m_component, &m_K, &m_work}};
     pintle::SolverOptions options;
     options.contact_tolerance = 0;
     options.newton_tolerance = 1e-9;

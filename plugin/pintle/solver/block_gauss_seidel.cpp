@@ -11,7 +11,8 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Bodies that swing faster than a step resolves resist it (load_stiffness.h): (M + S) v = M v*. That takes energy, too.
-void addStiffness(const Island& island, const JointBlock& of, std::vector<Vector6d>& velocities) {
+void addStiffness(const Island& island, const BlockOfJoints& of,
+                  std::vector<Vector6d>& velocities) {
   stiffen(island, *of.component, *of.work, *of.K);
   for (int i = 0; i < of.component->bodies; ++i) {
     Vector6d& v = velocities[size_t(of.component->first_body + i)];
@@ -23,7 +24,7 @@ void addStiffness(const Island& island, const JointBlock& of, std::vector<Vector
 /// The joints of a component.
 class BlockSolver {
  public:
-  BlockSolver(const Island& island, const JointBlock& of, const SolverOptions& options)
+  BlockSolver(const Island& island, const BlockOfJoints& of, const SolverOptions& options)
       : m_island(island),
         m_of(of),
         m_options(options),
@@ -67,7 +68,7 @@ class BlockSolver {
   }
 
   const Island& m_island;
-  const JointBlock& m_of;
+  const BlockOfJoints& m_of;
   const SolverOptions& m_options;
   Workspace& m_work;
   ActiveSet m_set;
@@ -161,14 +162,14 @@ double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
 }
 
 // What impulses of contacts do. `with_joints`: of components whose joints hold.
-void findAnswers(const Island& island, const std::vector<JointBlock>& of,
+void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
                  std::vector<ContactRow>& contacts, bool with_joints) {
   struct Source {
     const InverseInertia* alone = nullptr;  ///< null: it has no joints
     const JointMatrix::Matrix6d* with_joints = nullptr;
   };
   std::vector<Source> source(island.bodies.size());
-  for (const JointBlock& part : of)
+  for (const BlockOfJoints& part : of)
     for (int i = 0; i < part.component->bodies; ++i) {
       Source& to = source[size_t(part.component->first_body + i)];
       to.alone = &part.K->bodies()[size_t(i)];
@@ -210,23 +211,23 @@ double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& v
 
 class Passes {
  public:
-  Passes(const Island& island, std::vector<JointBlock>& of, std::vector<ContactRow>& contacts,
+  Passes(const Island& island, std::vector<BlockOfJoints>& of, std::vector<ContactRow>& contacts,
          const SolverOptions& options, Sweep sweep, std::vector<Vector6d>& velocities)
       : m_contacts(contacts), m_velocities(velocities), m_sweep(sweep) {
     velocities.clear();
     for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
-    for (const JointBlock& part : of) addStiffness(island, part, velocities);
+    for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
     if (sweep != Sweep::all_at_once)
       for (ContactRow& row : contacts) row.impulse = 0;
     findAnswers(island, of, contacts, false);
     for (ContactRow& row : contacts) row.push(row.impulse, velocities);
     m_blocks.reserve(of.size());
-    for (const JointBlock& part : of) {
+    for (const BlockOfJoints& part : of) {
       m_blocks.emplace_back(island, part, options);
       m_blocks.back().begin(sweep, velocities);
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
-    for (JointBlock& part : of) part.K->findAnswers(part.work->answers);
+    for (BlockOfJoints& part : of) part.K->findAnswers(part.work->answers);
     findAnswers(island, of, contacts, true);
     sweepBlocks();
     for (ContactRow& row : contacts) row.speed = row.velocity(velocities);
@@ -305,7 +306,7 @@ double Passes::passAtOnce() {
 
 }  // namespace
 
-SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& of,
+SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,
                             Sweep sweep, int most, std::vector<Vector6d>& velocities) {
   SolveReport report;

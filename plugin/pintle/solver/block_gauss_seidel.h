@@ -15,7 +15,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-struct JointBlock {
+struct BlockOfJoints {
   const Component* component;
   JointMatrix* K;
   Workspace* work;
@@ -29,7 +29,7 @@ enum class Sweep {
 };
 
 /// Of all bodies of the island: `velocities`, m/s and rad/s. Of each component: v, u, lambda and pieces of its workspace.
-SolveReport solveInVelocity(const Island& island, std::vector<JointBlock>& blocks,
+SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& blocks,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,
                             Sweep sweep, int most, std::vector<Vector6d>& velocities);
 

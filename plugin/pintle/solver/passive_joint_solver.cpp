@@ -146,7 +146,7 @@ bool PassiveJointSolver::State::foreseeLoad(const Component& component) {
 void PassiveJointSolver::State::solveInVelocity(const std::vector<const Component*>& those,
                                                 std::vector<ContactRow>& rows) {
   report.second_tier += int(those.size());
-  std::vector<JointBlock> blocks;
+  std::vector<BlockOfJoints> blocks;
   double largest = 0;
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
