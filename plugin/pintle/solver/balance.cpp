@@ -19,14 +19,14 @@ Matrix3d turnOf(const Vector3d& by) {
       .toRotationMatrix();
 }
 
-// A body at the end of the step.
+// A body at the end of the step: changed, and then moved.
 struct AtEnd {
   Vector3d x;
   Matrix3d turn, inertia;
 
   AtEnd(const IslandBody& body, const Vector6d& v, const PoseChange& change, double dt)
       : x(inDouble(body.start.getOrigin()) + dt * v.head<3>() + change.head<3>()),
-        turn(turnOf(change.tail<3>()) * RotationOfStep(v.tail<3>(), dt).matrix()),
+        turn(RotationOfStep(v.tail<3>(), dt).matrix() * turnOf(change.tail<3>())),
         inertia(turn * body.inertia * turn.transpose()) {}
 };
 
@@ -64,10 +64,10 @@ class AsOne {
   Vector3d m_center = Vector3d::Zero(), m_velocity = m_center, m_spin = m_center;
 };
 
-// The change of pose after a step with v that leads to the same end.
+// The change of pose before a step with v that leads to the same end.
 PoseChange changeTo(const AtEnd& end, const IslandBody& body, const Vector6d& v, double dt) {
   const Eigen::AngleAxisd turn(
-      Matrix3d(end.turn * RotationOfStep(v.tail<3>(), dt).matrix().transpose()));
+      Matrix3d(RotationOfStep(v.tail<3>(), dt).matrix().transpose() * end.turn));
   PoseChange change;
   change << end.x - inDouble(body.start.getOrigin()) - dt * v.head<3>(), turn.angle() * turn.axis();
   return change;
