@@ -85,12 +85,14 @@ double energyOfArcs(const Island& island, const Component& component, const Work
   return sum / 4;
 }
 
-bool actsByStops(const Island& island, const Component& component, const Workspace& end) {
-  bool any = false;
+bool actsByArcs(const Island& island, const Component& component, const Workspace& end) {
+  for (const Vector6d& v : end.v)
+    if (!RotationOfStep::follows(v.tail<3>(), island.dt)) return false;
+  bool by_stops = false;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    any = any || (!row.law.isEquality() && end.lambda[r] != 0);
+    by_stops = by_stops || (!row.law.isEquality() && end.lambda[r] != 0);
   });
-  return any;
+  return !by_stops;
 }
 
 double workOfGaps(const Island& island, const Component& component, const Workspace& end,

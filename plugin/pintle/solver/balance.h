@@ -11,8 +11,9 @@ inline namespace PINTLE_PRECISION {
 
 /// J: the most that arcs hold, by the velocities with which the step ends: 2 S.
 double energyOfArcs(const Island& island, const Component& component, const Workspace& end);
-/// Whether a stop of a joint bears something: what stops take is gone.
-bool actsByStops(const Island& island, const Component& component, const Workspace& end);
+/// Whether that is all that joints give and take: not where a stop bears something, which takes, nor where a body turns further than
+/// Bullet follows it (turn.h).
+bool actsByArcs(const Island& island, const Component& component, const Workspace& end);
 /// J: what joints may do that are open by `tolerance` (m or rad) at the end of the step.
 double workOfGaps(const Island& island, const Component& component, const Workspace& end,
                   double tolerance);

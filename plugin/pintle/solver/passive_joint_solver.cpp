@@ -211,10 +211,9 @@ void PassiveJointSolver::State::finish(const Component& component, ComponentMemo
   pintle::report(island, component, work);
 }
 
-// What stops take is gone: but for that, joints give and take by arcs alone.
 bool PassiveJointSolver::State::canBalance(const Component& component,
                                            const ComponentMemory& kept) const {
-  return (isAnchored(component) || isFree(kept)) && !actsByStops(island, component, kept.work);
+  return (isAnchored(component) || isFree(kept)) && actsByArcs(island, component, kept.work);
 }
 
 // Arcs give back what was taken of them; else no more is taken than what is too much. Returns its work.

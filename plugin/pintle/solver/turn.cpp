@@ -28,5 +28,7 @@ RotationOfStep::RotationOfStep(const Vector3d& w, double dt) : phi(dt * w) {
   twice = 2 * half * half / t2;
 }
 
+bool RotationOfStep::follows(const Vector3d& w, double dt) { return dt * w.norm() <= max_turn; }
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle
