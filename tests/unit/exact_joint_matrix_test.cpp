@@ -154,7 +154,7 @@ struct Problem {
     const Eigen::MatrixXd response = inverse_A * acting.transpose(),
                           all = inverse_A - response * K.llt().solve(response.transpose());
     std::vector<JointMatrix::Matrix6d> found;
-    matrix.findAnswers(found);
+    matrix.findAnswers(std::vector<char>(size_t(J.cols() / 6), true), found);
     for (size_t b = 0; b < found.size(); ++b) {
       const auto at = 6 * Eigen::Index(b);
       ASSERT_LT((found[b] - all.block<6, 6>(at, at)).norm(),

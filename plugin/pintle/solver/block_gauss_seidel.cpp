@@ -227,7 +227,15 @@ class Passes {
       m_blocks.back().begin(sweep, velocities);
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
-    for (BlockOfJoints& part : of) part.K->findAnswers(part.work->answers);
+    std::vector<char> touched(island.bodies.size(), false);
+    for (const ContactRow& row : contacts)
+      for (const int body : row.body)
+        if (body >= 0) touched[size_t(body)] = true;
+    for (BlockOfJoints& part : of) {
+      const auto first = touched.begin() + part.component->first_body;
+      part.work->touched.assign(first, first + part.component->bodies);
+      part.K->findAnswers(part.work->touched, part.work->answers);
+    }
     findAnswers(island, of, contacts, true);
     sweepBlocks();
     for (ContactRow& row : contacts) row.speed = row.velocity(velocities);

@@ -147,8 +147,27 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, doub
     of.head<3>() = J.L(side) / root_K;
     of.tail<3>() = J.A(side) / root_K;
     answer = by.answer(of.head<3>(), of.tail<3>());
+    Eigen::Map<Vector6d>(to.acting[i % block]) = double(acts) * answer;
+    of *= double(acts);
   }
 }
+
+namespace {
+
+// to += a b^T, of three rows each.
+inline void addProduct(const double (&a)[3][6], const double (&b)[3][6], double* to) {
+  for (int r = 0; r < 3; ++r)
+    for (int s = 0; s < 3; ++s) {
+      double even = 0, odd = 0;  // two at once
+      for (int j = 0; j < 6; j += 2) {
+        even += a[r][j] * b[s][j];
+        odd += a[r][j + 1] * b[s][j + 1];
+      }
+      to[3 * r + s] += even + odd;
+    }
+}
+
+}  // namespace
 
 bool JointMatrix::factorise(double least_pivot) {
   m_factor.clear();
@@ -177,15 +196,7 @@ bool JointMatrix::factorise(double least_pivot) {
       [&](size_t, int i, int side_i, int k, int side_k) {
         double* const to = m_factor.at(m_places[next++]);
         if (isIdle(i) || isIdle(k)) return;
-        const Rows &a = rows(i, side_i), &b = rows(k, side_k);
-        const double *const acts_a = m_acts.data() + block * i, *const acts_b =
-                                                                    m_acts.data() + block * k;
-        for (int r = 0; r < block; ++r)
-          for (int s = 0; s < block; ++s) {
-            double sum = 0;
-            for (int j = 0; j < 6; ++j) sum += a.J[r][j] * b.answer[s][j];
-            to[block * r + s] += acts_a[r] * acts_b[s] * sum;
-          }
+        addProduct(rows(i, side_i).J, rows(k, side_k).acting, to);
       },
       [&](int b, int i, int side) {
         const Rows& of = rows(i, side);
@@ -194,37 +205,38 @@ bool JointMatrix::factorise(double least_pivot) {
           const bool is_row = nodeOfBody(b) > i;
           for (int r = 0; r < block; ++r)
             for (int k = 0; k < 3; ++k)
-              to[is_row ? block * k + r : block * r + k] += m_acts[size_t(block * i + r)] *
-                                                            of.answer[r][3 * half + k] *
-                                                            m_bodies[size_t(b)].scale[half];
+              to[is_row ? block * k + r : block * r + k] +=
+                  of.acting[r][3 * half + k] * m_bodies[size_t(b)].scale[half];
         }
       });
   return m_factor.factorise(least_pivot);
 }
 
 // A^-1 - A^-1 J^T K^-1 J A^-1, of which a body's own joints have their part. Of one that stays, its velocity is an unknown.
-void JointMatrix::findAnswers(std::vector<Matrix6d>& answers) {
+void JointMatrix::findAnswers(const std::vector<char>& asked, std::vector<Matrix6d>& answers) {
   m_factor.invertWhereFactored(m_inverse);
-  answers.assign(m_ends.size(), Matrix6d::Zero());
+  answers.resize(m_ends.size());
   for (size_t b = 0; b < m_ends.size(); ++b) {
-    if (m_stays[b]) continue;
+    if (m_stays[b] || !asked[b]) continue;
+    answers[b].setZero();
     answers[b].diagonal().head<3>() = m_bodies[b].linear;
     answers[b].bottomRightCorner<3, 3>() = m_bodies[b].angular;
   }
+  using Answers = Eigen::Map<const Eigen::Matrix<double, 6, 3>>;
+  using Square = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
   size_t next = 0;
   const auto subtract = [&](size_t b, int i, int side_i, int k, int side_k) {
     const double* const of = m_inverse.data() + m_places[next++];
-    for (int r = 0; r < block; ++r) {
-      Vector6d sum = Vector6d::Zero();
-      for (int s = 0; s < block; ++s) sum += of[block * r + s] * answer(k, side_k, s);
-      const Matrix6d part = answer(i, side_i, r) * sum.transpose();
-      answers[b] -= part;
-      if (i != k) answers[b] -= part.transpose();
-    }
+    if (!asked[b] || isIdle(i) || isIdle(k)) return;
+    const Answers a(rows(i, side_i).acting[0]), c(rows(k, side_k).acting[0]);
+    const Eigen::Matrix<double, 6, 3> by = a.lazyProduct(Square(of));
+    Matrix6d part = by.lazyProduct(c.transpose());
+    if (i != k) part += part.transpose().eval();
+    answers[b] -= part;
   };
   forEachBlock(subtract, [&](int, int, int) { next += 2; });
   for (size_t b = 0; b < m_ends.size(); ++b) {
-    if (!m_stays[b]) continue;
+    if (!m_stays[b] || !asked[b]) continue;
     const int node = nodeOfBody(int(b));
     Matrix6d W, by = Matrix6d::Zero();
     for (int p = 0; p < 2; ++p)

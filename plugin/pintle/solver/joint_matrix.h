@@ -58,8 +58,8 @@ class JointMatrix {
   size_t row(int c) const { return size_t(SymmetricFactor::size * m_node[size_t(c)]); }
   void solve(double* x) const { m_factor.solve(x); }
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
-  /// Of each body: what an impulse on it gives to its own velocity, when the joints of the factor hold.
-  void findAnswers(std::vector<Matrix6d>& answers);
+  /// Of each body of which they are `asked`: what an impulse on it gives to its own velocity, when the joints of the factor hold.
+  void findAnswers(const std::vector<char>& asked, std::vector<Matrix6d>& answers);
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
 
@@ -67,9 +67,9 @@ class JointMatrix {
 
  private:
   static constexpr int block = SymmetricFactor::size;
-  /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each.
+  /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each. `acting`: 0 of those that do not act.
   struct Rows {
-    double J[block][6] = {}, answer[block][6] = {};
+    double J[block][6] = {}, answer[block][6] = {}, acting[block][6] = {};
   };
   struct End {
     int joint, side;
@@ -82,11 +82,6 @@ class JointMatrix {
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
   int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
-  /// Of a node's rows that act.
-  Vector6d answer(int node, int side, int i) const {
-    return m_acts[size_t(block * node + i)] *
-           Eigen::Map<const Vector6d>(m_rows[size_t(2 * node + side)].answer[i]);
-  }
   template <class OfPair, class OfStaying>
   void forEachBlock(const OfPair& ofPair, const OfStaying& ofStaying) const;
 

@@ -42,6 +42,7 @@ struct Workspace {
   // Memory of the solves.
   std::vector<double> y, x;  ///< impulses, and a residual, in the units of K (joint_matrix.h)
   std::vector<double> y_before_pass, y_before_choice;
+  std::vector<char> touched;                         ///< of each body: by contacts
   std::vector<Eigen::Matrix<double, 6, 6>> answers;  ///< of each body (JointMatrix::findAnswers)
   std::vector<Vector6d> base;  ///< of each body: its velocity without impulses of joints
   std::vector<MovedBody> moved;
