@@ -6,9 +6,23 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 // Lambda falls with u. So u - free - K Lambda(u) rises, and has one zero: on a slope, on a level, or on the vertical piece of a
-// rigid part. Its corners are the ends of all parts.
+// rigid part. Its corners are the ends of all parts. (Most laws are one rigid part, or two stops.)
 LawPiece AxisLaw::meet(double free, double K) const {
   if (isEquality()) return {true, m_part[0].target, m_part[0].softness, 0};
+  if (m_parts == 1 && !(m_part[0].softness > 0)) {
+    const LawPart& part = m_part[0];
+    const double impulse = (part.target - free) / K;
+    if (impulse > part.upper) return {false, 0, 0, part.upper};
+    if (impulse < part.lower) return {false, 0, 0, part.lower};
+    return {true, part.target, 0, 0};
+  }
+  if (m_parts == 2 && m_part[0].isLowerStop() && m_part[1].isUpperStop() &&
+      !(m_part[0].softness > 0) && !(m_part[1].softness > 0) &&
+      m_part[0].target <= m_part[1].target) {
+    if (free <= m_part[0].target) return {true, m_part[0].target, 0, 0};
+    if (free >= m_part[1].target) return {true, m_part[1].target, 0, 0};
+    return {false, 0, 0, 0};
+  }
   double corner[2 * max_parts];
   int corners = 0;
   const auto insert = [&](double u) {

@@ -21,6 +21,7 @@ struct ComponentMemory {
   bool is_used = false;     ///< in this step
   bool has_factor = false;  ///< K is that with which the step was solved
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
+  double tolerance = 0;     ///< m and rad: how far its joints may be open at the end of the step
   Workspace work;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step

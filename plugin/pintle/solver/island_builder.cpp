@@ -350,10 +350,15 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
     if (row->shape.kind < RowShape::angle && row->has_position) continue;
     if (!row->law.isEquality() || row->start.axis >= 0 || !row->J.L_b.isZero(0)) continue;
-    if (count == 3 || std::abs(double(row->start.position)) > m_options.pose_tolerance) return;
+    if (count == 3 || std::abs(double(row->start.position)) > m_options.contact_tolerance) return;
     turns[count++] = row;
   }
-  if (count >= 2) findTurn(turns, count);
+  if (count < 2) return;
+  const auto turnOf = [&](int body) -> Vector3d {
+    return (body < 0 ? m_island.unmovedBody(body).v : m_island.bodies[size_t(body)].v_free)
+        .tail<3>();
+  };
+  findTurn(turns, count, turnOf(joint.body[0]), turnOf(joint.body[1]));
 }
 
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,

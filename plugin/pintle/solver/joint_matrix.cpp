@@ -257,6 +257,7 @@ void JointMatrix::addResponse(const double* x, Vector6d* v) const {
     for (int i = 0; i < nodesOf(int(c)); ++i) {
       const int node = m_node[c] + i;
       const double* const by = x + block * node;
+      if (by[0] == 0 && by[1] == 0 && by[2] == 0) continue;
       for (int side = 0; side < 2; ++side) {
         const int body = m_joints[c][size_t(side)];
         if (body < 0) continue;

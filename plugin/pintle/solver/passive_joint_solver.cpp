@@ -86,6 +86,7 @@ bool PassiveJointSolver::State::solveByChord(const Component& component) {
   const SolveReport done = pintle::solveByChord(island, component, options, kept.K, kept.work);
   count(done, 1);
   if (!done.converged) return false;
+  kept.tolerance = options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(island, component, kept.work);
   return (isResolved(kept.work) && canBalance(component, kept)) ||
@@ -186,6 +187,9 @@ void PassiveJointSolver::State::solveInVelocity(const std::vector<const Componen
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
     kept.has_factor = is_passive;
+    // What contacts still change is not known any better.
+    kept.tolerance = done.converged ? options.pose_tolerance
+                                    : std::fmax(options.contact_tolerance, options.pose_tolerance);
     kept.holds_end = false;
     kept.work_done = rows.empty() ? workOfJoints(island, *of, kept.work)
                                   : workAmongContacts(island, *of, kept.work);
@@ -203,7 +207,8 @@ void PassiveJointSolver::State::finish(const Component& component, ComponentMemo
   }
   PoseChange* const changes = pose_changes.data() + component.first_body;
   if (!kept.holds_end || isOpen(component))
-    correctPoses(island, component, options, work, kept.K, kept.has_factor, changes);
+    correctPoses(island, component, options, kept.tolerance, work, kept.K, kept.has_factor,
+                 changes);
   kept.work_done += workOfPoses(island, component, changes);
   kept.work_done += balance(component, kept, changes);
   kept.ledger.book(kept.work_done, options.ledger_share);

@@ -15,8 +15,13 @@ namespace {
 class PoseCorrection {
  public:
   PoseCorrection(const Island& island, const Component& component, const SolverOptions& options,
-                 Workspace& work, JointMatrix& K)
-      : m_island(island), m_component(component), m_options(options), m_work(work), m_K(K) {}
+                 double tolerance, Workspace& work, JointMatrix& K)
+      : m_island(island),
+        m_component(component),
+        m_options(options),
+        m_tolerance(tolerance),
+        m_work(work),
+        m_K(K) {}
 
   void run(bool has_factor, PoseChange* changes);
 
@@ -37,6 +42,7 @@ class PoseCorrection {
   const Island& m_island;
   const Component& m_component;
   const SolverOptions& m_options;
+  const double m_tolerance;
   Workspace& m_work;
   JointMatrix& m_K;
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
@@ -139,7 +145,7 @@ double PoseCorrection::iterate(double open) {
     } else if (steps == 0 && now < infinity) {
       m_first = m_work.moved;
     }
-    if (open <= m_options.pose_tolerance / 2) break;
+    if (open <= m_tolerance / 2) break;
     is_fresh = is_fresh && !closes;
     if (is_fast) continue;
     if (is_fresh || factors++ >= m_options.max_pose_factors) break;
@@ -204,7 +210,7 @@ void PoseCorrection::run(bool has_factor, PoseChange* changes) {
   begin();
   has_factor = findGoals() && has_factor;
   const double open = findResidual();
-  if (open <= m_options.pose_tolerance) return;
+  if (open <= m_tolerance) return;
   m_open = m_work.x;
   m_nearest = m_work.moved;
   m_work.broyden.begin();
@@ -213,14 +219,15 @@ void PoseCorrection::run(bool has_factor, PoseChange* changes) {
   // Where an angle is far from what its row says, the first step is what can be had.
   if (!(left < open) && !m_first.empty()) m_nearest = m_first;
   findChanges(changes);
-  if (!(left <= m_options.pose_tolerance / 2)) shorten(changes);
+  if (!(left <= m_tolerance / 2)) shorten(changes);
 }
 
 }  // namespace
 
 void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                  Workspace& work, JointMatrix& K, bool has_factor, PoseChange* changes) {
-  PoseCorrection(island, component, options, work, K).run(has_factor, changes);
+                  double tolerance, Workspace& work, JointMatrix& K, bool has_factor,
+                  PoseChange* changes) {
+  PoseCorrection(island, component, options, tolerance, work, K).run(has_factor, changes);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -15,7 +15,8 @@ using PoseChange = Vector6d;
 /// velocities leave: Newton's iteration for the poses at the end of the step. `has_factor`: K is that with which the velocities were
 /// found, of the rows of the start.
 void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                  Workspace& work, JointMatrix& K, bool has_factor, PoseChange* changes);
+                  double tolerance, Workspace& work, JointMatrix& K, bool has_factor,
+                  PoseChange* changes);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

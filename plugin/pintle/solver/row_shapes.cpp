@@ -63,8 +63,9 @@ bool findPoint(IslandRow* rows) {
   return found;
 }
 
-// Of axes p, q and h = p x q a turn by phi of b against a changes h_b . q_a by -p . phi, h_b . p_a by q . phi, and p_b . q_a by h . phi.
-bool findTurn(IslandRow* const* rows, int count) {
+// Of axes p, q and h = p x q a turn by phi of b against a changes h_b . q_a by -p . phi, h_b . p_a by q . phi, h_a . q_b by p . phi,
+// h_a . p_b by -q . phi, and p_b . q_a by h . phi. About h they may turn: so p and q are of the body that turns less.
+bool findTurn(IslandRow* const* rows, int count, const Vector3d& w_a, const Vector3d& w_b) {
   Vector3d n[3];
   double size[3];
   for (int i = 0; i < count; ++i) {
@@ -76,8 +77,14 @@ bool findTurn(IslandRow* const* rows, int count) {
       if (!(std::abs(n[i].dot(n[k])) <= rounding)) return false;
   }
   const Vector3d h = cross(n[0], n[1]);
-  setDot(*rows[0], -size[0] * n[1], h);
-  setDot(*rows[1], size[1] * n[0], h);
+  const Vector3d p = size[0] * n[1], q = -size[1] * n[0];
+  if (std::abs(w_a.dot(h)) <= std::abs(w_b.dot(h))) {
+    setDot(*rows[0], -p, h);
+    setDot(*rows[1], -q, h);
+  } else {
+    setDot(*rows[0], h, p);
+    setDot(*rows[1], h, q);
+  }
   if (count == 3) setDot(*rows[2], std::copysign(size[2], h.dot(n[2])) * n[1], n[0]);
   return true;
 }

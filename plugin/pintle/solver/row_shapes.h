@@ -11,7 +11,8 @@ inline namespace PINTLE_PRECISION {
 bool findPoint(IslandRow* rows);
 
 /// Two or three rows that hold a turn about axes at right angles: they keep axes of the bodies at right angles. Returns whether they do.
-bool findTurn(IslandRow* const* rows, int count);
+/// `w_a`, `w_b`: how these turn in the step, rad/s.
+bool findTurn(IslandRow* const* rows, int count, const Vector3d& w_a, const Vector3d& w_b);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle
