@@ -1,12 +1,14 @@
 // The exact solver beside Bullet's, with its default settings: what joints lack, what energy does, and
 // what a step takes. Times are those of whole steps, in runs that took turns, the shortest of them; read
-// their ratios. Usage: solver [chains|scaling|grid|crowd|tangles]...
+// their ratios. Usage: solver [--page FOLDER] [chains|scaling|grid|crowd|motors|tangles]...
+//   --page FOLDER   also the tables of plugin/docs/exact-solver.md, a file each (solver.sh)
 //   solver steps chain|tree JOINTS stock|exact STEPS   runs one of scaling's, for an instruction counter (linear.sh)
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
+#include <pintle/joints/universal_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
@@ -19,6 +21,9 @@
 
 #include <scenes/chain.h>
 #include <scenes/crowd.h>
+#include <scenes/drive_shaft.h>
+#include <scenes/shoulder.h>
+#include <scenes/slider_crank.h>
 #include <scenes/tangle.h>
 
 #include <algorithm>
@@ -30,8 +35,11 @@
 #include <string>
 #include <vector>
 
+#include "page_table.h"
+
 namespace {
 
+using bench::cell;
 using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
@@ -62,20 +70,55 @@ std::vector<Result> inTurn(const std::vector<std::function<Result()>>& runs) {
   return results;
 }
 
+// --- the page's tables -------------------------------------------------------------------------------
+
+bench::PageTable holds("holds",
+                       {"scene", "mean gap, Bullet", "mean gap, exact", "largest gap, Bullet",
+                        "largest gap, exact", "mean gap, Bullet's joints on the exact solver",
+                        "time, exact / Bullet"});
+bench::PageTable moves("motors", {"scene", "error", "Pintle's joints on Bullet's solver",
+                                  "Pintle's joints on the exact solver"});
+bench::PageTable wild("tangles", {"", "median", "99 % are below", "most"});
+bench::PageTable cost("scaling", {"shape", "joints", "time, exact / Bullet",
+                                  "a joint's time, exact", "a joint's time, Bullet", "memory"});
+
+// Bullet's joints on Bullet's solver, Pintle's and Bullet's on the exact one.
+template <class Result>
+void addHolds(const std::string& scene, const Result& stock, const Result& exact,
+              const Result& exact_stock) {
+  holds.add({scene, cell(stock.mean_gap, " m"), cell(exact.mean_gap, " m"),
+             cell(stock.max_gap, " m"), cell(exact.max_gap, " m"), cell(exact_stock.mean_gap, " m"),
+             cell(exact.microseconds_per_step / stock.microseconds_per_step)});
+}
+
+struct Each {
+  double stock, exact;  // microseconds of a step, for each joint
+};
+
+// A joint's time is given over that in the smallest world of the shape.
+void addCost(const char* shape, int joints, const Each& now, const Each& smallest, double bytes) {
+  cost.add({shape, std::to_string(joints), cell(now.exact / now.stock),
+            cell(now.exact / smallest.exact), cell(now.stock / smallest.stock),
+            cell(bytes / joints / 1000, " kB")});
+}
+
+// --- chains ------------------------------------------------------------------------------------------
+
 void chains() {
   std::printf("%-24s %-16s %9s %9s %9s %9s %9s %9s %7s %7s  tip\n", "chain", "", "mean gap",
               "max gap", "axes rad", "energy", "in step", "gain", "us/step", "ratio");
   struct Case {
     int links;
     double ratio, hz;
+    const char* load;  // in words
   };
-  for (const Case& c : {Case{10, 1, 60},
-                        {10, 1, 120},
-                        {10, 100, 60},
-                        {10, 1e4, 60},
-                        {10, 1e6, 60},
-                        {100, 1000, 240},
-                        {100, 1e4, 60}}) {
+  for (const Case& c : {Case{10, 1, 60, ""},
+                        {10, 1, 120, ""},
+                        {10, 100, 60, ", load 100:1"},
+                        {10, 1e4, 60, ", load 10 000:1"},
+                        {10, 1e6, 60, ", load 1 000 000:1"},
+                        {100, 1000, 240, ", load 1000:1"},
+                        {100, 1e4, 60, ", load 10 000:1"}}) {
     scenes::ChainSettings stock;
     stock.links = c.links;
     stock.ratio = c.ratio;
@@ -97,6 +140,9 @@ void chains() {
     // Dense, and cubic in the rows: minutes.
     if (c.links > 10) runs[3] = [] { return scenes::ChainResult(); };
     const auto results = inTurn(runs);
+    char title[48];
+    std::snprintf(title, sizeof(title), "chain of %d%s, %g Hz", c.links, c.load, c.hz);
+    addHolds(title, results[0], results[4], results[5]);
     for (size_t i = 0; i < results.size(); ++i) {
       const auto& r = results[i];
       if (c.links > 10 && i == 3) continue;
@@ -114,7 +160,7 @@ void chains() {
 // --- scaling ---------------------------------------------------------------------------------------
 
 struct Measured {
-  double microseconds_per_step = 0, gap = 0, bytes = 0;
+  double microseconds_per_step = 0, mean_gap = 0, max_gap = 0, bytes = 0;
 };
 
 // Where body i of a chain or of a binary tree is. A chain goes to and fro in rows of a hundred, so that it stays
@@ -166,9 +212,10 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver, int steps
       (world.microseconds_per_step() * (warm_up + steps) - before) / steps;
   result.bytes = solver ? double(solver->getMemory()) : 0;
   for (int i = 1; i < joints; ++i)
-    result.gap = std::max(result.gap, (scenes::point_in_world(*links[size_t(parent(i))], lever(i)) -
-                                       scenes::point_in_world(*links[size_t(i)], -lever(i)))
-                                          .norm());
+    result.max_gap =
+        std::max(result.max_gap, (scenes::point_in_world(*links[size_t(parent(i))], lever(i)) -
+                                  scenes::point_in_world(*links[size_t(i)], -lever(i)))
+                                     .norm());
   return result;
 }
 
@@ -182,6 +229,7 @@ void scaling() {
   std::printf("\n%-8s %8s %14s %14s %14s %8s %12s %12s\n", "", "joints", "stock us/joint",
               "0 iterations", "exact us/joint", "ratio", "bytes/joint", "gap m");
   for (const bool tree : {false, true}) {
+    Each smallest = {};
     for (const int joints : {10, 100, 1000, 10000}) {
       const int steps = std::max(5, 5000 / joints);
       const auto r = inTurn<Measured>({[&] { return hang(joints, tree, false, steps); },
@@ -190,7 +238,10 @@ void scaling() {
       const auto each = [&](size_t i) { return r[i].microseconds_per_step / joints; };
       std::printf("%-8s %8d %14.3f %14.3f %14.3f %8.2f %12.0f %12.1e\n", tree ? "tree" : "chain",
                   joints, each(0), each(1), each(2), each(2) / each(0), r[2].bytes / joints,
-                  r[2].gap);
+                  r[2].max_gap);
+      const Each now = {each(0), each(2)};
+      if (joints == 10) smallest = now;
+      addCost(tree ? "tree" : "chain", joints, now, smallest, r[2].bytes);
     }
   }
 }
@@ -245,7 +296,8 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
                                scenes::point_in_world(*bodies[k], {0, -0.5, 0}))
                                   .norm());
     }
-    result.gap += most / steps;
+    result.mean_gap += most / steps;
+    result.max_gap = std::max(result.max_gap, most);
   }
   result.microseconds_per_step = world.microseconds_per_step();
   result.bytes = solver ? double(solver->getMemory()) : 0;
@@ -255,14 +307,22 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
 void grid() {
   std::printf("\n%-14s %8s %14s %14s %8s %12s %12s %12s\n", "net", "joints", "stock us/joint",
               "exact us/joint", "ratio", "bytes/joint", "stock gap m", "exact gap m");
+  Each smallest = {};
   for (const int size : {5, 10, 20, 30}) {
     int joints = 0;
-    const auto r = inTurn<Measured>({[&] { return net<btPoint2PointConstraint>(size, {}, joints); },
-                                     [&] { return net<pintle::BallJoint>(size, exact, joints); }});
+    const auto r =
+        inTurn<Measured>({[&] { return net<btPoint2PointConstraint>(size, {}, joints); },
+                          [&] { return net<pintle::BallJoint>(size, exact, joints); },
+                          [&] { return net<btPoint2PointConstraint>(size, exact, joints); }});
+    const Each now = {r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints};
+    if (size == 5) smallest = now;
+    addCost("net", joints, now, smallest, r[1].bytes);
+    if (size == 30)
+      addHolds("net of 30 x 30 bodies, " + std::to_string(joints) + " ball joints", r[0], r[1],
+               r[2]);
     std::printf("%3d x %-8d %8d %14.3f %14.3f %8.2f %12.0f %12.1e %12.1e\n", size, size, joints,
-                r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints,
-                r[1].microseconds_per_step / r[0].microseconds_per_step, r[1].bytes / joints,
-                r[0].gap, r[1].gap);
+                now.stock, now.exact, r[1].microseconds_per_step / r[0].microseconds_per_step,
+                r[1].bytes / joints, r[0].mean_gap, r[1].mean_gap);
   }
 }
 
@@ -286,28 +346,72 @@ void crowd() {
   using scenes::ragdolls;
   using scenes::track;
   struct Scene {
-    const char* name;
+    const char *name, *title;
     std::vector<Run> runs;
   };
   const Scene all[] = {
       {"ragdolls",
+       "pile of 50 ragdolls",
        {[&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(stock); },
         [&] { return ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(ours); },
         [&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(ours); }}},
       {"bridge",
+       "bridge of 100 planks, a load of 1000 planks dropped on it",
        {[&] { return bridge<btHingeConstraint>(stock); },
         [&] { return bridge<pintle::QuaternionHinge>(ours); },
         [&] { return bridge<btHingeConstraint>(ours); }}},
       {"track",
+       "closed track of 200 links around two wheels",
        {[&] { return track<btHingeConstraint>(stock); },
         [&] { return track<pintle::QuaternionHinge>(ours); },
         [&] { return track<btHingeConstraint>(ours); }}}};
   for (const Scene& scene : all) {
     const auto results = inTurn(scene.runs);
+    addHolds(scene.title, results[0], results[1], results[2]);
     const char* names[] = {"stock, 10", "exact", "exact, stock j."};
     for (size_t i = 0; i < results.size(); ++i) print(scene.name, names[i], results[i], results[0]);
   }
 }
+
+// --- motors and limits -------------------------------------------------------------------------------
+
+// Where nothing touches.
+void motors() {
+  std::printf("\n%-44s %-36s %12s %12s\n", "", "", "pintle, 10", "exact");
+  const auto compare = [](const char* scene, const char* error, const char* unit, double bullets,
+                          double ours) {
+    std::printf("%-44s %-36s %12.1e %12.1e\n", scene, error, bullets, ours);
+    moves.add({scene, error, cell(bullets, unit), cell(ours, unit)});
+  };
+  const auto both = [](auto run, auto settings) {
+    const auto bullets = run(settings);
+    settings.make_solver = exact;
+    return std::make_pair(bullets, run(settings));
+  };
+  const auto crank = both(
+      [](const scenes::SliderCrankSettings& settings) {
+        return scenes::slider_crank<pintle::QuaternionHinge, pintle::BallJoint,
+                                    pintle::SliderJoint>(settings);
+      },
+      scenes::SliderCrankSettings());
+  compare("slider-crank", "the piston from its closed form", " m", crank.first.max_piston_error,
+          crank.second.max_piston_error);
+  compare("slider-crank", "the crank from its motor's speed", " rad", crank.first.max_crank_error,
+          crank.second.max_crank_error);
+  const auto shaft =
+      both(scenes::drive_shaft<pintle::UniversalJoint>, scenes::DriveShaftSettings());
+  compare("shafts at 30°, 300 rpm, a universal joint", "the second shaft from its closed form",
+          " rad", shaft.first.universal_error, shaft.second.universal_error);
+  const auto arm = both(
+      [](const scenes::ShoulderSettings& settings) {
+        return scenes::shoulder<pintle::ConeTwistJoint>(settings);
+      },
+      scenes::ShoulderSettings());
+  compare("an arm thrown at its cone", "how far beyond it", " rad",
+          std::max(arm.first.swing_beyond, 0.), std::max(arm.second.swing_beyond, 0.));
+}
+
+// --- tangles -----------------------------------------------------------------------------------------
 
 // Largest speed (m/s) or spin (5 rad/s) of each tangle over what is no matter there: stock's, or 20.
 void tangles() {
@@ -323,6 +427,9 @@ void tangles() {
                           pintle::FixedJoint>(settings, seed);
   };
   const char* names[] = {"pintle, 10", "exact, stock j.", "exact"};
+  const char* titles[] = {"Pintle's joints on Bullet's solver",
+                          "Bullet's joints on the exact solver",
+                          "Pintle's joints on the exact solver"};
   std::vector<double> wildness[3];
   for (unsigned seed = 0; seed < count; ++seed) {
     const auto speed = [](const scenes::TangleResult& result) {
@@ -339,6 +446,8 @@ void tangles() {
     std::sort(wildness[i].begin(), wildness[i].end());
     std::printf("%-16s %8.2f  %8.2f  %8.2f\n", names[i], wildness[i][count / 2],
                 wildness[i][count * 99 / 100], wildness[i].back());
+    wild.add({titles[i], cell(wildness[i][count / 2]), cell(wildness[i][count * 99 / 100]),
+              cell(wildness[i].back())});
   }
 }
 
@@ -353,15 +462,21 @@ int main(int argc, char** argv) {
   const struct {
     const char* name;
     void (*run)();
-  } parts[] = {{"chains", chains},
-               {"scaling", scaling},
-               {"grid", grid},
-               {"crowd", crowd},
-               {"tangles", tangles}};
+  } parts[] = {{"chains", chains}, {"scaling", scaling}, {"grid", grid},
+               {"crowd", crowd},   {"motors", motors},   {"tangles", tangles}};
+  const bool has_page = argc > 2 && std::strcmp(argv[1], "--page") == 0;
+  const int first = has_page ? 3 : 1;
   std::printf("%s precision\n", sizeof(btScalar) == sizeof(double) ? "double" : "single");
   for (const auto& part : parts) {
-    bool wanted = argc == 1;
-    for (int i = 1; i < argc; ++i) wanted = wanted || std::strcmp(argv[i], part.name) == 0;
+    bool wanted = argc == first;
+    for (int i = first; i < argc; ++i) wanted = wanted || std::strcmp(argv[i], part.name) == 0;
     if (wanted) part.run();
   }
+  if (!has_page) return 0;
+  for (const bench::PageTable* table : {&holds, &moves, &wild, &cost})
+    if (!table->write(argv[2])) {
+      std::fprintf(stderr, "solver: cannot write to %s\n", argv[2]);
+      return 1;
+    }
+  return 0;
 }
