@@ -7,6 +7,7 @@
 #   run.sh page [options]                   the page alone: --list, --scene, --contender
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [--all] [--case TEXT]    what becomes of joints under extreme conditions; --all: 10^6 steps too
+#   run.sh extreme --publish                all of them, to demos/results/extreme.md
 #   run.sh drawings                         draws the joints anew, to plugin/docs/drawings
 #   run.sh reference [--scene NAME]...      solves the stored reference solutions again
 set -euo pipefail
@@ -59,6 +60,16 @@ extreme)
   shift
   pintle_install_packages
   build pintle_extreme_single pintle_extreme_double
+  if [ "${1-}" = --publish ]; then
+    {
+      echo "# Extreme conditions"
+      printf '\nBy `bash demos/run.sh extreme --publish`. '
+      echo "Each joint's class of outcome, and the largest error in the last half of the run (of the size, or rad)."
+      for precision in single double; do echo && build/release/demos/pintle_extreme_$precision --all; done
+    } >build/extreme.md
+    mv build/extreme.md demos/results/extreme.md
+    exit
+  fi
   for precision in single double; do build/release/demos/pintle_extreme_$precision "$@"; done
   ;;
 --publish)
