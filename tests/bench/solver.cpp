@@ -43,8 +43,6 @@ using bench::cell;
 using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
-constexpr int rounds = 5;
-
 std::unique_ptr<btConstraintSolver> exact() { return std::make_unique<ExactJointSolver>(); }
 
 class Dantzig : public btMLCPSolver {
@@ -57,7 +55,7 @@ class Dantzig : public btMLCPSolver {
 
 // Runs all in turn and keeps the shortest time of each.
 template <class Result>
-std::vector<Result> inTurn(const std::vector<std::function<Result()>>& runs) {
+std::vector<Result> inTurn(const std::vector<std::function<Result()>>& runs, int rounds = 5) {
   std::vector<Result> results(runs.size());
   for (int round = 0; round < rounds; ++round) {
     for (size_t i = 0; i < runs.size(); ++i) {
@@ -78,7 +76,7 @@ bench::PageTable holds("holds",
                         "time, exact / Bullet"});
 bench::PageTable moves("motors", {"scene", "error", "Pintle's joints on Bullet's solver",
                                   "Pintle's joints on the exact solver"});
-bench::PageTable wild("tangles", {"", "median", "99 % are below", "most"});
+bench::PageTable wild("tangles", {"joints, solver", "median", "99 % are below", "most"});
 bench::PageTable cost("scaling", {"shape", "joints", "time, exact / Bullet",
                                   "a joint's time, exact", "a joint's time, Bullet", "memory"});
 
@@ -88,7 +86,7 @@ void addHolds(const std::string& scene, const Result& stock, const Result& exact
               const Result& exact_stock) {
   holds.add({scene, cell(stock.mean_gap, " m"), cell(exact.mean_gap, " m"),
              cell(stock.max_gap, " m"), cell(exact.max_gap, " m"), cell(exact_stock.mean_gap, " m"),
-             cell(exact.microseconds_per_step / stock.microseconds_per_step)});
+             bench::ratio(exact.microseconds_per_step / stock.microseconds_per_step)});
 }
 
 struct Each {
@@ -97,8 +95,8 @@ struct Each {
 
 // A joint's time is given over that in the smallest world of the shape.
 void addCost(const char* shape, int joints, const Each& now, const Each& smallest, double bytes) {
-  cost.add({shape, std::to_string(joints), cell(now.exact / now.stock),
-            cell(now.exact / smallest.exact), cell(now.stock / smallest.stock),
+  cost.add({shape, std::to_string(joints), bench::ratio(now.exact / now.stock),
+            bench::ratio(now.exact / smallest.exact), bench::ratio(now.stock / smallest.stock),
             cell(bytes / joints / 1000, " kB")});
 }
 
@@ -234,7 +232,8 @@ void scaling() {
       const int steps = std::max(5, 5000 / joints);
       const auto r = inTurn<Measured>({[&] { return hang(joints, tree, false, steps); },
                                        [&] { return hang(joints, tree, false, steps, 0); },
-                                       [&] { return hang(joints, tree, true, steps); }});
+                                       [&] { return hang(joints, tree, true, steps); }},
+                                      joints <= 1000 ? 25 : 5);
       const auto each = [&](size_t i) { return r[i].microseconds_per_step / joints; };
       std::printf("%-8s %8d %14.3f %14.3f %14.3f %8.2f %12.0f %12.1e\n", tree ? "tree" : "chain",
                   joints, each(0), each(1), each(2), each(2) / each(0), r[2].bytes / joints,

@@ -268,4 +268,25 @@ TEST(Figures, OfScenesAreWrittenByTheirCommand) {
   EXPECT_NE(page("plugin/docs/benchmarks.md").find(tables::Brief::head()), std::string::npos);
 }
 
+// One number a cell, as the program prints it.
+TEST(Figures, OfTheExactSolverAreWrittenByTheirCommand) {
+  const struct {
+    const char* mark;
+    std::size_t rows, words;  // columns that are in words
+  } tables[] = {{"holds", 11, 1},
+                {"motors", 4, 2},
+                {"scaling", 12, 1},
+                {"instructions", 6, 1},
+                {"tangles", 3, 1}};
+  const std::regex number(R"([0-9.]+(e[-+][0-9]+)?( m| rad| kB)?)");
+  const std::string text = page("plugin/docs/exact-solver.md");
+  for (const auto& table : tables) {
+    const auto all = rows(text, table.mark);
+    EXPECT_EQ(all.size(), table.rows) << table.mark << ": bash tests/bench/solver.sh --publish";
+    for (const Strings& row : all)
+      for (std::size_t i = table.words; i < row.size(); ++i)
+        EXPECT_TRUE(std::regex_match(row[i], number)) << table.mark << ": " << row[i];
+  }
+}
+
 }  // namespace
