@@ -166,6 +166,29 @@ TEST(PagesChecker, SplitsTextIntoSentences) {
                      "And here is the second one, as long"}));
 }
 
+// --- code ----------------------------------------------------------------------------------------
+
+// Lines of code in blocks that are not marked as C++, which nothing compiles.
+Strings unmarked(const std::string& text) {
+  Strings found;
+  pages::Fence fence;
+  for (const std::string& line : pages::lines(text))
+    if (fence.takes(line) && fence.language() != "cpp" && !line.empty() &&
+        std::string(";{}").find(line.back()) != std::string::npos)
+      found.push_back(line);
+  return found;
+}
+
+TEST(Pages, CodeIsMarkedAsWhatIsCompiled) {
+  for (const fs::path& path : pages::all(kSource))
+    EXPECT_EQ(unmarked(pages::read(path)), Strings()) << path;
+}
+
+TEST(PagesChecker, SeesCodeThatIsNotMarked) {
+  EXPECT_EQ(unmarked("```cpp\nint a;\n```\nProse;\n```\nbash run.sh\n```\n"), Strings());
+  EXPECT_EQ(unmarked("```\nint a;\n```\n"), Strings({"int a;"}));
+}
+
 // --- joints --------------------------------------------------------------------------------------
 
 TEST(Pages, HaveASectionARowAndAnExampleOfEveryJoint) {
