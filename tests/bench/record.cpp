@@ -1,5 +1,7 @@
 // What a Recorder adds to a step: worlds with and without one take turns, and each step counts with its shortest
 // time. Usage: record [repeats]
+//   record list                  the worlds: index and name
+//   record INDEX FRAMES STEPS    runs one, with so many frames a second, for an instruction counter (record.sh)
 
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/record.h>
@@ -10,6 +12,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -50,11 +54,11 @@ const Case cases[] = {{"chain of 10", [] { return chain(10); }},
                       {"20 ragdolls", [] { return keep(scenes::make_ragdolls<PintleJoints>({})); }},
                       {"100 doors", [] { return keep(scenes::make_doors<PintleJoints>({})); }}};
 
-constexpr int steps = 240;
+constexpr int timed_steps = 240;
 constexpr double dt = 1. / 60;
 
 // us, of each step, with frames so often a second; 0: without a recorder.
-std::vector<double> run(const Case& of, double frames_per_second) {
+std::vector<double> run(const Case& of, double frames_per_second, int steps = timed_steps) {
   using Clock = std::chrono::steady_clock;
   const Running running = of.make();
   std::unique_ptr<pintle::Recorder> recorder;
@@ -76,6 +80,14 @@ std::vector<double> run(const Case& of, double frames_per_second) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::strcmp(argv[1], "list") == 0) {
+    for (std::size_t i = 0; i < std::size(cases); ++i) std::printf("%zu\t%s\n", i, cases[i].name);
+    return 0;
+  }
+  if (argc == 4) {
+    run(cases[std::size_t(std::atoi(argv[1]))], std::atof(argv[2]), std::atoi(argv[3]));
+    return 0;
+  }
   const int repeats = argc > 1 ? std::atoi(argv[1]) : 20;
   const double rates[] = {0, 60, 30};  // Hz, of frames
   std::printf("%-14s %12s %14s %14s\n", "world", "step us", "60 frames/s", "30 frames/s");
@@ -90,7 +102,7 @@ int main(int argc, char** argv) {
     }
     double sum[3];
     for (int i = 0; i < 3; ++i) sum[i] = std::accumulate(best[i].begin(), best[i].end(), 0.);
-    std::printf("%-14s %12.1f %+13.2f%% %+13.2f%%\n", of.name, sum[0] / steps,
+    std::printf("%-14s %12.1f %+13.2f%% %+13.2f%%\n", of.name, sum[0] / timed_steps,
                 100 * (sum[1] / sum[0] - 1), 100 * (sum[2] / sum[0] - 1));
   }
 }
