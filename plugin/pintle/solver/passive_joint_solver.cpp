@@ -187,9 +187,7 @@ void PassiveJointSolver::State::solveInVelocity(const std::vector<const Componen
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
     kept.has_factor = is_passive;
-    // What contacts still change is not known any better.
-    kept.tolerance = done.converged ? options.pose_tolerance
-                                    : std::fmax(options.contact_tolerance, options.pose_tolerance);
+    kept.tolerance = done.converged ? options.pose_tolerance : options.loose_pose_tolerance;
     kept.holds_end = false;
     kept.work_done = rows.empty() ? workOfJoints(island, *of, kept.work)
                                   : workAmongContacts(island, *of, kept.work);

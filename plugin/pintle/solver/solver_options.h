@@ -12,6 +12,8 @@ struct SolverOptions {
   double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// m and rad: how far a joint may be open. What is more is closed by moving poses.
   double pose_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
+  /// The same where contacts or bounded rows are still changing: where they lead is not known any better.
+  double loose_pose_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-6;
   /// Iterations of the first tier, and of the correction of poses.
   int max_iterations = 30;
   /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one; and in it, rows with
