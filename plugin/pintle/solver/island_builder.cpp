@@ -338,7 +338,6 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
 
 // Of rows that are open, what the joint says of its error is more than these shapes do.
 void IslandBuilder::findShapes(const IslandJoint& joint) {
-  if (joint.ours != nullptr && JointAccess::mayHaveOtherRows(*joint.ours, isOfPintle)) return;
   IslandRow* const rows = m_island.rows.data() + joint.first_row;
   if (joint.ours == nullptr && joint.rows >= 3 && findPoint(rows))
     for (IslandRow* row = rows; row < rows + 3; ++row) {
@@ -348,8 +347,9 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   IslandRow* turns[3];
   int count = 0;
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
-    if (row->shape.kind < RowShape::angle && row->has_position) continue;
-    if (!row->law.isEquality() || row->start.axis >= 0 || !row->J.L_b.isZero(0)) continue;
+    const bool is_turn = row->shape.kind == RowShape::angle || joint.ours == nullptr;
+    if (!is_turn || !row->law.isEquality() || row->start.axis >= 0 || !row->J.L_b.isZero(0))
+      continue;
     if (count == 3 || std::abs(double(row->start.position)) > m_options.contact_tolerance) return;
     turns[count++] = row;
   }

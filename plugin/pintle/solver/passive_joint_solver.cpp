@@ -225,12 +225,14 @@ double PassiveJointSolver::State::balance(const Component& component, ComponentM
   EnergyLedger& ledger = kept.ledger;
   const bool by_arcs = kept.holds_end && canBalance(component, kept);
   ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
-  const double energy = by_arcs ? std::fmax(ledger.given + kept.work_done, -ledger.taken)
-                                : std::fmax(ledger.excess(kept.work_done, options.ledger_share), 0);
+  const double excess = ledger.excess(kept.work_done, options.ledger_share),
+               of_arcs = by_arcs ? std::fmax(ledger.given + kept.work_done, -ledger.taken) : 0;
+  const double energy =
+      std::abs(of_arcs) > workOfGaps(island, component, kept.work, options.newton_tolerance)
+          ? of_arcs
+          : std::fmax(excess, 0);
   const bool is_anchored = isAnchored(component);
-  if ((!is_anchored && !isFree(kept)) ||
-      !(std::abs(energy) > workOfGaps(island, component, kept.work, options.newton_tolerance)))
-    return 0;
+  if (energy == 0 || (!is_anchored && !isFree(kept))) return 0;
   const double work =
       pintle::balance(island, component, !is_anchored, energy, kept.work.v, changes);
   if (by_arcs) ledger.taken = std::fmax(0, ledger.taken - work);
