@@ -85,6 +85,16 @@ double energyOfArcs(const Island& island, const Component& component, const Work
   return sum / 4;
 }
 
+double energyOfTurns(const Island& island, const Component& component, const Workspace& end) {
+  double turn2 = 0, kinetic = 0;
+  for (int i = 0; i < component.bodies; ++i) {
+    const Vector6d& v = end.v[size_t(i)];
+    kinetic += gainOf(island.bodies[size_t(component.first_body + i)], Vector6d::Zero(), v);
+    turn2 = std::fmax(turn2, v.tail<3>().squaredNorm() * island.dt * island.dt);
+  }
+  return turn2 / 4 * kinetic;
+}
+
 bool actsByArcs(const Island& island, const Component& component, const Workspace& end) {
   for (const Vector6d& v : end.v)
     if (!RotationOfStep::follows(v.tail<3>(), island.dt)) return false;

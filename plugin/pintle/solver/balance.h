@@ -11,6 +11,8 @@ inline namespace PINTLE_PRECISION {
 
 /// J: the most that arcs hold, by the velocities with which the step ends: 2 S.
 double energyOfArcs(const Island& island, const Component& component, const Workspace& end);
+/// J: of the same, what is by turns alone, and by no load: 1/4 phi^2 of the kinetic energy, phi the largest turn in the step.
+double energyOfTurns(const Island& island, const Component& component, const Workspace& end);
 /// Whether that is all that joints give and take: not where a stop bears something, which takes, nor where a body turns further than
 /// Bullet follows it (turn.h).
 bool actsByArcs(const Island& island, const Component& component, const Workspace& end);

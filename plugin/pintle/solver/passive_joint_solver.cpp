@@ -59,7 +59,7 @@ struct PassiveJointSolver::State {
   bool isAnchored(const Component& component) const;
   bool isFree(const ComponentMemory& kept) const;
   void finish(const Component& component, ComponentMemory& kept);
-  bool canBalance(const Component& component, const ComponentMemory& kept) const;
+  bool isOfArcs(double energy, const Component& component, const ComponentMemory& kept) const;
   double balance(const Component& component, ComponentMemory& kept, PoseChange* changes);
   std::vector<char> findTouched() const;
   void count(const SolveReport& done, int components);
@@ -89,7 +89,7 @@ bool PassiveJointSolver::State::solveByChord(const Component& component) {
   kept.tolerance = options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(island, component, kept.work);
-  return (isResolved(kept.work) && canBalance(component, kept)) ||
+  return (isResolved(kept.work) && isOfArcs(kept.ledger.given + kept.work_done, component, kept)) ||
          kept.ledger.mayGive(kept.work_done, options.ledger_share);
 }
 
@@ -97,7 +97,8 @@ bool PassiveJointSolver::State::solveByChord(const Component& component) {
 void PassiveJointSolver::State::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
-  const bool has_end = kept.holds_end && canBalance(component, kept);
+  const bool has_end =
+      kept.holds_end && isOfArcs(kept.ledger.given + kept.work_done, component, kept);
   const Workspace::Solution by_chord = has_end ? kept.work.solution() : Workspace::Solution();
   const double given = kept.work_done;
   std::vector<ContactRow> none;
@@ -214,24 +215,25 @@ void PassiveJointSolver::State::finish(const Component& component, ComponentMemo
   pintle::report(island, component, work);
 }
 
-bool PassiveJointSolver::State::canBalance(const Component& component,
-                                           const ComponentMemory& kept) const {
-  return (isAnchored(component) || isFree(kept)) && actsByArcs(island, component, kept.work);
+// Whether joints gave or took that by arcs, and it is known to more than what their gaps may do.
+bool PassiveJointSolver::State::isOfArcs(double energy, const Component& component,
+                                         const ComponentMemory& kept) const {
+  const double gaps = workOfGaps(island, component, kept.work, options.newton_tolerance);
+  return (isAnchored(component) || isFree(kept)) && actsByArcs(island, component, kept.work) &&
+         std::abs(energy) > gaps && energyOfTurns(island, component, kept.work) > gaps &&
+         std::abs(energy) <= energyOfArcs(island, component, kept.work);
 }
 
 // Arcs give back what was taken of them; else no more is taken than what is too much. Returns its work.
 double PassiveJointSolver::State::balance(const Component& component, ComponentMemory& kept,
                                           PoseChange* changes) {
   EnergyLedger& ledger = kept.ledger;
-  const bool by_arcs = kept.holds_end && canBalance(component, kept);
   ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
-  const double excess = ledger.excess(kept.work_done, options.ledger_share),
-               of_arcs = by_arcs ? std::fmax(ledger.given + kept.work_done, -ledger.taken) : 0;
-  const double energy =
-      std::abs(of_arcs) > workOfGaps(island, component, kept.work, options.newton_tolerance)
-          ? of_arcs
-          : std::fmax(excess, 0);
-  const bool is_anchored = isAnchored(component);
+  const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
+               excess = ledger.excess(kept.work_done, options.ledger_share);
+  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, component, kept),
+             is_anchored = isAnchored(component);
+  const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
   if (energy == 0 || (!is_anchored && !isFree(kept))) return 0;
   const double work =
       pintle::balance(island, component, !is_anchored, energy, kept.work.v, changes);

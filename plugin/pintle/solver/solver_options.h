@@ -16,6 +16,9 @@ struct SolverOptions {
   double loose_pose_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-6;
   /// Iterations of the first tier, and of the correction of poses.
   int max_iterations = 30;
+  /// Whether a step of the first tier may be longer than the last one. In single precision, where bodies turn far alone: else rounding
+  /// leads a taut cable astray.
+  bool may_wander = sizeof(Scalar) > 4;
   /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one; and in it, rows with
   /// bounds are solved one by one.
   int max_set_factors = 4;
