@@ -192,4 +192,20 @@ TEST_F(Chain, AllWaysLeadToTheSameVelocities) {
   }
 }
 
+// Contacts that see only their own bodies find in many passes what joints bear with these.
+TEST_F(Chain, ContactsThatSeeTheirJointsAreFoundInFewPasses) {
+  double seeing = 0, blind = 0;
+  for (int trial = 0; trial < support::trials(60); ++trial) {
+    make(8);
+    solve(pintle::Sweep::one_by_one, 20000);
+    const double least = kinetic();
+    if (!solve(pintle::Sweep::all_at_once, 5).is_solvable) continue;
+    seeing += kinetic() - least;
+    solve(pintle::Sweep::bounds_one_by_one, 5);
+    blind += kinetic() - least;
+  }
+  EXPECT_GT(blind, 0);
+  EXPECT_LT(seeing, blind / 5);
+}
+
 }  // namespace exact_block_gauss_seidel_test
