@@ -1,10 +1,8 @@
 #include <pintle/solver/balance.h>
 
 #include <pintle/solver/energy_ledger.h>
-#include <pintle/solver/joint_matrix.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +11,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-Matrix3d turnOf(const Vector3d& by) {
-  const double angle = by.norm();
-  return Eigen::AngleAxisd(angle, angle > 0 ? Vector3d(by / angle) : Vector3d::UnitX())
-      .toRotationMatrix();
-}
-
 // A body at the end of the step: changed, and then moved.
 struct AtEnd {
   Vector3d x;
@@ -26,7 +18,7 @@ struct AtEnd {
 
   AtEnd(const IslandBody& body, const Vector6d& v, const PoseChange& change, double dt)
       : x(inDouble(body.start.getOrigin()) + dt * v.head<3>() + change.head<3>()),
-        turn(RotationOfStep(v.tail<3>(), dt).matrix() * turnOf(change.tail<3>())),
+        turn(RotationOfStep(v.tail<3>(), dt).matrix() * turnBy(change.tail<3>())),
         inertia(turn * body.inertia * turn.transpose()) {}
 };
 
@@ -66,15 +58,28 @@ class AsOne {
 
 // The change of pose before a step with v that leads to the same end.
 PoseChange changeTo(const AtEnd& end, const IslandBody& body, const Vector6d& v, double dt) {
-  const Eigen::AngleAxisd turn(
-      Matrix3d(RotationOfStep(v.tail<3>(), dt).matrix().transpose() * end.turn));
   PoseChange change;
-  change << end.x - inDouble(body.start.getOrigin()) - dt * v.head<3>(), turn.angle() * turn.axis();
+  change << end.x - inDouble(body.start.getOrigin()) - dt * v.head<3>(),
+      rotationVector(RotationOfStep(v.tail<3>(), dt).matrix().transpose() * end.turn);
   return change;
 }
 
-}  // namespace
+bool isAnchored(const Island& island, const Component& component) {
+  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c)
+    for (const int body : island.joints[size_t(c)].body)
+      if (body < 0) return true;
+  return false;
+}
 
+// Whether nothing holds one of its bodies but its joints.
+bool isFree(const Island& island, const Component& component) {
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
+    for (const bool is_locked : island.bodies[size_t(i)].locked)
+      if (is_locked) return false;
+  return true;
+}
+
+// J: the most that arcs hold, by the velocities with which the step ends: 2 S.
 double energyOfArcs(const Island& island, const Component& component, const Workspace& end) {
   double sum = 0;
   for (int i = 0; i < component.bodies; ++i) {
@@ -85,16 +90,17 @@ double energyOfArcs(const Island& island, const Component& component, const Work
   return sum / 4;
 }
 
+// J: of the same, what is by turns alone, and by no load.
 double energyOfTurns(const Island& island, const Component& component, const Workspace& end) {
-  double turn2 = 0, kinetic = 0;
-  for (int i = 0; i < component.bodies; ++i) {
-    const Vector6d& v = end.v[size_t(i)];
-    kinetic += gainOf(island.bodies[size_t(component.first_body + i)], Vector6d::Zero(), v);
-    turn2 = std::fmax(turn2, v.tail<3>().squaredNorm() * island.dt * island.dt);
-  }
-  return turn2 / 4 * kinetic;
+  double kinetic = 0;
+  for (int i = 0; i < component.bodies; ++i)
+    kinetic +=
+        gainOf(island.bodies[size_t(component.first_body + i)], Vector6d::Zero(), end.v[size_t(i)]);
+  return shareOfArcs(end.v, island.dt) * kinetic;
 }
 
+// Whether that is all that joints give and take: not where a stop bears something, which takes, nor where a body turns further than
+// Bullet follows it (turn.h).
 bool actsByArcs(const Island& island, const Component& component, const Workspace& end) {
   for (const Vector6d& v : end.v)
     if (!RotationOfStep::follows(v.tail<3>(), island.dt)) return false;
@@ -105,6 +111,7 @@ bool actsByArcs(const Island& island, const Component& component, const Workspac
   return !by_stops;
 }
 
+// J: what joints may do that are open by `tolerance` (m or rad) at the end of the step.
 double workOfGaps(const Island& island, const Component& component, const Workspace& end,
                   double tolerance) {
   double sum = 0;
@@ -113,11 +120,20 @@ double workOfGaps(const Island& island, const Component& component, const Worksp
   return sum * tolerance / island.dt;
 }
 
+bool isOfArcs(double energy, const Island& island, const Component& component,
+              const SolverOptions& options, const Workspace& end) {
+  const double gaps = workOfGaps(island, component, end, options.newton_tolerance);
+  return (isAnchored(island, component) || isFree(island, component)) &&
+         actsByArcs(island, component, end) && std::abs(energy) > gaps &&
+         energyOfTurns(island, component, end) > gaps &&
+         std::abs(energy) <= energyOfArcs(island, component, end);
+}
+
 // v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2: with v' = r + s w, by
 //   (s - 1) ((s + 1) w M w + w M (2 r + v0 - v*)) / 2
-// more than with v.
-double balance(const Island& island, const Component& component, bool is_free, double energy,
-               std::vector<Vector6d>& v, PoseChange* changes) {
+// more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Returns its work.
+double scale(const Island& island, const Component& component, bool is_free, double energy,
+             std::vector<Vector6d>& v, PoseChange* changes) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
   std::vector<AtEnd> end;
   for (size_t i = 0; i < v.size(); ++i) end.emplace_back(bodies[i], v[i], changes[i], island.dt);
@@ -134,14 +150,42 @@ double balance(const Island& island, const Component& component, bool is_free, d
   }
   if (!(a > 0)) return 0;
   const double root2 = b * b + 4 * a * (a + b - 2 * std::fmax(energy, -a / 2));
-  const double scale =
-      std::clamp((std::sqrt(std::fmax(root2, 0)) - b) / (2 * a), 0., std::sqrt(2.));
-  double work = (scale - 1) * ((scale + 1) * a + b) / 2 - workOfPoses(island, component, changes);
+  const double part = std::clamp((std::sqrt(std::fmax(root2, 0)) - b) / (2 * a), 0., std::sqrt(2.));
+  double work = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
-    v[i] = stays[i] + scale * (v[i] - stays[i]);
+    v[i] = stays[i] + part * (v[i] - stays[i]);
     changes[i] = changeTo(end[i], bodies[i], v[i], island.dt);
   }
   work += workOfPoses(island, component, changes);
+  return work;
+}
+
+}  // namespace
+
+double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
+  double turn2 = 0;
+  for (const Vector6d& of : v) turn2 = std::fmax(turn2, of.tail<3>().squaredNorm() * dt * dt);
+  return turn2 / 4;
+}
+
+bool isOfArcs(const Island& island, const Component& component, const SolverOptions& options,
+              const ComponentMemory& kept) {
+  return isOfArcs(kept.ledger.given + kept.work_done, island, component, options, kept.work);
+}
+
+double balance(const Island& island, const Component& component, const SolverOptions& options,
+               ComponentMemory& kept, PoseChange* changes) {
+  EnergyLedger& ledger = kept.ledger;
+  ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
+  const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
+               excess = ledger.excess(kept.work_done, options.ledger_share);
+  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work);
+  const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
+  if (energy == 0) return 0;
+  const bool is_free = !isAnchored(island, component);
+  if (is_free && !isFree(island, component)) return 0;
+  const double work = scale(island, component, is_free, energy, kept.work.v, changes);
+  if (by_arcs) ledger.taken = std::fmax(0, ledger.taken - work);
   return work;
 }
 

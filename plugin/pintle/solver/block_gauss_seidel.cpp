@@ -314,6 +314,16 @@ double Passes::passAtOnce() {
 
 }  // namespace
 
+bool stopRebounds(Island& island, const Component& component) {
+  bool any = false;
+  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(c)];
+    for (int i = 0; i < joint.rows; ++i)
+      any = island.rows[size_t(joint.first_row + i)].law.stopRebound() || any;
+  }
+  return any;
+}
+
 SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,
                             Sweep sweep, int most, std::vector<Vector6d>& velocities) {

@@ -28,6 +28,9 @@ enum class Sweep {
   one_by_one          ///< from none, as contacts are: this needs no factor
 };
 
+/// No stop of the component gives back any of the speed with which it is met. Returns whether one would have.
+bool stopRebounds(Island& island, const Component& component);
+
 /// Of all bodies of the island: `velocities`, m/s and rad/s. Of each component: v, u, lambda and pieces of its workspace.
 SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& blocks,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,

@@ -1,9 +1,8 @@
 #include <pintle/solver/chord.h>
 
+#include <pintle/solver/balance.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
-
-#include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -36,7 +35,6 @@ class Chord {
 
  private:
   bool startFromForeseen();
-  bool turnsFar() const;
   void measureEnd() {
     moveBodies(m_island, m_component, m_work.v.data(), m_work.moved);
     measureAtEnd(m_island, m_component, m_work.moved, m_work.u);
@@ -87,13 +85,6 @@ bool Chord::end() {
   return changed;
 }
 
-// Further than the ledger allows for: chords of such arcs hold 1/4 phi^2 of the kinetic energy (balance.h).
-bool Chord::turnsFar() const {
-  double most = 0;
-  for (const Vector6d& v : m_work.v) most = std::fmax(most, v.tail<3>().squaredNorm());
-  return most * m_island.dt * m_island.dt / 4 > m_options.ledger_share;
-}
-
 SolveReport Chord::run() {
   Broyden& broyden = m_work.broyden;
   measureEnd();
@@ -101,7 +92,9 @@ SolveReport Chord::run() {
   broyden.begin();
   if (!factorise() || !startFromForeseen()) return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.
-  const bool may_wander = isResolved(m_work) && (m_options.may_wander || turnsFar());
+  const bool may_wander =
+      isResolved(m_work) &&
+      (m_options.may_wander || shareOfArcs(m_work.v, m_island.dt) > m_options.ledger_share);
   broyden.begin(may_wander);
   for (bool changed = end(); !m_report.converged; changed = end()) {
     m_report.factors = m_set.factors();

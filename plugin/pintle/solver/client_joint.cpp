@@ -28,12 +28,10 @@ bool isOneOf(const std::type_info& type) {
   return ((type == typeid(Types)) || ...);
 }
 
-constexpr int max_rows = 24;
-
 struct Answer {
   int count = 0;
   Scalar damping = 1;
-  btSolverConstraint rows[max_rows];
+  btSolverConstraint rows[most_stock_rows];
 };
 
 // Asks `joint`, by its virtual methods.
@@ -41,7 +39,7 @@ void ask(btTypedConstraint& joint, const btContactSolverInfo& info, Answer& answ
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
   answer.count = size.m_numConstraintRows;
-  if (answer.count <= 0 || answer.count > max_rows) return;
+  if (answer.count <= 0 || answer.count > most_stock_rows) return;
   answer.damping = askRows(
       joint,
       {1 / info.m_timeStep, info.m_erp, info.m_globalCfm, info.m_damping, info.m_numIterations},
@@ -89,8 +87,8 @@ bool hasOtherRows(Joint& joint, const btContactSolverInfo& info) {
   Base as_base(joint);
   ask(as_base, info, base);
   return its.count != base.count || its.damping != base.damping ||
-         !std::equal(its.rows, its.rows + std::min(std::max(its.count, 0), max_rows), base.rows,
-                     [](const auto& a, const auto& b) { return isSame(a, b); });
+         !std::equal(its.rows, its.rows + std::min(std::max(its.count, 0), most_stock_rows),
+                     base.rows, [](const auto& a, const auto& b) { return isSame(a, b); });
 }
 
 }  // namespace PINTLE_PRECISION

@@ -8,6 +8,9 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// Rows of a joint that answers as Bullet's do: btGeneric6DofSpring2Constraint has the most, four an axis.
+constexpr int most_stock_rows = 24;
+
 /// Whether the joint is of a type of Pintle's own, which asks for nothing but its rows.
 bool isOfPintle(const Joint& joint);
 

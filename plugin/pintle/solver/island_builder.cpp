@@ -14,7 +14,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr int most_stock_rows = 24;  // btGeneric6DofSpring2Constraint: four an axis
 constexpr int unknown = std::numeric_limits<int>::min();
 
 Matrix3d inDouble(const btMatrix3x3& m) {
@@ -323,6 +322,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.J = {-pintle::inDouble(from.m_contactNormal1), -pintle::inDouble(from.m_relpos1CrossNormal),
              -pintle::inDouble(from.m_contactNormal2),
              -pintle::inDouble(from.m_relpos2CrossNormal)};
+    if (row.J.L_b.isZero(0)) row.shape.kind = RowShape::angle;
     row.K = inverseMass(to, row.J, row.J);
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
@@ -347,8 +347,7 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   IslandRow* turns[3];
   int count = 0;
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
-    const bool is_turn = row->shape.kind == RowShape::angle || joint.ours == nullptr;
-    if (!is_turn || !row->law.isEquality() || row->start.axis >= 0 || !row->J.L_b.isZero(0))
+    if (row->shape.kind != RowShape::angle || !row->law.isEquality() || row->start.axis >= 0)
       continue;
     if (count == 3 || std::abs(double(row->start.position)) > m_options.contact_tolerance) return;
     turns[count++] = row;

@@ -53,6 +53,22 @@ void findStiffness(const Island& island, const Component& component, double stab
   }
 }
 
+bool foreseeLoad(const Island& island, const Component& component, double stable_swing,
+                 Workspace& work) {
+  const std::vector<double> load = work.load;
+  const std::vector<Matrix3d> foreseen = work.stiffness;
+  addLoad(work);
+  findStiffness(island, component, stable_swing, work);
+  work.load = load;
+  for (int i = 0; i < component.bodies; ++i) {
+    const double own = island.bodies[size_t(component.first_body + i)].inertia.trace(),
+                 was = own + foreseen[size_t(i)].trace(),
+                 is = own + work.stiffness[size_t(i)].trace();
+    if (is > 2 * was || was > 2 * is) return true;
+  }
+  return false;
+}
+
 bool isResolved(const Workspace& work) {
   return std::all_of(work.stiffness.begin(), work.stiffness.end(),
                      [](const Matrix3d& of) { return of.isZero(0); });

@@ -17,6 +17,10 @@ void addLoad(Workspace& work);
 void findStiffness(const Island& island, const Component& component, double stable_swing,
                    Workspace& work);
 
+/// The same with the impulses that are found. Returns whether a body turns by less than half, or by more than twice of what was
+/// foreseen.
+bool foreseeLoad(const Island& island, const Component& component, double stable_swing,
+                 Workspace& work);
 /// Whether no body swings faster than that: each step resolves what its bodies do.
 bool isResolved(const Workspace& work);
 /// The inertia of the bodies of K: their own, and work.stiffness.

@@ -11,8 +11,6 @@
 #include <pintle/solver/pose_correction.h>
 #include <pintle/solver/softness.h>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <unordered_map>
 
@@ -21,10 +19,7 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 void move(btRigidBody& body, const PoseChange& by) {
-  const Vector3d turn = by.tail<3>();
-  const double angle = turn.norm();
-  const Eigen::Quaterniond q(
-      Eigen::AngleAxisd(angle, angle > 0 ? Vector3d(turn / angle) : Vector3d::UnitX()));
+  const Eigen::Quaterniond q(turnBy(by.tail<3>()));
   btTransform to = body.getWorldTransform();
   to.setOrigin(to.getOrigin() + btVector3(Scalar(by[0]), Scalar(by[1]), Scalar(by[2])));
   to.setRotation(
@@ -53,14 +48,7 @@ struct PassiveJointSolver::State {
   void solveInVelocity(const std::vector<const Component*>& those, std::vector<ContactRow>& rows);
   double gainInVelocity(const std::vector<const Component*>& those,
                         const std::vector<ContactRow>& rows);
-  bool foreseeLoad(const Component& component);
-  bool stopRebounds(const Component& component);
-  bool isOpen(const Component& component) const;
-  bool isAnchored(const Component& component) const;
-  bool isFree(const ComponentMemory& kept) const;
   void finish(const Component& component, ComponentMemory& kept);
-  bool isOfArcs(double energy, const Component& component, const ComponentMemory& kept) const;
-  double balance(const Component& component, ComponentMemory& kept, PoseChange* changes);
   std::vector<char> findTouched() const;
   void count(const SolveReport& done, int components);
   std::unique_ptr<ComponentMemory>& slotOf(const Component& component) {
@@ -89,7 +77,7 @@ bool PassiveJointSolver::State::solveByChord(const Component& component) {
   kept.tolerance = options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(island, component, kept.work);
-  return (isResolved(kept.work) && isOfArcs(kept.ledger.given + kept.work_done, component, kept)) ||
+  return (isResolved(kept.work) && isOfArcs(island, component, options, kept)) ||
          kept.ledger.mayGive(kept.work_done, options.ledger_share);
 }
 
@@ -97,8 +85,7 @@ bool PassiveJointSolver::State::solveByChord(const Component& component) {
 void PassiveJointSolver::State::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
-  const bool has_end =
-      kept.holds_end && isOfArcs(kept.ledger.given + kept.work_done, component, kept);
+  const bool has_end = kept.holds_end && isOfArcs(island, component, options, kept);
   const Workspace::Solution by_chord = has_end ? kept.work.solution() : Workspace::Solution();
   const double given = kept.work_done;
   std::vector<ContactRow> none;
@@ -126,24 +113,6 @@ double PassiveJointSolver::State::gainInVelocity(const std::vector<const Compone
   return gain;
 }
 
-// The stiffness of its load with the impulses that are found. Returns whether a body turns by less than half, or by more than twice
-// of what was foreseen.
-bool PassiveJointSolver::State::foreseeLoad(const Component& component) {
-  Workspace& work = memoryOf(component).work;
-  const std::vector<double> load = work.load;
-  const std::vector<Matrix3d> foreseen = work.stiffness;
-  addLoad(work);
-  findStiffness(island, component, options.stable_swing, work);
-  work.load = load;
-  for (int i = 0; i < component.bodies; ++i) {
-    const double own = island.bodies[size_t(component.first_body + i)].inertia.trace(),
-                 was = own + foreseen[size_t(i)].trace(),
-                 is = own + work.stiffness[size_t(i)].trace();
-    if (is > 2 * was || was > 2 * is) return true;
-  }
-  return false;
-}
-
 // The second tier: one component alone, or those that contacts touch.
 void PassiveJointSolver::State::solveInVelocity(const std::vector<const Component*>& those,
                                                 std::vector<ContactRow>& rows) {
@@ -168,14 +137,15 @@ void PassiveJointSolver::State::solveInVelocity(const std::vector<const Componen
     for (const Component* of : those) begin(*of);
     solve(sweep);
     bool again = false;
-    for (const Component* of : those) again = foreseeLoad(*of) || again;
+    for (const Component* of : those)
+      again = foreseeLoad(island, *of, options.stable_swing, memoryOf(*of).work) || again;
     if (again) solve(sweep);
     return done.is_solvable && gainInVelocity(those, rows) <= options.ledger_share * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
   const auto attemptWithoutRebounds = [&](Sweep sweep) {
     bool any = false;
-    for (const Component* of : those) any = stopRebounds(*of) || any;
+    for (const Component* of : those) any = stopRebounds(island, *of) || any;
     return any && attempt(sweep);
   };
   const bool is_passive = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
@@ -205,72 +175,14 @@ void PassiveJointSolver::State::finish(const Component& component, ComponentMemo
     return;
   }
   PoseChange* const changes = pose_changes.data() + component.first_body;
-  if (!kept.holds_end || isOpen(component))
+  if (!kept.holds_end || isOpen(island, component))
     correctPoses(island, component, options, kept.tolerance, work, kept.K, kept.has_factor,
                  changes);
   kept.work_done += workOfPoses(island, component, changes);
-  kept.work_done += balance(component, kept, changes);
+  kept.work_done += balance(island, component, options, kept, changes);
   kept.ledger.book(kept.work_done, options.ledger_share);
   kept.keep(island, component);
   pintle::report(island, component, work);
-}
-
-// Whether joints gave or took that by arcs, and it is known to more than what their gaps may do.
-bool PassiveJointSolver::State::isOfArcs(double energy, const Component& component,
-                                         const ComponentMemory& kept) const {
-  const double gaps = workOfGaps(island, component, kept.work, options.newton_tolerance);
-  return (isAnchored(component) || isFree(kept)) && actsByArcs(island, component, kept.work) &&
-         std::abs(energy) > gaps && energyOfTurns(island, component, kept.work) > gaps &&
-         std::abs(energy) <= energyOfArcs(island, component, kept.work);
-}
-
-// Arcs give back what was taken of them; else no more is taken than what is too much. Returns its work.
-double PassiveJointSolver::State::balance(const Component& component, ComponentMemory& kept,
-                                          PoseChange* changes) {
-  EnergyLedger& ledger = kept.ledger;
-  ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
-  const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
-               excess = ledger.excess(kept.work_done, options.ledger_share);
-  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, component, kept),
-             is_anchored = isAnchored(component);
-  const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
-  if (energy == 0 || (!is_anchored && !isFree(kept))) return 0;
-  const double work =
-      pintle::balance(island, component, !is_anchored, energy, kept.work.v, changes);
-  if (by_arcs) ledger.taken = std::fmax(0, ledger.taken - work);
-  return work;
-}
-
-bool PassiveJointSolver::State::isOpen(const Component& component) const {
-  bool any = false;
-  forEachRow(island, component,
-             [&](int, int, const IslandRow& row, size_t) { any = any || row.open != 0; });
-  return any;
-}
-
-bool PassiveJointSolver::State::isAnchored(const Component& component) const {
-  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c)
-    for (const int body : island.joints[size_t(c)].body)
-      if (body < 0) return true;
-  return false;
-}
-
-// Whether nothing holds one of its bodies but its joints.
-bool PassiveJointSolver::State::isFree(const ComponentMemory& kept) const {
-  const auto isLocked = [](const std::array<bool, 6>& of) {
-    return std::find(of.begin(), of.end(), true) != of.end();
-  };
-  return std::none_of(kept.locks.begin(), kept.locks.end(), isLocked);
-}
-
-bool PassiveJointSolver::State::stopRebounds(const Component& component) {
-  bool any = false;
-  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(c)];
-    for (int i = 0; i < joint.rows; ++i)
-      any = island.rows[size_t(joint.first_row + i)].law.stopRebound() || any;
-  }
-  return any;
 }
 
 // `of`: so many components, solved together.

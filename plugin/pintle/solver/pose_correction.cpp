@@ -3,8 +3,6 @@
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 
@@ -162,10 +160,9 @@ void PoseCorrection::findChanges(PoseChange* changes) const {
   for (int b = 0; b < m_component.bodies; ++b) {
     const MovedBody by_velocity(m_work.v[size_t(b)], m_island.dt),
         by_push(body(b).push, m_island.dt), &to = m_nearest[size_t(b)];
-    const Eigen::AngleAxisd turn(
-        Matrix3d(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose()));
     changes[b].head<3>() = to.move - by_velocity.move - by_push.move;
-    changes[b].tail<3>() = turn.angle() * turn.axis();
+    changes[b].tail<3>() =
+        rotationVector(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose());
   }
 }
 
@@ -223,6 +220,13 @@ void PoseCorrection::run(bool has_factor, PoseChange* changes) {
 }
 
 }  // namespace
+
+bool isOpen(const Island& island, const Component& component) {
+  bool any = false;
+  forEachRow(island, component,
+             [&](int, int, const IslandRow& row, size_t) { any = any || row.open != 0; });
+  return any;
+}
 
 void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
                   double tolerance, Workspace& work, JointMatrix& K, bool has_factor,

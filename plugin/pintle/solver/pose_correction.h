@@ -11,6 +11,9 @@ inline namespace PINTLE_PRECISION {
 /// m and rad, of a body: before its velocity moves it.
 using PoseChange = Vector6d;
 
+/// Whether a row is to be closed by moving poses.
+bool isOpen(const Island& island, const Component& component);
+
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what the
 /// velocities leave: Newton's iteration for the poses at the end of the step. `has_factor`: K is that with which the velocities were
 /// found, of the rows of the start.

@@ -4,6 +4,8 @@
 
 #include <pintle/vectors.h>
 
+#include <Eigen/Geometry>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -14,6 +16,17 @@ inline Matrix3d crossMatrix(const Vector3d& a) {
   Matrix3d m;
   m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
   return m;
+}
+
+/// The rotation of a rotation vector, rad.
+inline Eigen::AngleAxisd turnBy(const Vector3d& phi) {
+  const double angle = phi.norm();
+  return Eigen::AngleAxisd(angle, angle > 0 ? Vector3d(phi / angle) : Vector3d(Vector3d::UnitX()));
+}
+/// And back.
+inline Vector3d rotationVector(const Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis();
 }
 
 struct RotationOfStep {
