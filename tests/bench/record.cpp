@@ -2,6 +2,7 @@
 // time. Usage: record [repeats]
 //   record list                  the worlds: index and name
 //   record INDEX FRAMES STEPS    runs one, with so many frames a second, for an instruction counter (record.sh)
+//   record page FILE TEMPLATE    writes a page of 500 bodies in each of four panes, for tests/page/measure.sh
 
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/record.h>
@@ -14,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
+#include <list>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -54,7 +56,7 @@ const Case cases[] = {{"chain of 10", [] { return chain(10); }},
                       {"20 ragdolls", [] { return keep(scenes::make_ragdolls<PintleJoints>({})); }},
                       {"100 doors", [] { return keep(scenes::make_doors<PintleJoints>({})); }}};
 
-constexpr int timed_steps = 240;
+constexpr int timed_steps = 240, many_ragdolls = 46;
 constexpr double dt = 1. / 60;
 
 // us, of each step, with frames so often a second; 0: without a recorder.
@@ -77,11 +79,37 @@ std::vector<double> run(const Case& of, double frames_per_second, int steps = ti
   return times;
 }
 
+// 5 s of 500 bodies, four times.
+void writeMany(const char* file, const char* page_template) {
+  std::list<Running> worlds;
+  std::list<pintle::Recorder> recorders;
+  pintle::Recordings all;
+  for (const char* name : {"first", "second", "third", "fourth"}) {
+    btDiscreteDynamicsWorld& world =
+        worlds.emplace_back(keep(scenes::make_ragdolls<PintleJoints>({}, many_ragdolls)))
+            .world->bullet();
+    std::printf("%s: %d bodies\n", name, world.getNumCollisionObjects());
+    pintle::RecorderOptions options;
+    options.name = name;
+    options.scene = "many";
+    all.emplace_back(recorders.emplace_back(world, options));
+    for (int i = 0; i < 300; ++i) {
+      world.stepSimulation(btScalar(dt), 0);
+      recorders.back().step();
+    }
+  }
+  pintle::writePage(file, all, page_template);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc == 2 && std::strcmp(argv[1], "list") == 0) {
     for (std::size_t i = 0; i < std::size(cases); ++i) std::printf("%zu\t%s\n", i, cases[i].name);
+    return 0;
+  }
+  if (argc == 4 && std::strcmp(argv[1], "page") == 0) {
+    writeMany(argv[2], argv[3]);
     return 0;
   }
   if (argc == 4) {
