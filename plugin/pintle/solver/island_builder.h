@@ -1,6 +1,7 @@
 // Purpose: from Bullet's bodies and joints to an Island: called once a step.
 #pragma once
 
+#include <pintle/solver/contacts.h>
 #include <pintle/solver/island.h>
 #include <pintle/solver/solver_options.h>
 
@@ -24,8 +25,9 @@ class IslandBuilder {
            int solver_body_b);
   /// Sorts all by components.
   void finish(std::vector<Component>& components);
-  /// Thereafter: the number of one of Bullet's bodies in the island, added if it has no joints; -1: it does not move.
-  int body(const SolverBodies& bodies, int solver_body);
+  /// Thereafter: Bullet's contacts, or friction, which is bounded by the contacts and comes after them.
+  void addContacts(btConstraintArray& rows, const SolverBodies& bodies, bool are_friction,
+                   std::vector<ContactRow>& to);
 
  private:
   void addOurs(IslandJoint& to);
@@ -35,6 +37,8 @@ class IslandBuilder {
                      IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   void addRow(IslandJoint& to, const IslandRow& row);
+  /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
+  int body(const SolverBodies& bodies, int solver_body);
   void findShapes(const IslandJoint& joint);
   double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
   /// J_1 M^-1 J_2^T

@@ -5,11 +5,6 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-namespace {
-
-btVector3 toBullet(const Vector3d& v) { return {Scalar(v[0]), Scalar(v[1]), Scalar(v[2])}; }
-
-}  // namespace
 
 bool breakOverloaded(Island& island, const Component& component, const Workspace& end) {
   bool any = false;

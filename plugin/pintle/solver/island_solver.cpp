@@ -1,0 +1,262 @@
+#include <pintle/solver/island_solver.h>
+
+#include <pintle/solver/balance.h>
+#include <pintle/solver/block_gauss_seidel.h>
+#include <pintle/solver/chord.h>
+#include <pintle/solver/joint_report.h>
+#include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/softness.h>
+
+#include <algorithm>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+void move(btRigidBody& body, const PoseChange& by) {
+  const Eigen::Quaterniond q(turnBy(by.tail<3>()));
+  btTransform to = body.getWorldTransform();
+  to.setOrigin(to.getOrigin() + toBullet(by.head<3>()));
+  to.setRotation(
+      (btQuaternion(Scalar(q.x()), Scalar(q.y()), Scalar(q.z()), Scalar(q.w())) * to.getRotation())
+          .normalized());
+  body.setWorldTransform(to);
+}
+
+}  // namespace
+
+void IslandSolver::beginStep() {
+  m_report = {};
+  for (auto of = m_memory.begin(); of != m_memory.end();) {
+    const bool is_used = of->second != nullptr && of->second->is_used;
+    if (is_used) of->second->is_used = false;
+    of = is_used ? std::next(of) : m_memory.erase(of);
+  }
+}
+
+void IslandSolver::begin(const btContactSolverInfo& info) {
+  m_builder.begin(info);
+  m_contacts.clear();
+  m_pose_changes.clear();
+}
+
+bool IslandSolver::endJoints() {
+  m_builder.finish(m_components);
+  return !m_components.empty();
+}
+
+void IslandSolver::addContacts(btConstraintArray& rows, const SolverBodies& bodies,
+                               bool are_friction) {
+  m_builder.addContacts(rows, bodies, are_friction, m_contacts);
+}
+
+void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies) {
+  for (IslandBody& of : m_island.bodies) {
+    const btSolverBody& from = bodies[of.solver_body];
+    of.push << inDouble(from.m_pushVelocity),
+        double(info.m_splitImpulseTurnErp) * inDouble(from.m_turnVelocity);
+  }
+  m_pose_changes.assign(m_island.bodies.size(), PoseChange::Zero());
+  m_sweeps = info.m_numIterations;
+  m_report.components += int(m_components.size());
+  solveAll();
+  for (size_t i = 0; i < m_island.bodies.size(); ++i) {
+    const IslandBody& body = m_island.bodies[i];
+    btSolverBody& to = bodies[body.solver_body];
+    const Vector6d change = m_velocities[i] - body.v_free;
+    to.m_deltaLinearVelocity = toBullet(change.head<3>());
+    to.m_deltaAngularVelocity = toBullet(change.tail<3>());
+  }
+  for (const ContactRow& row : m_contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
+}
+
+void IslandSolver::movePoses() const {
+  for (size_t i = 0; i < m_pose_changes.size(); ++i)
+    if (!m_pose_changes[i].isZero(0))
+      move(*const_cast<btRigidBody*>(m_island.bodies[i].body), m_pose_changes[i]);
+}
+
+// Where a solve begins, with what its joints bore in the last steps.
+ComponentMemory& IslandSolver::begin(const Component& component) {
+  ComponentMemory& kept = memoryOf(component);
+  kept.begin(m_island, component);
+  findSoftness(m_island, component, options, kept.in_loop, kept.work);
+  findStiffness(m_island, component, options.stable_swing, kept.work);
+  return kept;
+}
+
+// The first tier. Returns false where it does not converge, or where its joints would give too much.
+bool IslandSolver::solveByChord(const Component& component) {
+  ComponentMemory& kept = begin(component);
+  kept.holds_end = false;
+  const SolveReport done = pintle::solveByChord(m_island, component, options, kept.K, kept.work);
+  count(done, 1);
+  if (!done.converged) return false;
+  kept.tolerance = options.pose_tolerance;
+  kept.has_factor = kept.holds_end = true;
+  kept.work_done = workOfJoints(m_island, component, kept.work);
+  return (isResolved(kept.work) && isOfArcs(m_island, component, options, kept)) ||
+         kept.ledger.mayGive(kept.work_done, options.ledger_share);
+}
+
+// Where the first tier gives too much, the second one may lose more than that: then it is balanced.
+void IslandSolver::solveAlone(const Component& component) {
+  if (solveByChord(component)) return;
+  ComponentMemory& kept = memoryOf(component);
+  const bool has_end = kept.holds_end && isOfArcs(m_island, component, options, kept);
+  const Workspace::Solution by_chord = has_end ? kept.work.solution() : Workspace::Solution();
+  const double given = kept.work_done;
+  std::vector<ContactRow> none;
+  solveInVelocity({&component}, none);
+  if (!has_end || kept.ledger.mayGive(-kept.work_done, options.ledger_share)) return;
+  kept.work.take(by_chord);
+  kept.work_done = given;
+  kept.has_factor = false;
+  kept.holds_end = true;
+}
+
+// J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each
+// other.
+double IslandSolver::gainInVelocity(const Components& those, const std::vector<ContactRow>& rows) {
+  double gain = 0;
+  std::vector<char> counted(m_island.bodies.size(), false);
+  for (const Component* of : those) {
+    gain += gainOverForces(m_island, *of, memoryOf(*of).work);
+    std::fill_n(counted.begin() + of->first_body, of->bodies, true);
+  }
+  for (size_t i = 0; !rows.empty() && i < counted.size(); ++i)
+    if (!counted[i]) gain += gainOf(m_island.bodies[i], m_island.bodies[i].v_free, m_velocities[i]);
+  for (const ContactRow& row : rows) gain -= std::fmax(row.impulse * row.target, 0);
+  return gain;
+}
+
+// The second tier: one component alone, or those that contacts touch.
+void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactRow>& rows) {
+  m_report.second_tier += int(those.size());
+  std::vector<BlockOfJoints> blocks;
+  double largest = 0;
+  for (const Component* of : those) {
+    ComponentMemory& kept = memoryOf(*of);
+    blocks.push_back({of, &kept.K, &kept.work});
+    largest += kept.ledger.largest();
+  }
+  for (const IslandBody& body : m_island.bodies)
+    if (!rows.empty()) largest += gainOf(body, Vector6d::Zero(), body.v_free);
+  SolveReport done;
+  const auto solve = [&](Sweep sweep) {
+    const int most = rows.empty() ? options.max_sweeps : m_sweeps;
+    done = pintle::solveInVelocity(m_island, blocks, rows, options, sweep, most, m_velocities);
+    count(done, int(those.size()));
+  };
+  // Again, where bodies swing fast, and under another load than was foreseen.
+  const auto attempt = [&](Sweep sweep) {
+    for (const Component* of : those) begin(*of);
+    solve(sweep);
+    bool again = false;
+    for (const Component* of : those)
+      again = foreseeLoad(m_island, *of, options.stable_swing, memoryOf(*of).work) || again;
+    if (again) solve(sweep);
+    return done.is_solvable && gainInVelocity(those, rows) <= options.ledger_share * largest;
+  };
+  // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
+  const auto attemptWithoutRebounds = [&](Sweep sweep) {
+    bool any = false;
+    for (const Component* of : those) any = stopRebounds(m_island, *of) || any;
+    return any && attempt(sweep);
+  };
+  const bool is_passive = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
+                          attemptWithoutRebounds(Sweep::bounds_one_by_one);
+  if (!is_passive) {
+    ++m_report.one_by_one;
+    attempt(Sweep::one_by_one);
+  }
+  if (!done.converged) m_report.not_converged += int(those.size());
+  for (const Component* of : those) {
+    ComponentMemory& kept = memoryOf(*of);
+    kept.has_factor = is_passive;
+    kept.tolerance = done.converged ? options.pose_tolerance : options.loose_pose_tolerance;
+    kept.holds_end = false;
+    kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
+                                  : workAmongContacts(m_island, *of, kept.work);
+  }
+}
+
+void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
+  Workspace& work = kept.work;
+  double sum = 0;
+  for (const Vector6d& v : work.v) sum += v.sum();
+  if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
+    kept.forget();
+    kept.begin(m_island, component);
+    return;
+  }
+  PoseChange* const changes = m_pose_changes.data() + component.first_body;
+  if (!kept.holds_end || isOpen(m_island, component))
+    correctPoses(m_island, component, options, kept.tolerance, work, kept.K, kept.has_factor,
+                 changes);
+  kept.work_done += workOfPoses(m_island, component, changes);
+  kept.work_done += balance(m_island, component, options, kept, changes);
+  kept.ledger.book(kept.work_done, options.ledger_share);
+  kept.keep(m_island, component);
+  pintle::report(m_island, component, work);
+}
+
+// `of`: so many components, solved together.
+void IslandSolver::count(const SolveReport& done, int of) {
+  m_report.steps += done.steps * of;
+  m_report.factors += done.factors;
+  m_report.error = std::max(m_report.error, done.error);
+}
+
+// Of each component: whether a contact is on one of its bodies.
+std::vector<char> IslandSolver::findTouched() const {
+  std::vector<char> body(m_island.bodies.size(), false), touched;
+  for (const ContactRow& row : m_contacts)
+    for (const int i : row.body)
+      if (i >= 0) body[size_t(i)] = true;
+  for (const Component& component : m_components) {
+    const auto first = body.begin() + component.first_body, last = first + component.bodies;
+    touched.push_back(std::find(first, last, true) != last);
+  }
+  return touched;
+}
+
+// A joint breaks at what it bears when all else is solved, and the step is then solved without it.
+void IslandSolver::solveAll() {
+  const std::vector<char> touched = findTouched();
+  Components among_contacts;
+  for (size_t c = 0; c < m_components.size(); ++c) {
+    const Component& component = m_components[c];
+    remember(m_island, component, slotOf(component));
+    ComponentMemory& kept = memoryOf(component);
+    kept.stretchSprings(m_island, component);
+    kept.ledger.begin(m_island, component, options.ledger_share);
+    if (touched[c]) among_contacts.push_back(&component);
+  }
+  const auto breaks = [&](const Component& component) {
+    return breakOverloaded(m_island, component, memoryOf(component).work);
+  };
+  for (size_t c = 0; c < m_components.size(); ++c) {
+    if (touched[c]) continue;
+    do {
+      solveAlone(m_components[c]);
+    } while (breaks(m_components[c]));
+  }
+  for (bool again = !m_contacts.empty(); again;) {
+    solveInVelocity(among_contacts, m_contacts);
+    again = false;
+    for (const Component* of : among_contacts) again = breaks(*of) || again;
+  }
+  if (m_contacts.empty()) {  // who has no joint with rows is free
+    m_velocities.clear();
+    for (const IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
+  }
+  for (const Component& component : m_components) {
+    ComponentMemory& kept = memoryOf(component);
+    finish(component, kept);
+    std::copy(kept.work.v.begin(), kept.work.v.end(), m_velocities.begin() + component.first_body);
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

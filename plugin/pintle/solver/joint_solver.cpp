@@ -1,0 +1,95 @@
+#include <pintle/solver/joint_solver.h>
+
+#include <pintle/solver/island_solver.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+template <class BulletSolver>
+JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandSolver) {}
+template <class BulletSolver>
+JointSolver<BulletSolver>::~JointSolver() = default;
+template <class BulletSolver>
+SolverOptions& JointSolver<BulletSolver>::options() {
+  return m_islands->options;
+}
+template <class BulletSolver>
+const StepReport& JointSolver<BulletSolver>::lastStep() const {
+  return m_islands->report();
+}
+template <class BulletSolver>
+int JointSolver<BulletSolver>::getNumRemembered() const {
+  return m_islands->remembered();
+}
+
+template <class BulletSolver>
+void JointSolver<BulletSolver>::prepareSolve(int, int) {
+  m_islands->beginStep();
+}
+
+template <class BulletSolver>
+void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, int numConstraints,
+                                              const btContactSolverInfo& info) {
+  this->m_tmpConstraintSizesPool.resizeNoInitialize(0);
+  this->m_tmpSolverNonContactConstraintPool.resizeNoInitialize(0);
+  m_islands->begin(info);
+  for (int i = 0; i < numConstraints; ++i) {
+    btTypedConstraint& constraint = *constraints[i];
+    constraint.buildJacobian();
+    constraint.internalSetAppliedImpulse(0);
+    if (btJointFeedback* feedback = constraint.getJointFeedback())
+      for (btVector3* of : {&feedback->m_appliedForceBodyA, &feedback->m_appliedTorqueBodyA,
+                            &feedback->m_appliedForceBodyB, &feedback->m_appliedTorqueBodyB})
+        of->setZero();
+    if (!constraint.isEnabled()) continue;
+    const int a = this->getOrInitSolverBody(constraint.getRigidBodyA(), info.m_timeStep),
+              b = this->getOrInitSolverBody(constraint.getRigidBodyB(), info.m_timeStep);
+    m_islands->addJoint(constraint, this->m_tmpSolverBodyPool, a, b);
+  }
+  m_has_joints = m_islands->endJoints();
+}
+
+// Contacts need many passes to find a heavy load on light, jointed bodies. The warm start spreads them over the steps, so it must keep
+// all of the impulse.
+template <class BulletSolver>
+btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlySetup(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& info,
+    btIDebugDraw* drawer) {
+  btContactSolverInfo with_all = info;
+  if (numConstraints > 0) with_all.m_warmstartingFactor = 1;
+  return BulletSolver::solveGroupCacheFriendlySetup(bodies, numBodies, manifolds, numManifolds,
+                                                    constraints, numConstraints, with_all, drawer);
+}
+
+template <class BulletSolver>
+btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyIterations(
+    btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds, int numManifolds,
+    btTypedConstraint** constraints, int numConstraints, const btContactSolverInfo& info,
+    btIDebugDraw* drawer) {
+  if (!m_has_joints)
+    return BulletSolver::solveGroupCacheFriendlyIterations(
+        bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info, drawer);
+  this->solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifolds, numManifolds,
+                                                      constraints, numConstraints, info, drawer);
+  SolverBodies& of = this->m_tmpSolverBodyPool;
+  m_islands->addContacts(this->m_tmpSolverContactConstraintPool, of, false);
+  m_islands->addContacts(this->m_tmpSolverContactFrictionConstraintPool, of, true);
+  m_islands->addContacts(this->m_tmpSolverContactRollingFrictionConstraintPool, of, true);
+  m_islands->solve(info, of);
+  return 0;
+}
+
+template <class BulletSolver>
+btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
+                                                                  int numBodies,
+                                                                  const btContactSolverInfo& info) {
+  const btScalar result = BulletSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
+  m_islands->movePoses();
+  return result;
+}
+
+template class JointSolver<btSequentialImpulseConstraintSolver>;
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,56 @@
+// Purpose: one of Bullet's solvers, of which an IslandSolver solves the joints, and the contacts of their islands.
+#pragma once
+
+#include <pintle/precision.h>
+
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+
+#include <memory>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class IslandSolver;
+struct SolverOptions;
+struct StepReport;
+
+template <class BulletSolver>
+class JointSolver : public BulletSolver {
+ public:
+  JointSolver();
+  ~JointSolver() override;
+  JointSolver(const JointSolver&) = delete;
+  JointSolver& operator=(const JointSolver&) = delete;
+
+  SolverOptions& options();
+  const StepReport& lastStep() const;
+  /// Components of which something is kept for the next step.
+  int getNumRemembered() const;
+
+  void prepareSolve(int numBodies, int numManifolds) override;
+
+ protected:
+  void convertJoints(btTypedConstraint** constraints, int numConstraints,
+                     const btContactSolverInfo& info) override;
+  btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int numBodies,
+                                        btPersistentManifold** manifolds, int numManifolds,
+                                        btTypedConstraint** constraints, int numConstraints,
+                                        const btContactSolverInfo& info,
+                                        btIDebugDraw* drawer) override;
+  btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int numBodies,
+                                             btPersistentManifold** manifolds, int numManifolds,
+                                             btTypedConstraint** constraints, int numConstraints,
+                                             const btContactSolverInfo& info,
+                                             btIDebugDraw* drawer) override;
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int numBodies,
+                                         const btContactSolverInfo& info) override;
+
+ private:
+  std::unique_ptr<IslandSolver> m_islands;
+  bool m_has_joints = false;  ///< this island
+};
+
+extern template class JointSolver<btSequentialImpulseConstraintSolver>;
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
