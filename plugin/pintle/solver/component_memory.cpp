@@ -38,7 +38,6 @@ void remember(const Island& island, const Component& component,
     memory->locks = locks;
     memory->K.analyse(memory->bodies, locks);
   }
-  memory->is_used = true;
   std::vector<int>& sizes = memory->sizes;
   bool same_sizes = same && int(sizes.size()) == component.joints;
   sizes.resize(size_t(component.joints));

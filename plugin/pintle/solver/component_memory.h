@@ -18,7 +18,6 @@ struct ComponentMemory {
   std::vector<int> sizes;                  ///< of each: rows
   JointMatrix::Locks locks;                ///< of each body
   JointMatrix K;
-  bool is_used = false;     ///< in this step
   bool has_factor = false;  ///< K is that with which the step was solved
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
   double tolerance = 0;     ///< m and rad: how far its joints may be open at the end of the step

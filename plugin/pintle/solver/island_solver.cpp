@@ -23,15 +23,26 @@ void move(btRigidBody& body, const PoseChange& by) {
   body.setWorldTransform(to);
 }
 
+// Of one of Bullet's bodies: the velocity that forces lead to, and its change by impulses.
+Vector6d freeVelocity(const btSolverBody& of) {
+  Vector6d v;
+  v << inDouble(of.m_linearVelocity), inDouble(of.m_angularVelocity);
+  Vector6d by_forces;
+  by_forces << inDouble(of.m_externalForceImpulse), inDouble(of.m_externalTorqueImpulse);
+  return v + by_forces;
+}
+Vector6d changeOf(const btSolverBody& of) {
+  Vector6d change;
+  change << inDouble(of.m_deltaLinearVelocity), inDouble(of.m_deltaAngularVelocity);
+  return change;
+}
+
 }  // namespace
 
-void IslandSolver::beginStep() {
-  m_report = {};
-  for (auto of = m_memory.begin(); of != m_memory.end();) {
-    const bool is_used = of->second != nullptr && of->second->is_used;
-    if (is_used) of->second->is_used = false;
-    of = is_used ? std::next(of) : m_memory.erase(of);
-  }
+void IslandSolver::enter(const btDispatcher* world) {
+  if (world == nullptr || world == m_world) return;
+  m_world = world;
+  m_memory = WorldMemory::of(*world, m_memory);
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -50,24 +61,60 @@ void IslandSolver::addContacts(btConstraintArray& rows, const SolverBodies& bodi
   m_builder.addContacts(rows, bodies, are_friction, m_contacts);
 }
 
-void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies) {
+void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
+                         const PassOverOthers& others) {
+  m_report = {};
+  m_report.components = int(m_components.size());
+  m_sweeps = info.m_numIterations;
   for (IslandBody& of : m_island.bodies) {
     const btSolverBody& from = bodies[of.solver_body];
     of.push << inDouble(from.m_pushVelocity),
         double(info.m_splitImpulseTurnErp) * inDouble(from.m_turnVelocity);
+    if (others) of.v_free += changeOf(from);
   }
   m_pose_changes.assign(m_island.bodies.size(), PoseChange::Zero());
-  m_sweeps = info.m_numIterations;
-  m_report.components += int(m_components.size());
-  solveAll();
+  beginComponents();
+  do {
+    solveInTurns(bodies, others);
+  } while (breakOverloaded());
+  finishComponents();
+  writeVelocities(bodies);
+  for (const ContactRow& row : m_contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
+  m_memory->add(m_report);
+}
+
+void IslandSolver::writeVelocities(SolverBodies& bodies) const {
   for (size_t i = 0; i < m_island.bodies.size(); ++i) {
-    const IslandBody& body = m_island.bodies[i];
-    btSolverBody& to = bodies[body.solver_body];
-    const Vector6d change = m_velocities[i] - body.v_free;
+    btSolverBody& to = bodies[m_island.bodies[i].solver_body];
+    const Vector6d change = m_velocities[i] - freeVelocity(to);
     to.m_deltaLinearVelocity = toBullet(change.head<3>());
     to.m_deltaAngularVelocity = toBullet(change.tail<3>());
   }
-  for (const ContactRow& row : m_contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
+}
+
+// What the island knows of other rows is how they change the velocities to which forces lead.
+void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& others) {
+  double unmet =
+      infinity;  // m and rad: by how much others have changed what joints and contacts were solved for
+  for (int pass = 0;; ++pass) {
+    const bool is_last = !others || pass == m_sweeps;
+    if (unmet > (is_last ? 0 : options.contact_tolerance)) {
+      solveJoints();
+      unmet = 0;
+    }
+    if (is_last) return;
+    writeVelocities(bodies);
+    std::vector<Vector6d> before;
+    for (const IslandBody& of : m_island.bodies) before.push_back(changeOf(bodies[of.solver_body]));
+    others(pass);
+    for (size_t i = 0; i < before.size(); ++i) {
+      IslandBody& of = m_island.bodies[i];
+      const Vector6d change = changeOf(bodies[of.solver_body]) - before[i];
+      of.v_free += change;
+      m_velocities[i] += change;
+      unmet = std::fmax(unmet, change.norm() * m_island.dt);
+    }
+  }
 }
 
 void IslandSolver::movePoses() const {
@@ -221,41 +268,54 @@ std::vector<char> IslandSolver::findTouched() const {
   return touched;
 }
 
-// A joint breaks at what it bears when all else is solved, and the step is then solved without it.
-void IslandSolver::solveAll() {
+void IslandSolver::beginComponents() {
+  m_kept.clear();
+  for (const Component& component : m_components) {
+    std::unique_ptr<ComponentMemory>& slot =
+        m_memory->slot(m_island.joints[size_t(component.first_joint)].constraint);
+    remember(m_island, component, slot);
+    m_kept.push_back(slot.get());
+    slot->stretchSprings(m_island, component);
+    slot->ledger.begin(m_island, component, options.ledger_share);
+  }
+}
+
+void IslandSolver::solveJoints() {
   const std::vector<char> touched = findTouched();
   Components among_contacts;
   for (size_t c = 0; c < m_components.size(); ++c) {
-    const Component& component = m_components[c];
-    remember(m_island, component, slotOf(component));
-    ComponentMemory& kept = memoryOf(component);
-    kept.stretchSprings(m_island, component);
-    kept.ledger.begin(m_island, component, options.ledger_share);
-    if (touched[c]) among_contacts.push_back(&component);
-  }
-  const auto breaks = [&](const Component& component) {
-    return breakOverloaded(m_island, component, memoryOf(component).work);
-  };
-  for (size_t c = 0; c < m_components.size(); ++c) {
-    if (touched[c]) continue;
-    do {
+    if (touched[c])
+      among_contacts.push_back(&m_components[c]);
+    else
       solveAlone(m_components[c]);
-    } while (breaks(m_components[c]));
-  }
-  for (bool again = !m_contacts.empty(); again;) {
-    solveInVelocity(among_contacts, m_contacts);
-    again = false;
-    for (const Component* of : among_contacts) again = breaks(*of) || again;
   }
   if (m_contacts.empty()) {  // who has no joint with rows is free
     m_velocities.clear();
     for (const IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
+  } else {
+    solveInVelocity(among_contacts, m_contacts);
   }
+  gatherVelocities();
+}
+
+void IslandSolver::gatherVelocities() {
   for (const Component& component : m_components) {
-    ComponentMemory& kept = memoryOf(component);
-    finish(component, kept);
-    std::copy(kept.work.v.begin(), kept.work.v.end(), m_velocities.begin() + component.first_body);
+    const std::vector<Vector6d>& v = memoryOf(component).work.v;
+    std::copy(v.begin(), v.end(), m_velocities.begin() + component.first_body);
   }
+}
+
+// A joint breaks at what it bears when all else is solved, and the step is then solved without it.
+bool IslandSolver::breakOverloaded() {
+  bool any = false;
+  for (const Component& component : m_components)
+    any = pintle::breakOverloaded(m_island, component, memoryOf(component).work) || any;
+  return any;
+}
+
+void IslandSolver::finishComponents() {
+  for (const Component& component : m_components) finish(component, memoryOf(component));
+  gatherVelocities();
 }
 
 }  // namespace PINTLE_PRECISION

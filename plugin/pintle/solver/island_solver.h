@@ -1,27 +1,24 @@
 // Purpose: solves the joints and the contacts of an island. Bullet's solvers hand it their bodies and rows (joint_solver.h).
 #pragma once
 
-#include <pintle/solver/component_memory.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/pose_correction.h>
 #include <pintle/solver/solver_options.h>
-#include <pintle/solver/step_report.h>
+#include <pintle/solver/world_memory.h>
 
+#include <functional>
 #include <memory>
-#include <unordered_map>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class IslandSolver {
  public:
-  /// Once a step of the world: what no island has used in the last one is forgotten. Its joints sleep, or are gone.
-  void beginStep();
-  const StepReport& report() const { return m_report; }
-  /// Components of which something is kept for the next step.
-  int remembered() const { return int(m_memory.size()); }
+  /// Goes on from what the solvers of this world have kept.
+  void enter(const btDispatcher* world);
+  WorldMemory& memory() const { return *m_memory; }
 
-  // Then, for each island, in this order:
+  // For each island, in this order:
   void begin(const btContactSolverInfo& info);
   /// A joint, with the numbers of its bodies among Bullet's.
   void addJoint(btTypedConstraint& joint, const SolverBodies& bodies, int body_a, int body_b) {
@@ -31,8 +28,11 @@ class IslandSolver {
   bool endJoints();
   /// Contacts, or friction, which is bounded by the contacts and comes after them.
   void addContacts(btConstraintArray& rows, const SolverBodies& bodies, bool are_friction);
-  /// Bodies get their velocities and contacts their impulses.
-  void solve(const btContactSolverInfo& info, SolverBodies& bodies);
+  /// One pass over rows of other kinds on Bullet's bodies, whose velocities it changes.
+  using PassOverOthers = std::function<void(int number)>;
+  /// Bodies get their velocities and contacts their impulses. With others, as many passes as the world has iterations, and joints and
+  /// contacts after each: so they hold in the end.
+  void solve(const btContactSolverInfo& info, SolverBodies& bodies, const PassOverOthers& others);
   /// At the end of the step, what velocities cannot do.
   void movePoses() const;
 
@@ -41,8 +41,13 @@ class IslandSolver {
  private:
   using Components = std::vector<const Component*>;
 
+  void beginComponents();
+  void solveInTurns(SolverBodies& bodies, const PassOverOthers& others);
+  void solveJoints();
+  bool breakOverloaded();
+  void finishComponents();
+
   ComponentMemory& begin(const Component& component);
-  void solveAll();
   void solveAlone(const Component& component);
   bool solveByChord(const Component& component);
   void solveInVelocity(const Components& those, std::vector<ContactRow>& rows);
@@ -50,19 +55,22 @@ class IslandSolver {
   void finish(const Component& component, ComponentMemory& kept);
   std::vector<char> findTouched() const;
   void count(const SolveReport& done, int components);
-  std::unique_ptr<ComponentMemory>& slotOf(const Component& component) {
-    return m_memory[m_island.joints[size_t(component.first_joint)].constraint];
+  void gatherVelocities();
+  void writeVelocities(SolverBodies& bodies) const;
+  ComponentMemory& memoryOf(const Component& component) const {
+    return *m_kept[size_t(&component - m_components.data())];
   }
-  ComponentMemory& memoryOf(const Component& component) { return *slotOf(component); }
 
-  StepReport m_report;
+  const btDispatcher* m_world = nullptr;
+  std::shared_ptr<WorldMemory> m_memory = std::make_shared<WorldMemory>();
+  StepReport m_report;  ///< of this island
   Island m_island;
   IslandBuilder m_builder{m_island, options};
   std::vector<Component> m_components;
+  std::vector<ComponentMemory*> m_kept;  ///< of each
   std::vector<ContactRow> m_contacts;
-  int m_sweeps = 0;  ///< of contacts
-  std::unordered_map<const btTypedConstraint*, std::unique_ptr<ComponentMemory>> m_memory;
-  std::vector<Vector6d> m_velocities;  ///< with which bodies end the step
+  int m_sweeps = 0;                    ///< of contacts
+  std::vector<Vector6d> m_velocities;  ///< of each body
   std::vector<PoseChange> m_pose_changes;
 };
 

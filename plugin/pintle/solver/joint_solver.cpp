@@ -2,6 +2,8 @@
 
 #include <pintle/solver/island_solver.h>
 
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -14,17 +16,33 @@ SolverOptions& JointSolver<BulletSolver>::options() {
   return m_islands->options;
 }
 template <class BulletSolver>
-const StepReport& JointSolver<BulletSolver>::lastStep() const {
-  return m_islands->report();
+StepReport JointSolver<BulletSolver>::lastStep() const {
+  return m_islands->memory().report();
 }
 template <class BulletSolver>
 int JointSolver<BulletSolver>::getNumRemembered() const {
-  return m_islands->remembered();
+  return m_islands->memory().size();
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::prepareSolve(int, int) {
-  m_islands->beginStep();
+  m_islands->memory().beginStep();
+}
+
+template <class BulletSolver>
+void JointSolver<BulletSolver>::enter(const btDispatcher* world) {
+  m_islands->enter(world);
+}
+
+template <class BulletSolver>
+btScalar JointSolver<BulletSolver>::solveGroup(btCollisionObject** bodies, int numBodies,
+                                               btPersistentManifold** manifolds, int numManifolds,
+                                               btTypedConstraint** constraints, int numConstraints,
+                                               const btContactSolverInfo& info,
+                                               btIDebugDraw* drawer, btDispatcher* dispatcher) {
+  enter(dispatcher);
+  return BulletSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
+                                  numConstraints, info, drawer, dispatcher);
 }
 
 template <class BulletSolver>
@@ -76,7 +94,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyIterations(
   m_islands->addContacts(this->m_tmpSolverContactConstraintPool, of, false);
   m_islands->addContacts(this->m_tmpSolverContactFrictionConstraintPool, of, true);
   m_islands->addContacts(this->m_tmpSolverContactRollingFrictionConstraintPool, of, true);
-  m_islands->solve(info, of);
+  m_islands->solve(info, of, passOverOthers(info));
   return 0;
 }
 
@@ -90,6 +108,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyFinish(btCollisionObj
 }
 
 template class JointSolver<btSequentialImpulseConstraintSolver>;
+template class JointSolver<btMultiBodyConstraintSolver>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

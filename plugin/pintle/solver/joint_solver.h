@@ -2,9 +2,11 @@
 #pragma once
 
 #include <pintle/precision.h>
+#include <pintle/solver/step_report.h>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
+#include <functional>
 #include <memory>
 
 namespace pintle {
@@ -12,7 +14,6 @@ inline namespace PINTLE_PRECISION {
 
 class IslandSolver;
 struct SolverOptions;
-struct StepReport;
 
 template <class BulletSolver>
 class JointSolver : public BulletSolver {
@@ -23,13 +24,22 @@ class JointSolver : public BulletSolver {
   JointSolver& operator=(const JointSolver&) = delete;
 
   SolverOptions& options();
-  const StepReport& lastStep() const;
+  StepReport lastStep() const;
   /// Components of which something is kept for the next step.
   int getNumRemembered() const;
 
   void prepareSolve(int numBodies, int numManifolds) override;
+  btScalar solveGroup(btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds,
+                      int numManifolds, btTypedConstraint** constraints, int numConstraints,
+                      const btContactSolverInfo& info, btIDebugDraw* drawer,
+                      btDispatcher* dispatcher) override;
 
  protected:
+  /// The island that follows is of this world.
+  void enter(const btDispatcher* world);
+  /// One pass over rows that are neither joints nor contacts between rigid bodies; empty if there are none.
+  virtual std::function<void(int number)> passOverOthers(const btContactSolverInfo&) { return {}; }
+
   void convertJoints(btTypedConstraint** constraints, int numConstraints,
                      const btContactSolverInfo& info) override;
   btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int numBodies,

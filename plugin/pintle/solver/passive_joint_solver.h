@@ -2,7 +2,7 @@
 #pragma once
 
 #include <pintle/solver/joint_solver.h>
-#include <pintle/solver/step_report.h>
+#include <pintle/solver/uses_exact_solver.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

@@ -1,0 +1,65 @@
+#include <pintle/solver/world_memory.h>
+
+#include <algorithm>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+using Lock = std::lock_guard<std::mutex>;
+
+std::shared_ptr<WorldMemory> WorldMemory::of(const btDispatcher& world,
+                                             const std::shared_ptr<WorldMemory>& own) {
+  static std::mutex mutex;
+  static std::unordered_map<const btDispatcher*, std::weak_ptr<WorldMemory>> all;
+  const Lock lock(mutex);
+  for (auto i = all.begin(); i != all.end();) i = i->second.expired() ? all.erase(i) : std::next(i);
+  std::weak_ptr<WorldMemory>& known = all[&world];
+  if (known.expired()) known = own;
+  return known.lock();
+}
+
+void WorldMemory::beginStep(long kept_for) {
+  ++m_step;
+  m_report = {};
+  for (auto i = m_slots.begin(); i != m_slots.end();)
+    i = m_step - i->second.step > kept_for ? m_slots.erase(i) : std::next(i);
+}
+
+void WorldMemory::beginStep() {
+  const Lock lock(m_mutex);
+  beginStep(1);
+}
+
+// Components that come for the first time, before any that has come before, still count as of the last step: hence 2.
+std::unique_ptr<ComponentMemory>& WorldMemory::slot(const btTypedConstraint* first_joint) {
+  const Lock lock(m_mutex);
+  Slot& slot = m_slots[first_joint];
+  const bool comes_again = slot.step == m_step;
+  slot.step = comes_again ? m_step + 1 : m_step;
+  if (comes_again) beginStep(2);
+  return slot.memory;
+}
+
+void WorldMemory::add(const StepReport& island) {
+  const Lock lock(m_mutex);
+  m_report.components += island.components;
+  m_report.steps += island.steps;
+  m_report.factors += island.factors;
+  m_report.second_tier += island.second_tier;
+  m_report.one_by_one += island.one_by_one;
+  m_report.not_converged += island.not_converged;
+  m_report.error = std::max(m_report.error, island.error);
+}
+
+StepReport WorldMemory::report() const {
+  const Lock lock(m_mutex);
+  return m_report;
+}
+
+int WorldMemory::size() const {
+  const Lock lock(m_mutex);
+  return int(m_slots.size());
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
