@@ -434,13 +434,13 @@ Outcome World::play(std::ostream* log) {
     }
     out.peak = std::max(out.peak, after);
     out.gain = std::max(out.gain, energy);
-    const pintle::StepReport& report = m_solver.lastStep();
+    const pintle::StepReport report = m_solver.lastStep();
     out.not_converged += report.not_converged > 0;
     const double gap = open();
     if (m_scene.overlap == 0) out.open = std::max(out.open, gap);
     if (log != nullptr)
       *log << i << " kinetic " << after << " energy " << energy << " open " << gap << " newton "
-           << report.steps << " factors " << report.factors << " tier 2 "
+           << report.newton_steps << " factors " << report.factorisations << " tier 2 "
            << report.second_tier << " not converged " << report.not_converged << '\n';
   }
   return out;

@@ -1,7 +1,6 @@
 // The exact solver in all kinds of Bullet's worlds: of multibodies, of many threads, and where Bullet ignores it.
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
-#include <pintle/solver/exact_joint_solver.h>
 #include <pintle/solver/exact_multi_body_joint_solver.h>
 #include <pintle/solver/passive_joint_solver.h>
 
@@ -480,7 +479,7 @@ TEST(ExactSolverMt, ForgetsWhatIsGone) {
 TEST(UsesExactSolver, PlainWorlds) {
   Bullet of;
   btSequentialImpulseConstraintSolver stock;
-  pintle::ExactJointSolver exact;
+  pintle::PassiveJointSolver exact;
   pintle::ExactMultiBodyJointSolver multi_body;
   btDiscreteDynamicsWorld world(&of.dispatcher, &of.broadphase, &stock, &of.configuration);
   EXPECT_FALSE(pintle::usesExactSolver(world));
@@ -496,7 +495,7 @@ TEST(UsesExactSolver, PlainWorlds) {
 TEST(UsesExactSolver, WorldsOfMultibodies) {
   Bullet of;
   btMultiBodyConstraintSolver stock;
-  pintle::ExactJointSolver exact;
+  pintle::PassiveJointSolver exact;
   pintle::ExactMultiBodyJointSolver multi_body;
   btMultiBodyDynamicsWorld world(&of.dispatcher, &of.broadphase, &stock, &of.configuration);
   EXPECT_FALSE(pintle::usesExactSolver(world));

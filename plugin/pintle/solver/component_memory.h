@@ -21,6 +21,8 @@ struct ComponentMemory {
   bool has_factor = false;  ///< K is that with which the step was solved
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
   double tolerance = 0;     ///< m and rad: how far its joints may be open at the end of the step
+  double residual = 0;      ///< m and rad: how far they miss their goals there
+  bool converged = false;   ///< its contacts and bounded rows have settled
   Workspace work;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step

@@ -65,6 +65,7 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
                          const PassOverOthers& others) {
   m_report = {};
   m_report.components = int(m_components.size());
+  m_report.tier = 1;
   m_sweeps = info.m_numIterations;
   for (IslandBody& of : m_island.bodies) {
     const btSolverBody& from = bodies[of.solver_body];
@@ -98,7 +99,7 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
       infinity;  // m and rad: by how much others have changed what joints and contacts were solved for
   for (int pass = 0;; ++pass) {
     const bool is_last = !others || pass == m_sweeps;
-    if (unmet > (is_last ? 0 : options.contact_tolerance)) {
+    if (unmet > (is_last ? 0 : m_options.contact_tolerance)) {
       solveJoints();
       unmet = 0;
     }
@@ -127,8 +128,8 @@ void IslandSolver::movePoses() const {
 ComponentMemory& IslandSolver::begin(const Component& component) {
   ComponentMemory& kept = memoryOf(component);
   kept.begin(m_island, component);
-  findSoftness(m_island, component, options, kept.in_loop, kept.work);
-  findStiffness(m_island, component, options.stable_swing, kept.work);
+  findSoftness(m_island, component, m_options, kept.in_loop, kept.work);
+  findStiffness(m_island, component, m_options.stable_swing, kept.work);
   return kept;
 }
 
@@ -136,30 +137,32 @@ ComponentMemory& IslandSolver::begin(const Component& component) {
 bool IslandSolver::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
   kept.holds_end = false;
-  const SolveReport done = pintle::solveByChord(m_island, component, options, kept.K, kept.work);
+  const SolveReport done = pintle::solveByChord(m_island, component, m_options, kept.K, kept.work);
   count(done, 1);
+  kept.converged = done.converged;
   if (!done.converged) return false;
-  kept.tolerance = options.pose_tolerance;
+  kept.residual = done.error;
+  kept.tolerance = m_options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
-  return (isResolved(kept.work) && isOfArcs(m_island, component, options, kept)) ||
-         kept.ledger.mayGive(kept.work_done, options.ledger_share);
+  return (isResolved(kept.work) && isOfArcs(m_island, component, m_options, kept)) ||
+         kept.ledger.mayGive(kept.work_done, m_options.ledger_share);
 }
 
 // Where the first tier gives too much, the second one may lose more than that: then it is balanced.
 void IslandSolver::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
-  const bool has_end = kept.holds_end && isOfArcs(m_island, component, options, kept);
+  const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
   const Workspace::Solution by_chord = has_end ? kept.work.solution() : Workspace::Solution();
   const double given = kept.work_done;
   std::vector<ContactRow> none;
   solveInVelocity({&component}, none);
-  if (!has_end || kept.ledger.mayGive(-kept.work_done, options.ledger_share)) return;
+  if (!has_end || kept.ledger.mayGive(-kept.work_done, m_options.ledger_share)) return;
   kept.work.take(by_chord);
   kept.work_done = given;
   kept.has_factor = false;
-  kept.holds_end = true;
+  kept.holds_end = kept.converged = true;
 }
 
 // J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each
@@ -180,6 +183,7 @@ double IslandSolver::gainInVelocity(const Components& those, const std::vector<C
 // The second tier: one component alone, or those that contacts touch.
 void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactRow>& rows) {
   m_report.second_tier += int(those.size());
+  m_report.tier = std::max(m_report.tier, 2);
   std::vector<BlockOfJoints> blocks;
   double largest = 0;
   for (const Component* of : those) {
@@ -191,8 +195,8 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
     if (!rows.empty()) largest += gainOf(body, Vector6d::Zero(), body.v_free);
   SolveReport done;
   const auto solve = [&](Sweep sweep) {
-    const int most = rows.empty() ? options.max_sweeps : m_sweeps;
-    done = pintle::solveInVelocity(m_island, blocks, rows, options, sweep, most, m_velocities);
+    const int most = rows.empty() ? m_options.max_sweeps : m_sweeps;
+    done = pintle::solveInVelocity(m_island, blocks, rows, m_options, sweep, most, m_velocities);
     count(done, int(those.size()));
   };
   // Again, where bodies swing fast, and under another load than was foreseen.
@@ -201,9 +205,9 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
     solve(sweep);
     bool again = false;
     for (const Component* of : those)
-      again = foreseeLoad(m_island, *of, options.stable_swing, memoryOf(*of).work) || again;
+      again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
     if (again) solve(sweep);
-    return done.is_solvable && gainInVelocity(those, rows) <= options.ledger_share * largest;
+    return done.is_solvable && gainInVelocity(those, rows) <= m_options.ledger_share * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
   const auto attemptWithoutRebounds = [&](Sweep sweep) {
@@ -214,14 +218,15 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
   const bool is_passive = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
                           attemptWithoutRebounds(Sweep::bounds_one_by_one);
   if (!is_passive) {
-    ++m_report.one_by_one;
+    m_report.one_by_one += int(those.size());
+    m_report.tier = 3;
     attempt(Sweep::one_by_one);
   }
-  if (!done.converged) m_report.not_converged += int(those.size());
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
     kept.has_factor = is_passive;
-    kept.tolerance = done.converged ? options.pose_tolerance : options.loose_pose_tolerance;
+    kept.converged = done.converged;
+    kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
     kept.holds_end = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
                                   : workAmongContacts(m_island, *of, kept.work);
@@ -235,24 +240,36 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
     kept.forget();
     kept.begin(m_island, component);
+    kept.converged = false;
     return;
   }
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   if (!kept.holds_end || isOpen(m_island, component))
-    correctPoses(m_island, component, options, kept.tolerance, work, kept.K, kept.has_factor,
-                 changes);
+    kept.residual = correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K,
+                                 kept.has_factor, changes);
   kept.work_done += workOfPoses(m_island, component, changes);
-  kept.work_done += balance(m_island, component, options, kept, changes);
-  kept.ledger.book(kept.work_done, options.ledger_share);
+  kept.work_done += balance(m_island, component, m_options, kept, changes);
+  kept.ledger.book(kept.work_done, m_options.ledger_share);
   kept.keep(m_island, component);
   pintle::report(m_island, component, work);
 }
 
 // `of`: so many components, solved together.
 void IslandSolver::count(const SolveReport& done, int of) {
-  m_report.steps += done.steps * of;
-  m_report.factors += done.factors;
-  m_report.error = std::max(m_report.error, done.error);
+  m_report.newton_steps += done.steps * of;
+  m_report.factorisations += done.factors;
+}
+
+void IslandSolver::report(const Component& component, const ComponentMemory& kept) {
+  m_report.residual = std::max(m_report.residual, kept.residual);
+  m_report.not_converged += !kept.converged || !(kept.residual <= kept.tolerance);
+  forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
+    if (row.law.isEquality())
+      m_report.open = std::max(m_report.open, std::abs(double(row.start.position)));
+  });
+  m_report.work += kept.work_done;
+  m_report.ledger += kept.ledger.given;
+  m_report.ledger_limit += m_options.ledger_share * kept.ledger.peak;
 }
 
 // Of each component: whether a contact is on one of its bodies.
@@ -276,7 +293,7 @@ void IslandSolver::beginComponents() {
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
     slot->stretchSprings(m_island, component);
-    slot->ledger.begin(m_island, component, options.ledger_share);
+    slot->ledger.begin(m_island, component, m_options.ledger_share);
   }
 }
 
@@ -314,7 +331,10 @@ bool IslandSolver::breakOverloaded() {
 }
 
 void IslandSolver::finishComponents() {
-  for (const Component& component : m_components) finish(component, memoryOf(component));
+  for (const Component& component : m_components) {
+    finish(component, memoryOf(component));
+    report(component, memoryOf(component));
+  }
   gatherVelocities();
 }
 

@@ -17,6 +17,8 @@ class IslandSolver {
   /// Goes on from what the solvers of this world have kept.
   void enter(const btDispatcher* world);
   WorldMemory& memory() const { return *m_memory; }
+  void setOptions(const SolverOptions& options) { m_options = options; }
+  const SolverOptions& options() const { return m_options; }
 
   // For each island, in this order:
   void begin(const btContactSolverInfo& info);
@@ -36,8 +38,6 @@ class IslandSolver {
   /// At the end of the step, what velocities cannot do.
   void movePoses() const;
 
-  SolverOptions options;
-
  private:
   using Components = std::vector<const Component*>;
 
@@ -55,17 +55,19 @@ class IslandSolver {
   void finish(const Component& component, ComponentMemory& kept);
   std::vector<char> findTouched() const;
   void count(const SolveReport& done, int components);
+  void report(const Component& component, const ComponentMemory& kept);
   void gatherVelocities();
   void writeVelocities(SolverBodies& bodies) const;
   ComponentMemory& memoryOf(const Component& component) const {
     return *m_kept[size_t(&component - m_components.data())];
   }
 
+  SolverOptions m_options;
   const btDispatcher* m_world = nullptr;
   std::shared_ptr<WorldMemory> m_memory = std::make_shared<WorldMemory>();
   StepReport m_report;  ///< of this island
   Island m_island;
-  IslandBuilder m_builder{m_island, options};
+  IslandBuilder m_builder{m_island, m_options};
   std::vector<Component> m_components;
   std::vector<ComponentMemory*> m_kept;  ///< of each
   std::vector<ContactRow> m_contacts;

@@ -12,8 +12,13 @@ JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandSolver) {}
 template <class BulletSolver>
 JointSolver<BulletSolver>::~JointSolver() = default;
 template <class BulletSolver>
-SolverOptions& JointSolver<BulletSolver>::options() {
-  return m_islands->options;
+void JointSolver<BulletSolver>::setOptions(const SolverOptions& options) {
+  check(options);
+  m_islands->setOptions(options);
+}
+template <class BulletSolver>
+const SolverOptions& JointSolver<BulletSolver>::options() const {
+  return m_islands->options();
 }
 template <class BulletSolver>
 StepReport JointSolver<BulletSolver>::lastStep() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/precision.h>
+#include <pintle/solver/solver_options.h>
 #include <pintle/solver/step_report.h>
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -13,7 +14,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class IslandSolver;
-struct SolverOptions;
 
 template <class BulletSolver>
 class JointSolver : public BulletSolver {
@@ -23,7 +23,10 @@ class JointSolver : public BulletSolver {
   JointSolver(const JointSolver&) = delete;
   JointSolver& operator=(const JointSolver&) = delete;
 
-  SolverOptions& options();
+  /// From the next island on. Throws std::invalid_argument, with the field, its value and what is wrong.
+  void setOptions(const SolverOptions& options);
+  const SolverOptions& options() const;
+  /// Of the world: where several solvers share it, of all of them.
   StepReport lastStep() const;
   /// Components of which something is kept for the next step.
   int getNumRemembered() const;

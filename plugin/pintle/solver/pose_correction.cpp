@@ -21,7 +21,7 @@ class PoseCorrection {
         m_work(work),
         m_K(K) {}
 
-  void run(bool has_factor, PoseChange* changes);
+  double run(bool has_factor, PoseChange* changes);
 
  private:
   void begin();
@@ -203,20 +203,21 @@ void PoseCorrection::begin() {
   measureAtEnd(m_island, m_component, m_work.moved, m_u);
 }
 
-void PoseCorrection::run(bool has_factor, PoseChange* changes) {
+double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   begin();
   has_factor = findGoals() && has_factor;
   const double open = findResidual();
-  if (open <= m_tolerance) return;
+  if (open <= m_tolerance) return open;
   m_open = m_work.x;
   m_nearest = m_work.moved;
   m_work.broyden.begin();
-  if (!has_factor && !factorise(false)) return;
+  if (!has_factor && !factorise(false)) return open;
   const double left = iterate(open);
   // Where an angle is far from what its row says, the first step is what can be had.
   if (!(left < open) && !m_first.empty()) m_nearest = m_first;
   findChanges(changes);
   if (!(left <= m_tolerance / 2)) shorten(changes);
+  return left;
 }
 
 }  // namespace
@@ -228,10 +229,10 @@ bool isOpen(const Island& island, const Component& component) {
   return any;
 }
 
-void correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                  double tolerance, Workspace& work, JointMatrix& K, bool has_factor,
-                  PoseChange* changes) {
-  PoseCorrection(island, component, options, tolerance, work, K).run(has_factor, changes);
+double correctPoses(const Island& island, const Component& component, const SolverOptions& options,
+                    double tolerance, Workspace& work, JointMatrix& K, bool has_factor,
+                    PoseChange* changes) {
+  return PoseCorrection(island, component, options, tolerance, work, K).run(has_factor, changes);
 }
 
 }  // namespace PINTLE_PRECISION

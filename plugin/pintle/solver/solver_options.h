@@ -1,4 +1,4 @@
-// Purpose: every number that the passive solver chooses, with its unit, its default, and what it is for.
+// Purpose: every number that the exact solver chooses, with its unit, its default, and what it is for.
 #pragma once
 
 #include <pintle/precision.h>
@@ -42,6 +42,9 @@ struct SolverOptions {
   /// below 4. A faster one gets as much inertia as makes it swing no faster: no step resolves it.
   double stable_swing = 2;
 };
+
+/// Throws std::invalid_argument, with the field, its value and what is wrong, if one is out of its range.
+void check(const SolverOptions& options);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,19 +1,51 @@
-// Purpose: what a solver did in a step.
+// Purpose: what an exact solver did in a step.
 #pragma once
 
 #include <pintle/precision.h>
 
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// What the last step of a solver did.
+/// Counts and energies are sums over the components of the world, which are what hangs together by joints and is awake; `tier`,
+/// `residual` and `open` are those of the worst one.
 struct StepReport {
-  int components = 0;
-  int steps = 0, factors = 0;
-  int second_tier = 0;    ///< times that a component was solved in velocity (block_gauss_seidel.h)
-  int one_by_one = 0;     ///< times that rows were solved one by one
-  int not_converged = 0;  ///< components, of which contacts or bounded rows were still changing
-  double error = 0;       ///< m or rad: the largest left of a joint
+  int components = 0;      ///< that were solved
+  int newton_steps = 0;    ///< also passes over contacts and rows with bounds
+  int factorisations = 0;  ///< of joints: what takes most of a step's time
+  /// How it was solved. 1: joints hold at the end of the step, by velocities alone. 2: they hold in velocity, and poses are brought
+  /// together; so among contacts, and where 1 would give energy. 3: rows are solved one by one, as Bullet solves them. 0: no joints.
+  int tier = 0;
+  int second_tier = 0;  ///< solves of tier 2
+  int one_by_one = 0;   ///< and of tier 3
+  int not_converged =
+      0;  ///< components of which joints, contacts or bounds were not met to their tolerances
+  double residual =
+      0;  ///< m or rad: the most by which a joint missed what it was to reach in this step
+  double open = 0;  ///< m or rad: the most that a joint of Pintle's was open before the step
+  /// J: what joints gave, without their motors and springs. They take what stops and friction take, and give what rounding and poses
+  /// that are moved against the weight do.
+  double work = 0;
+  double ledger =
+      0;  ///< J: `work` of all steps so far, of which the oldest is forgotten where it is below -`ledger_limit`
+  double ledger_limit = 0;  ///< J: what `ledger` may be (SolverOptions::ledger_share)
+
+  StepReport& operator+=(const StepReport& of) {
+    components += of.components;
+    newton_steps += of.newton_steps;
+    factorisations += of.factorisations;
+    tier = std::max(tier, of.tier);
+    second_tier += of.second_tier;
+    one_by_one += of.one_by_one;
+    not_converged += of.not_converged;
+    residual = std::max(residual, of.residual);
+    open = std::max(open, of.open);
+    work += of.work;
+    ledger += of.ledger;
+    ledger_limit += of.ledger_limit;
+    return *this;
+  }
 };
 
 }  // namespace PINTLE_PRECISION

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/precision.h>
+#include <pintle/solver/step_report.h>
 
 #include <string>
 
@@ -16,6 +17,9 @@ bool usesExactSolver(const btDynamicsWorld& world);
 
 /// Why they are not, and what would be right, for a message to who sets up the world; empty if they are.
 std::string whyNotExact(const btDynamicsWorld& world);
+
+/// What its exact solvers did in the last step. Throws std::invalid_argument, with that reason, if it has none.
+StepReport lastStep(const btDynamicsWorld& world);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,6 +1,6 @@
 #include <pintle/solver/world_memory.h>
 
-#include <algorithm>
+#include <iterator>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -42,13 +42,7 @@ std::unique_ptr<ComponentMemory>& WorldMemory::slot(const btTypedConstraint* fir
 
 void WorldMemory::add(const StepReport& island) {
   const Lock lock(m_mutex);
-  m_report.components += island.components;
-  m_report.steps += island.steps;
-  m_report.factors += island.factors;
-  m_report.second_tier += island.second_tier;
-  m_report.one_by_one += island.one_by_one;
-  m_report.not_converged += island.not_converged;
-  m_report.error = std::max(m_report.error, island.error);
+  m_report += island;
 }
 
 StepReport WorldMemory::report() const {

@@ -1,0 +1,171 @@
+// What a step did, the options of the solver, and its log.
+#include <pintle/joints/ball_joint.h>
+#include <pintle/solver/passive_joint_solver.h>
+#include <pintle/solver/step_log.h>
+
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "physics_support.h"
+#include "support.h"
+
+namespace exact_step_log {
+namespace {
+
+using physics::rounding;
+using support::scalar;
+using support::vec;
+
+constexpr double dt = 1. / 60;
+
+/// A box of 0.2 m and 2 kg on an arm of 1 m, let go from the horizontal.
+struct Pendulum {
+  Pendulum() {
+    world.setGravity(vec(0, 0, -9.81));
+    world.addRigidBody(&body, 0, 0);
+    world.addConstraint(&joint);
+  }
+  ~Pendulum() {
+    world.removeConstraint(&joint);
+    world.removeRigidBody(&body);
+  }
+  void step() { world.stepSimulation(scalar(dt), 0, scalar(dt)); }
+
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  pintle::PassiveJointSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  btBoxShape shape{vec(0.1, 0.1, 0.1)};
+  btRigidBody body{2, nullptr, &shape, vec(0.02, 0.02, 0.02)};
+  pintle::BallJoint joint{body, vec(-1, 0, 0)};
+};
+
+TEST(LastStep, OfAPendulum) {
+  Pendulum of;
+  EXPECT_EQ(of.solver.lastStep().components, 0);
+  EXPECT_EQ(of.solver.lastStep().tier, 0);
+  of.step();  // from rest: of no energy, what rounding gives is too much
+  for (int i = 0; i < 120; ++i) {
+    of.step();
+    const pintle::StepReport step = of.solver.lastStep();
+    EXPECT_EQ(step.components, 1) << i;
+    EXPECT_EQ(step.tier, 1) << i;
+    EXPECT_EQ(step.second_tier + step.one_by_one + step.not_converged, 0) << i;
+    EXPECT_GE(step.newton_steps, 1) << i;
+    EXPECT_GE(step.factorisations, 1) << i;
+    EXPECT_LE(step.residual, rounding(1e-6, 1e-9)) << i;
+    EXPECT_LE(step.open, rounding(2e-6, 1e-9)) << i;
+    EXPECT_LE(std::abs(step.ledger), step.ledger_limit) << i;
+  }
+  // 1 % of the kinetic energy at the bottom, which is forgotten within a second or so.
+  EXPECT_NEAR(of.solver.lastStep().ledger_limit, 0.01 * 2 * 9.81, 0.2 * 0.01 * 2 * 9.81);
+}
+
+TEST(LastStep, SaysHowFarJointsAreOpen) {
+  Pendulum of;
+  of.body.setCenterOfMassTransform(btTransform(btQuaternion::getIdentity(), vec(0.3, 0, 0)));
+  of.step();
+  EXPECT_NEAR(of.solver.lastStep().open, 0.3, 1e-6);
+}
+
+TEST(LastStep, IsOfNothingWhereAllSleep) {
+  Pendulum of;
+  of.step();
+  of.body.forceActivationState(ISLAND_SLEEPING);
+  of.step();
+  EXPECT_EQ(of.solver.lastStep().components, 0);
+}
+
+void expectRejected(const pintle::SolverOptions& options, const std::string& with) {
+  pintle::PassiveJointSolver solver;
+  try {
+    solver.setOptions(options);
+    ADD_FAILURE() << with;
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("pintle::ExactJointSolver: " + with),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(solver.options().ledger_share, pintle::SolverOptions().ledger_share);
+}
+
+TEST(SolverOptions, AreChecked) {
+  pintle::SolverOptions options;
+  options.ledger_share = 0.05;
+  pintle::PassiveJointSolver solver;
+  solver.setOptions(options);
+  EXPECT_EQ(solver.options().ledger_share, 0.05);
+  options = {};
+  options.newton_tolerance = -1;
+  expectRejected(options, "newton_tolerance = -1: must be above zero");
+  options = {};
+  options.pose_tolerance = std::numeric_limits<double>::quiet_NaN();
+  expectRejected(options, "pose_tolerance = nan: must be above zero");
+  options = {};
+  options.max_iterations = 0;
+  expectRejected(options, "max_iterations = 0: must be 1 or more");
+  options = {};
+  options.ledger_share = 1;
+  expectRejected(options, "ledger_share = 1: must be above 0 and below 1");
+  options = {};
+  options.stable_swing = 4;
+  expectRejected(options, "stable_swing = 4: must be above 0 and below 4");
+}
+
+std::vector<std::vector<double>> numbers(std::istream& in) {
+  std::vector<std::vector<double>> lines;
+  for (std::string line; std::getline(in, line);) {
+    lines.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) lines.back().push_back(std::stod(cell));
+  }
+  return lines;
+}
+
+TEST(StepLog, OfAPendulum) {
+  Pendulum of;
+  std::stringstream out;
+  pintle::StepLog log(of.world, out);
+  for (int i = 0; i < 60; ++i) {
+    of.step();
+    log.write();
+  }
+  std::string names;
+  std::getline(out, names);
+  EXPECT_EQ(names,
+            "time,kinetic,potential,work,ledger,ledger_limit,residual,open,tier,not_converged,"
+            "components");
+  const auto lines = numbers(out);
+  ASSERT_EQ(lines.size(), 60u);
+  const double start = lines[0][1] + lines[0][2];
+  for (const auto& line : lines) {
+    ASSERT_EQ(line.size(), 11u);
+    EXPECT_NEAR(line[1] + line[2], start, 0.02 * 2 * 9.81) << "at " << line[0] << " s";
+    if (&line != &lines.front()) {
+      EXPECT_EQ(line[8], 1);
+    }
+    EXPECT_EQ(line[10], 1);
+  }
+  EXPECT_NEAR(lines.back()[0], 1, 1e-5);
+  EXPECT_GT(lines[30][1], 1) << "it swings";
+}
+
+TEST(StepLog, NeedsAnExactSolver) {
+  Pendulum of;
+  btSequentialImpulseConstraintSolver stock;
+  of.world.setConstraintSolver(&stock);
+  std::ostringstream out;
+  EXPECT_THROW(pintle::StepLog(of.world, out), std::invalid_argument);
+  EXPECT_THROW(pintle::lastStep(of.world), std::invalid_argument);
+  EXPECT_EQ(out.str(), "");
+}
+
+}  // namespace
+}  // namespace exact_step_log
