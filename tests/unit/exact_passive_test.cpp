@@ -343,6 +343,41 @@ void expectCalmBridges(double most, double most_gap) {
 }
 
 // Stock's joints on stock's solver gain 600 J a bridge.
+// A load of 100 planks' mass lies on a bridge of 40. Contacts push it off the planks, and
+// not the planks from under it.
+TEST(Passive, AHeavyLoadLiesOnABridgeOfLightPlanks) {
+  Books books(60);
+  btRigidBody& bank = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
+  constexpr int planks = 40;
+  constexpr double length = 0.25, half = planks * length / 2, sag = half / 10;
+  const auto node = [&](int i) {
+    const double s = i * length / half - 1;
+    return vec(half * s, 0, sag * (s * s - 1));
+  };
+  btRigidBody* last = &bank;
+  const auto join = [&](btRigidBody& to, const btVector3& pivot) {
+    const btTransform frame(btMatrix3x3(1, 0, 0, 0, 0, -1, 0, 1, 0), pivot);  // about y
+    books.join(std::make_unique<pintle::QuaternionHinge>(
+        *last, to, last->getCenterOfMassTransform().inverse() * frame,
+        to.getCenterOfMassTransform().inverse() * frame));
+    last = &to;
+  };
+  for (int i = 0; i < planks; ++i) {
+    const btVector3 a = node(i), along = node(i + 1) - a;
+    const btQuaternion turn(vec(0, 1, 0), -btAtan2(along.z(), along.x()));
+    join(books.add(10, btVector3(along.length() / 2, 1, scalar(0.04)), at(a + along / 2, turn),
+                   true),
+         a);
+  }
+  join(bank, node(planks));
+  btRigidBody& load = books.add(1000, vec(1, 0.8, 0.5), at(vec(0, 0, -sag + 0.6)), true);
+  books.begin();
+  for (int i = 0; i < 1200; ++i) books.step();
+  const double lowest = double(load.getCenterOfMassPosition().z()) - 0.5;
+  EXPECT_GT(lowest, -1.5 * sag);
+  EXPECT_LT(books.kinetic(), 100) << "what it falls in a centimetre";
+}
+
 // From 170 degrees the period is 2.43 times that of small swings, and depends on the energy most of all: what steps resolve is as
 // exact as they are.
 TEST(Passive, AWidePendulumKeepsItsPeriod) {

@@ -25,6 +25,7 @@ struct ContactRow {
   double before = 0;  ///< N s: before a pass
   btSolverConstraint* from;
 
+  bool isFriction() const { return normal >= 0; }
   /// Its impulse at which it is satisfied, where it has the velocity u now.
   double meet(double u) const {
     return std::min(std::max(impulse - (u + softness * impulse - target) / (K + softness), lower),
@@ -47,7 +48,7 @@ struct ContactRow {
 };
 /// Friction by its contact's impulse.
 inline void boundFriction(const std::vector<ContactRow>& rows, ContactRow& row) {
-  if (row.normal < 0) return;
+  if (!row.isFriction()) return;
   row.upper = row.friction * rows[size_t(row.normal)].impulse;
   row.lower = -row.upper;
 }

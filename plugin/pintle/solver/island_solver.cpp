@@ -3,6 +3,7 @@
 #include <pintle/solver/balance.h>
 #include <pintle/solver/block_gauss_seidel.h>
 #include <pintle/solver/chord.h>
+#include <pintle/solver/contact_poses.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/softness.h>
@@ -67,12 +68,9 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
   m_report.components = int(m_components.size());
   m_report.tier = 1;
   m_sweeps = info.m_numIterations;
-  for (IslandBody& of : m_island.bodies) {
-    const btSolverBody& from = bodies[of.solver_body];
-    of.push << inDouble(from.m_pushVelocity),
-        double(info.m_splitImpulseTurnErp) * inDouble(from.m_turnVelocity);
-    if (others) of.v_free += changeOf(from);
-  }
+  m_turn_share = double(info.m_splitImpulseTurnErp);
+  if (others)
+    for (IslandBody& of : m_island.bodies) of.v_free += changeOf(bodies[of.solver_body]);
   m_pose_changes.assign(m_island.bodies.size(), PoseChange::Zero());
   beginComponents();
   do {
@@ -119,9 +117,11 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
 }
 
 void IslandSolver::movePoses() const {
-  for (size_t i = 0; i < m_pose_changes.size(); ++i)
-    if (!m_pose_changes[i].isZero(0))
-      move(*const_cast<btRigidBody*>(m_island.bodies[i].body), m_pose_changes[i]);
+  for (size_t i = 0; i < m_pose_changes.size(); ++i) {
+    const IslandBody& of = m_island.bodies[i];
+    for (const PoseChange& by : {PoseChange(m_island.dt * of.push), m_pose_changes[i]})
+      if (!by.isZero(0)) move(*const_cast<btRigidBody*>(of.body), by);
+  }
 }
 
 // Where a solve begins, with what its joints bore in the last steps.
@@ -331,11 +331,16 @@ bool IslandSolver::breakOverloaded() {
 }
 
 void IslandSolver::finishComponents() {
+  pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share);
+  std::vector<char> is_resolved;
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
     report(component, memoryOf(component));
+    is_resolved.push_back(isResolved(memoryOf(component).work));
   }
   gatherVelocities();
+  if (!m_contacts.empty())
+    followPoses(m_island, m_components, is_resolved, m_contacts, m_velocities, m_pose_changes);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -72,6 +72,7 @@ class IslandSolver {
   std::vector<ComponentMemory*> m_kept;  ///< of each
   std::vector<ContactRow> m_contacts;
   int m_sweeps = 0;                    ///< of contacts
+  double m_turn_share = 0;             ///< of the turns by which split impulses move bodies apart
   std::vector<Vector6d> m_velocities;  ///< of each body
   std::vector<PoseChange> m_pose_changes;
 };

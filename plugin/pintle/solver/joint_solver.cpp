@@ -93,8 +93,6 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyIterations(
   if (!m_has_joints)
     return BulletSolver::solveGroupCacheFriendlyIterations(
         bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info, drawer);
-  this->solveGroupCacheFriendlySplitImpulseIterations(bodies, numBodies, manifolds, numManifolds,
-                                                      constraints, numConstraints, info, drawer);
   SolverBodies& of = this->m_tmpSolverBodyPool;
   m_islands->addContacts(this->m_tmpSolverContactConstraintPool, of, false);
   m_islands->addContacts(this->m_tmpSolverContactFrictionConstraintPool, of, true);

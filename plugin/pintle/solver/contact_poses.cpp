@@ -1,0 +1,121 @@
+#include <pintle/solver/contact_poses.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Of a contact's normal: how fast Bullet wants it to lead out, m/s.
+double speedOut(const ContactRow& row) {
+  const double inverse_K = double(row.from->m_jacDiagABInv);
+  return inverse_K > 0 ? double(row.from->m_rhsPenetration) / inverse_K : 0;
+}
+
+// Bodies that joints and contacts join with those of `first`: `is_of_it`, of each body.
+void findJoined(const std::vector<Component>& components, const Component& first,
+                const std::vector<ContactRow>& contacts, std::vector<char>& is_of_it) {
+  const auto take = [&](const Component& of) {
+    std::fill_n(is_of_it.begin() + of.first_body, of.bodies, true);
+  };
+  take(first);
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const ContactRow& row : contacts) {
+      const int a = row.body[0], b = row.body[1];
+      if (a < 0 || b < 0 || is_of_it[size_t(a)] == is_of_it[size_t(b)]) continue;
+      is_of_it[size_t(a)] = is_of_it[size_t(b)] = true;
+      grows = true;
+    }
+    for (const Component& of : components) {
+      const auto begin = is_of_it.begin() + of.first_body, end = begin + of.bodies;
+      if (std::find(begin, end, true) != end) take(of);
+    }
+  }
+}
+
+// From where it is to go by `v` and the change, to where it is to go by `next` and what is returned.
+PoseChange changeFrom(const Vector6d& next, const Vector6d& v, const PoseChange& change,
+                      double dt) {
+  PoseChange to;
+  to.head<3>() = change.head<3>() + dt * (v - next).head<3>();
+  to.tail<3>() =
+      rotationVector(RotationOfStep(next.tail<3>(), dt).matrix().transpose() *
+                     RotationOfStep(v.tail<3>(), dt).matrix() * turnBy(change.tail<3>()));
+  return to;
+}
+
+}  // namespace
+
+// No body goes further than all of its contacts ask for, and they lift by no more than impulses have taken in this step.
+void pushApart(Island& island, const std::vector<ContactRow>& contacts,
+               const std::vector<Vector6d>& velocities, int passes, double turn_share) {
+  std::vector<ContactRow> rows;
+  for (const ContactRow& row : contacts) {
+    if (row.isFriction() || !(row.K > 0) || !(speedOut(row) > 0)) continue;
+    rows.push_back(row);
+    rows.back().target = speedOut(row);
+    rows.back().softness = rows.back().impulse = 0;
+  }
+  if (rows.empty()) return;
+  std::vector<Vector6d> push(island.bodies.size(), Vector6d::Zero());
+  std::vector<double> most(island.bodies.size(), 0.);  // m/s
+  for (const ContactRow& row : rows)
+    for (const int body : row.body)
+      if (body >= 0) most[size_t(body)] += row.target;
+  for (int pass = 0; pass < passes; ++pass)
+    for (ContactRow& row : rows) {
+      const double next = row.meet(row.velocity(push)), by = next - row.impulse;
+      row.impulse = next;
+      row.push(by, row.with_joints, push);
+    }
+  double lifted = 0;  // J
+  for (size_t i = 0; i < push.size(); ++i) {
+    IslandBody& body = island.bodies[i];
+    const double size = push[i].head<3>().norm() + body.radius() * push[i].tail<3>().norm();
+    body.push = size > most[i] ? Vector6d(most[i] / size * push[i]) : push[i];
+    body.push.tail<3>() *= turn_share;
+    lifted -= body.product(body.v_free - body.v0, body.push);
+  }
+  if (!(lifted > 0)) return;
+  double taken = 0;  // J
+  for (size_t i = 0; i < push.size(); ++i) {
+    const IslandBody& body = island.bodies[i];
+    taken += body.product(body.v_free - velocities[i], body.v_free + velocities[i]) / 2;
+  }
+  const double share = std::fmin(1, std::fmax(0, taken) / lifted);
+  for (IslandBody& body : island.bodies) body.push *= share;
+}
+
+void followPoses(const Island& island, const std::vector<Component>& components,
+                 const std::vector<char>& is_resolved, const std::vector<ContactRow>& contacts,
+                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes) {
+  std::vector<char> is_done(island.bodies.size(), false);
+  for (size_t c = 0; c < components.size(); ++c) {
+    if (is_resolved[c] || is_done[size_t(components[c].first_body)]) continue;
+    std::vector<char> is_of_it(island.bodies.size(), false);
+    findJoined(components, components[c], contacts, is_of_it);
+    const auto by = [&](size_t i) {
+      return Vector6d(changes[i] / island.dt + island.bodies[i].push);
+    };
+    double slope = 0, bend = 0;
+    for (size_t i = 0; i < is_of_it.size(); ++i) {
+      if (!is_of_it[i]) continue;
+      is_done[i] = true;
+      slope += island.bodies[i].product(by(i), velocities[i]);
+      bend += island.bodies[i].product(by(i), by(i));
+    }
+    if (!(slope < 0)) continue;
+    const double part = std::fmin(1, -slope / bend);
+    for (size_t i = 0; i < is_of_it.size(); ++i) {
+      if (!is_of_it[i]) continue;
+      const Vector6d next = velocities[i] + part * by(i);
+      changes[i] = changeFrom(next, velocities[i], changes[i], island.dt);
+      velocities[i] = next;
+    }
+  }
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
