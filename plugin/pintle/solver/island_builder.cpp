@@ -109,7 +109,8 @@ double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J
 double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const {
   double L[most_stock_rows][most_stock_rows], y[most_stock_rows];
   const IslandRow* equality[most_stock_rows];
-  double rest = inverseMass(joint, J, J);
+  const double own = inverseMass(joint, J, J);
+  double rest = own;
   int n = 0;
   for (size_t r = size_t(joint.first_row); r < m_island.rows.size(); ++r) {
     const IslandRow& row = m_island.rows[r];
@@ -129,7 +130,8 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
     rest -= y[n] * y[n];
     equality[n++] = &row;
   }
-  return rest;
+  // Where they hold all of it but rounding, a spring has no mass to move but its own.
+  return rest > 1e-9 * own ? rest : own;
 }
 
 // What K would be if the factors of its bodies held nothing. Of their turn, by its mean inertia.
