@@ -34,7 +34,13 @@ void remember(const Island& island, const Component& component,
       memory->constraints.push_back(joints[c].constraint);
       memory->bodies.push_back(bodiesOf(joints[c]));
     }
-    memory->in_loop = findLoops(component.bodies, memory->bodies);
+    // What the factors of a body hold hangs on the world, too: joints between two such bodies may repeat each other.
+    std::vector<std::array<int, 2>> held = memory->bodies;
+    for (int i = 0; i < component.bodies; ++i) {
+      const auto& lock = locks[size_t(i)];
+      if (std::find(lock.begin(), lock.end(), true) != lock.end()) held.push_back({i, -1});
+    }
+    memory->in_loop = findLoops(component.bodies, held);
     memory->locks = locks;
     memory->K.analyse(memory->bodies, locks);
   }
