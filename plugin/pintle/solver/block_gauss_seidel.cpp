@@ -33,7 +33,7 @@ class BlockSolver {
 
   /// `velocities`: of all bodies of the island, without impulses of joints, and then with those that it begins with.
   void begin(Sweep sweep, std::vector<Vector6d>& velocities);
-  /// One pass over its rows. Returns the largest change of those that are solved one by one, m/s or rad/s.
+  /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
   /// To the last digits: those that are solved at once.
   void finish(std::vector<Vector6d>& velocities);
@@ -94,8 +94,10 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
 
 double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
-  m_changes = m_has_factor && solve(velocities).changes_set;
-  return change;
+  if (!m_has_factor) return change;
+  const Pass pass = solve(velocities);
+  m_changes = pass.changes_set;
+  return std::fmax(change, pass.error / m_island.dt);
 }
 
 // All rows at once, with one factor.
