@@ -30,7 +30,8 @@ std::vector<char> findLoops(int bodies, const std::vector<std::array<int, 2>>& j
 }
 
 // Rows may repeat each other, or contradict each other by what the tolerance leaves: then impulses that nobody bears would grow
-// without end. So each joint of a loop gives, by a part of the tolerance under the load that it bears.
+// without end. So each joint of a loop gives, by a part of the tolerance under the load that it bears; and one of several stops, which
+// may meet in a corner.
 void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
                   const std::vector<char>& in_loop, Workspace& work) {
   std::vector<double>& softness = work.of_loop;
@@ -38,15 +39,17 @@ void findSoftness(const Island& island, const Component& component, const Solver
   const double give = options.newton_tolerance / 10 / island.dt;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& of = island.joints[size_t(component.first_joint + c)];
-    if (!in_loop[size_t(c)]) {
+    double load2 = 0;  // m/s: what its impulses change velocities by
+    int with_bounds = 0;
+    for (int i = 0; i < of.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(of.first_row + i)];
+      const double change = row.K * work.lambda[size_t(of.row_of_component + i)];
+      load2 += change * change;
+      if (!row.law.isEquality()) ++with_bounds;
+    }
+    if (!in_loop[size_t(c)] && with_bounds < 2) {
       softness[size_t(c)] = 0;
       continue;
-    }
-    double load2 = 0;  // m/s: what its impulses change velocities by
-    for (int i = 0; i < of.rows; ++i) {
-      const double change =
-          island.rows[size_t(of.first_row + i)].K * work.lambda[size_t(of.row_of_component + i)];
-      load2 += change * change;
     }
     const double load = std::sqrt(load2);
     if (load * softness[size_t(c)] > give) softness[size_t(c)] = give / load;
