@@ -27,6 +27,7 @@ class PoseCorrection {
   void begin();
   bool findGoals();
   bool factorise(bool at_end);
+  bool straighten();
   double measure();
   double findResidual();
   double step(double open, bool is_fresh);
@@ -45,6 +46,8 @@ class PoseCorrection {
   JointMatrix& m_K;
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
+  std::vector<char>& m_bends =
+      m_work.bends;                  ///< of each row that closes: whether it is measured at the end
   std::vector<double> m_open;        ///< what was open at first, in the units of K
   std::vector<MovedBody> m_nearest;  ///< where least is open
   std::vector<MovedBody> m_first;    ///< where the first step has led, if it closes nothing
@@ -88,7 +91,7 @@ bool PoseCorrection::findGoals() {
 // By the rows of the start, or of where bodies are now.
 bool PoseCorrection::factorise(bool at_end) {
   stiffen(m_island, m_component, m_work, m_K);
-  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_closes, m_work.J);
+  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness,
                m_closes[r]);
@@ -97,9 +100,34 @@ bool PoseCorrection::factorise(bool at_end) {
   return m_K.factorise(m_options.least_pivot);
 }
 
+// Of what is far open, the directions turn with the bodies: there the rows that it has are not how it changes. It closes along those of
+// the start. Returns whether any does.
+bool PoseCorrection::straighten() {
+  bool any = false;
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    if (row.open == 0 || !row.law.isEquality() || row.isOfArms()) return;
+    any = any || m_bends[r];
+    m_bends[r] = false;
+  });
+  return any;
+}
+
 // work.x: what is still open, in the units of K. Returns the most, m or rad.
 double PoseCorrection::measure() {
-  measureAtEnd(m_island, m_component, m_work.moved, m_closes, m_u);
+  measureAtEnd(m_island, m_component, m_work.moved, m_bends, m_u);
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
+    const auto v = [&](int side) -> const Vector6d& {
+      const int body = joint.body[size_t(side)];
+      return body < 0 ? m_island.unmovedBody(body).v
+                      : m_work.moved[size_t(body - m_component.first_body)].v;
+    };
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      if (m_closes[r] && !m_bends[r])
+        m_u[r] = m_island.rows[size_t(joint.first_row + i)].J.along(v(0), v(1));
+    }
+  }
   return findResidual();
 }
 
@@ -206,13 +234,22 @@ void PoseCorrection::begin() {
 double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   begin();
   has_factor = findGoals() && has_factor;
-  const double open = findResidual();
+  m_bends = m_closes;
+  double open = findResidual();
   if (open <= m_tolerance) return open;
   m_open = m_work.x;
   m_nearest = m_work.moved;
+  const std::vector<MovedBody> start = m_nearest;
   m_work.broyden.begin();
   if (!has_factor && !factorise(false)) return open;
-  const double left = iterate(open);
+  double left = iterate(open);
+  if (!(left <= m_tolerance / 2) && straighten()) {
+    m_work.moved = m_nearest = start;
+    m_first.clear();
+    if (!factorise(false)) return open;
+    open = measure();
+    left = iterate(open);
+  }
   // Where an angle is far from what its row says, the first step is what can be had.
   if (!(left < open) && !m_first.empty()) m_nearest = m_first;
   findChanges(changes);

@@ -48,7 +48,7 @@ struct Workspace {
   std::vector<MovedBody> moved;
   std::vector<double> straight, goal;  ///< of each row: other velocities
   std::vector<RowJacobian> J;          ///< of each row at the end of the step
-  std::vector<char> closes;            ///< of each row: whether moving poses closes it
+  std::vector<char> closes, bends;     ///< of each row: whether moving poses closes it
   struct Place {
     const IslandRow* row;
     int joint;
