@@ -1,6 +1,7 @@
 #include <pintle/solver/balance.h>
 
 #include <pintle/solver/energy_ledger.h>
+#include <pintle/solver/row_velocities.h>
 
 #include <Eigen/Cholesky>
 
@@ -162,6 +163,37 @@ double scale(const Island& island, const Component& component, bool is_free, dou
 
 }  // namespace
 
+// Both are impulses along the rows of the start: l = -A^-1 J^T K^-1 J (v_base - v0) stops what forces would do to them, and c follows
+// their bend.
+bool whirls(const Island& island, const Component& component, const SolverOptions& options,
+            JointMatrix& K, Workspace& work) {
+  if (!actsByArcs(island, component, work) ||
+      !(energyOfTurns(island, component, work) >
+        workOfGaps(island, component, work, options.newton_tolerance)))
+    return false;
+  const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
+  std::vector<Vector6d> v;
+  for (int i = 0; i < component.bodies; ++i) v.push_back(bodies[i].v0);
+  std::vector<double> before(size_t(component.rows)), after(before.size());
+  measureAtStart(island, component, v.data(), before);
+  measureAtStart(island, component, work.base.data(), after);
+  std::vector<double>& x = work.x;
+  std::fill(x.begin(), x.end(), 0.);
+  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
+    if (work.pieces[r].acts) x[K.row(c) + size_t(i)] = (before[r] - after[r]) / row.root_K;
+  });
+  K.solve(x.data());
+  std::fill(v.begin(), v.end(), Vector6d::Zero());
+  K.addResponse(x.data(), v.data());
+  double cc = 0, cl = 0;
+  for (size_t i = 0; i < v.size(); ++i) {
+    const Vector6d c = work.v[i] - work.base[i] - v[i];
+    cc += bodies[i].product(c, c);
+    cl += bodies[i].product(c, v[i]);
+  }
+  return cc > 2 * std::abs(cl);
+}
+
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
   double turn2 = 0;
   for (const Vector6d& of : v) turn2 = std::fmax(turn2, of.tail<3>().squaredNorm() * dt * dt);
@@ -179,7 +211,8 @@ double balance(const Island& island, const Component& component, const SolverOpt
   ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
   const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
                excess = ledger.excess(kept.work_done, options.ledger_share);
-  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work);
+  const bool by_arcs =
+      kept.holds_end && kept.whirls && isOfArcs(of_arcs, island, component, options, kept.work);
   const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);

@@ -2,6 +2,8 @@
 //
 // Bodies that joints hold on arcs go along their chords, with the chord's velocity. That gives energy while they come to turn faster,
 // and takes it while they turn slower: in smooth motion, in each step, by the change of S = 1/8 (v - v*) M (v - v*).
+// Of v - v* = c + l, c holds bodies on arcs, and l bears a load. Where they swing about it, l M c is more than c M c; that is how average
+// acceleration vibrates, which neither gains nor loses, and is left to it.
 #pragma once
 
 #include <pintle/solver/component_memory.h>
@@ -12,6 +14,10 @@ inline namespace PINTLE_PRECISION {
 
 /// The part of the kinetic energy that chords hold of arcs of the largest turn phi of a body in the step: 1/4 phi^2.
 double shareOfArcs(const std::vector<Vector6d>& v, double dt);
+
+/// Whether c M c is more than 2 l M c, at the end of a step that was found by the factor K.
+bool whirls(const Island& island, const Component& component, const SolverOptions& options,
+            JointMatrix& K, Workspace& work);
 
 /// Whether joints gave or took by arcs what the ledger has in sum with this step, and it is known to more than what their gaps may do.
 bool isOfArcs(const Island& island, const Component& component, const SolverOptions& options,

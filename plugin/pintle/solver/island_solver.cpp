@@ -145,6 +145,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.tolerance = m_options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
+  kept.whirls = whirls(m_island, component, m_options, kept.K, kept.work);
   return (isResolved(kept.work) && isOfArcs(m_island, component, m_options, kept)) ||
          kept.ledger.mayGive(kept.work_done, m_options.ledger_share);
 }
