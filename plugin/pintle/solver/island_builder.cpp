@@ -240,7 +240,7 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   if (axis.hasLimitSpring() || motion.limit_cfm > 0)
     addPart(limitPart(axis, motion, state.incoming), Axis::limit);
   else
-    addRigidLimit(axis, motion, state, row);
+    addRigidLimit(of, axis, motion, state, row);
 }
 
 // ERP of it, and what is left in the end at once: a part of that would be less than poses are corrected by.
@@ -252,8 +252,8 @@ double IslandBuilder::closing(double erp, double error, double max_speed) const 
 }
 
 // Beyond a limit no further, and back by moving poses; inside up to it.
-void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
-                                  IslandRow& row) const {
+void IslandBuilder::addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
+                                  AxisState& state, IslandRow& row) const {
   const double q = double(row.start.position), low = double(axis.low), high = double(axis.high);
   const double dt = m_island.dt;
   const auto close = [&](double beyond) {
@@ -278,7 +278,9 @@ void IslandBuilder::addRigidLimit(const Axis& axis, const AxisMotion& motion, Ax
   row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
   row.open = close(q < low ? q - low : q > high ? q - high : 0);
-  row.has_stops_alone = row.start.angular && row.law.parts() <= 2 && !row.law.hasDrives();
+  // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
+  row.has_stops_alone =
+      row.start.angular && of.equalities == 5 && row.law.parts() <= 2 && !row.law.hasDrives();
 }
 
 void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {

@@ -33,8 +33,8 @@ class IslandBuilder {
   void addOurs(IslandJoint& to);
   void setEqualityLaw(const IslandJoint& of, IslandRow& row) const;
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
-  void addRigidLimit(const Axis& axis, const AxisMotion& motion, AxisState& state,
-                     IslandRow& row) const;
+  void addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
+                     AxisState& state, IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   void addRow(IslandJoint& to, const IslandRow& row);
   /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
