@@ -114,6 +114,7 @@ BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
     case Kind::angle: return angle(joint, a, b, in_a, in_b);
     case Kind::distance: return distance(joint, a, b, in_a, in_b);
     case Kind::contact: return contact(joint, a, b, in_a, in_b);
+    case Kind::gear: return make_stock_joint(joint, a, b);  // Pintle has none of its own
   }
   return {};
 }
@@ -126,7 +127,8 @@ BulletJoint make_conditioned_joint(const Joint& joint, btRigidBody& a, btRigidBo
 
 BulletJoint make_document_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
   BulletJoint made = make_joint(joint, a, b);
-  static_cast<pintle::Joint&>(*made.constraint).setFormulation(pintle::Formulation::document);
+  if (auto* const own = dynamic_cast<pintle::Joint*>(made.constraint.get()))
+    own->setFormulation(pintle::Formulation::document);
   return made;
 }
 

@@ -2,6 +2,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btGearConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
@@ -104,6 +105,9 @@ BulletJoint make_stock_joint(const Joint& joint, btRigidBody& a, btRigidBody& b)
     case Kind::universal:
     case Kind::constant_velocity: return universal(joint, a, b, in_a, in_b);
     case Kind::wedge: return wedge(joint, a, b, in_a, in_b);
+    case Kind::gear:
+      return {std::make_unique<btGearConstraint>(
+          a, b, in_a.getBasis().getColumn(2), in_b.getBasis().getColumn(2), btScalar(joint.ratio))};
     case Kind::angle:
     case Kind::distance:
     case Kind::contact: break;

@@ -29,7 +29,8 @@ JointErrors joint_errors(const Joint& joint, const State& a, const State& b) {
       return {apart.norm(), std::abs(scenes::swing_twist_angles(A.transpose() * B).twist)};
     case Kind::angle:
     case Kind::distance:
-    case Kind::contact: break;  // they only have limits
+    case Kind::contact:      // they only have limits
+    case Kind::gear: break;  // what it holds are turns
   }
   return {};
 }

@@ -48,6 +48,7 @@ std::vector<Scene> catalog() {
       PINTLE_SCENE(flat_cone_scene),
       PINTLE_SCENE(bent_universal_scene),
       PINTLE_SCENE(slider_rebound_scene),
+      PINTLE_SCENE(gear_train_scene),
       PINTLE_SCENE(wedge_sides_scene),
       PINTLE_SCENE(cone_rim_scene),
       PINTLE_SCENE(bend_rim_scene),

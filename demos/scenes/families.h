@@ -186,6 +186,7 @@ inline const char* kind_name(Kind kind) {
     case Kind::angle: return "angular limit";
     case Kind::distance: return "distance";
     case Kind::contact: return "contact";
+    case Kind::gear: return "gear";
   }
   return "";
 }

@@ -50,7 +50,8 @@ enum class Kind {
   wedge,              // x of b between two half planes about z of a
   angle,              // turns about z within its range; nothing else is held
   distance,           // origins as far apart as its range says
-  contact             // origin of b not below the plane z = 0 of a
+  contact,            // origin of b not below the plane z = 0 of a
+  gear                // as a turns about its z, b turns the other way about its own
 };
 
 // Of a joint's free coordinate: an angle of b against a (rad; of a universal joint about y of b), the bend of a
@@ -87,6 +88,7 @@ struct Joint {
   Spring spring = {};
   Motor motor = {};
   double restitution = 0;  // of a contact, or of a slider's limits
+  double ratio = 1;        // of a gear: turns of a for one of b
 };
 
 enum class Error {
@@ -111,6 +113,7 @@ const char* name(Group group);
 struct Mended {
   Error error = Error::count;  // count: there is none here
   double stock_at_least = 0, pintle_at_most = 0;
+  bool by_solver = false;  // it takes the exact solver: on Bullet's, Pintle's err as stock's do
 };
 
 struct Scene {
