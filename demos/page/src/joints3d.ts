@@ -16,10 +16,10 @@ export interface JointOptions {
 const fewLimits = 6;  // of a scene
 const gapColour = '#e5173f', anchorColour = '#f2c200', axisColour = '#2b2b2b', limitColour = '#8a4fd0';
 
-// Seen through bodies.
-function overlay(colour: string, opacity = 1): THREE.MeshBasicMaterial {
+// Seen through bodies. What is open is seen from both sides, in one pass.
+function overlay(colour: string, opacity: number, side: THREE.Side = THREE.FrontSide): THREE.MeshBasicMaterial {
   return new THREE.MeshBasicMaterial({
-    color: colour, transparent: true, opacity, depthTest: false, depthWrite: false, side: THREE.DoubleSide, fog: false,
+    color: colour, transparent: true, opacity, depthTest: false, depthWrite: false, side, forceSinglePass: true, fog: false,
   });
 }
 
@@ -124,7 +124,8 @@ export class Joints3d {
       }
     }
     const count = this.drawn.length;
-    const ball = count > 100 ? new THREE.OctahedronGeometry(1) : new THREE.IcosahedronGeometry(1, 2);
+    const ball = this.sparse ? new THREE.TetrahedronGeometry(1.4)
+      : count > 100 ? new THREE.OctahedronGeometry(1) : new THREE.IcosahedronGeometry(1, 2);
     const rod = new THREE.CylinderGeometry(1, 1, 1, count > 100 ? 3 : 8, 1, true);
     this.anchorsA = copies(ball, overlay(anchorColour, 0.95), count, 12, plain);
     this.anchorsB = copies(ball, overlay('#ffffff', 0.95), count, 13, plain);
@@ -133,7 +134,7 @@ export class Joints3d {
     this.gaps = copies(rod, overlay(gapColour, 0.95), count, 14, plain);
     this.pointers = copies(rod, overlay(limitColour, 0.95), surfaces, 11, plain);
     for (const {geometry, joints} of groups.values())
-      this.limits.push({many: copies(geometry, overlay(limitColour, 0.3), joints.length, 10, plain), joints});
+      this.limits.push({many: copies(geometry, overlay(limitColour, 0.3, THREE.DoubleSide), joints.length, 10, plain), joints});
     this.group.add(...this.all().map((many) => many.mesh));
   }
 

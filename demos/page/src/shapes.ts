@@ -44,17 +44,17 @@ function merged(parts: THREE.BufferGeometry[]): THREE.BufferGeometry | null {
   return plain.length > 0 ? mergeGeometries(plain) : null;
 }
 
-/** 4: with round edges, where few are drawn; 1: as few faces as tell the shape; 0: as its shadow does. */
-export type Detail = 0 | 1 | 2 | 3 | 4;
+/** 4: with round edges, where few are drawn; 1: as few faces as tell the shape. */
+export type Detail = 1 | 2 | 3 | 4;
 
 /** Null: it is not drawn (a plane is the floor's). */
 export function geometryOf(shape: Shape, detail: Detail): THREE.BufferGeometry | null {
-  const fine = detail === 4, round = [4, 6, 8, 12, 32][detail]!;
+  const fine = detail === 4, round = [6, 8, 12, 32][detail - 1]!;
   switch (shape.kind) {
     case 'box': return box(shape.half, shape.at, fine);
     case 'sphere': return new THREE.SphereGeometry(shape.radius, round, round / 2);
     case 'capsule':
-      return along(new THREE.CapsuleGeometry(shape.radius, 2 * shape.half, [1, 1, 1, 2, 8][detail]!, [4, 5, 6, 8, 20][detail]!), shape.axis);
+      return along(new THREE.CapsuleGeometry(shape.radius, 2 * shape.half, [1, 1, 2, 8][detail - 1]!, [5, 6, 8, 20][detail - 1]!), shape.axis);
     case 'cylinder':
       return along(new THREE.CylinderGeometry(shape.radius, shape.radius, 2 * shape.half, round), shape.axis);
     case 'cone': return along(new THREE.ConeGeometry(shape.radius, 2 * shape.half, round), shape.axis);

@@ -72,7 +72,7 @@ export class View3d {
   private readonly light = new THREE.DirectionalLight('#fffaf2', 2.0);
   private readonly sky = new THREE.HemisphereLight('#f2f6ff', '#c3c7cf', 1.6);
   private readonly floor: THREE.Mesh<THREE.PlaneGeometry, THREE.MeshLambertMaterial | THREE.MeshBasicMaterial>;
-  private readonly flat: Many | null = null;  // shadows, where it is plain
+  private readonly flat: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;  // shadows, where it is plain
   private readonly contactSize: number;
 
   /** `plain`: for a renderer in software. */
@@ -88,16 +88,13 @@ export class View3d {
       if (!isFloor && shapes[body.shape] !== null) this.drawn.push(index);
     });
     const isOpen = run.shapes.some((shape) => shape.kind === 'mesh');
-    const drawnShapes = (of: (THREE.BufferGeometry | null)[]): THREE.BufferGeometry[] =>
-      this.drawn.map((body) => of[run.bodies[body]!.shape]!);
-    this.bodies = new Many(drawnShapes(shapes), this.drawn.length,
+    this.bodies = new Many(this.drawn.map((body) => shapes[run.bodies[body]!.shape]!), this.drawn.length,
                            plain ? plainMaterial() : new THREE.MeshLambertMaterial(), true, plain);
     (this.bodies.mesh.material as THREE.Material).side = isOpen ? THREE.DoubleSide : THREE.FrontSide;
     if (plain) {
-      const flat = isFew ? shapes : run.shapes.map((shape) => geometryOf(shape, 0));
-      this.flat = new Many(drawnShapes(flat), this.drawn.length, flatMaterial(framing.floor), false, true);
-      for (const shape of flat) shape?.dispose();
-      this.scene.add(this.flat.mesh);
+      this.flat = new THREE.Mesh(this.bodies.mesh.geometry, flatMaterial(framing.floor));
+      this.flat.frustumCulled = false;
+      this.scene.add(this.flat);
     }
     this.bodies.mesh.castShadow = this.bodies.mesh.receiveShadow = true;
     for (const shape of shapes) shape?.dispose();
@@ -140,8 +137,7 @@ export class View3d {
     this.sky.intensity = dark ? 1.15 : 1.55;
     this.floor.material.map?.dispose();
     this.floor.material.map = gridTexture(dark, this.plain);
-    const flat = this.flat?.mesh.material as THREE.ShaderMaterial | undefined;
-    (flat?.uniforms['colour']?.value as THREE.Color | undefined)?.set(dark ? '#12151a' : '#b4bac3').convertLinearToSRGB();
+    (this.flat?.material.uniforms['colour']?.value as THREE.Color | undefined)?.set(dark ? '#12151a' : '#b4bac3').convertLinearToSRGB();
     this.floor.material.needsUpdate = true;
     const still = new THREE.Color(dark ? '#3f4955' : '#d3d9e1');
     const moving = [mix(colour, '#ffffff', 0.1), mix(colour, '#ffffff', 0.38)].map((c) => new THREE.Color(c));
@@ -181,13 +177,7 @@ export class View3d {
     this.drawn.forEach((body, i) => this.bodies.setMatrix(i, this.matrices[body]!));
     this.bodies.update();
     this.light.castShadow = options.shadows && !this.plain;
-    if (this.flat !== null) {
-      this.flat.mesh.visible = options.shadows;
-      if (options.shadows) {
-        this.drawn.forEach((body, i) => this.flat!.setMatrix(i, this.matrices[body]!));
-        this.flat.update();
-      }
-    }
+    if (this.flat !== null) this.flat.visible = options.shadows;
     this.joints.update(frame, (body) => this.matrixOf(body), options, dark);
 
     let count = 0;
@@ -216,7 +206,7 @@ export class View3d {
   dispose(): void {
     this.joints.dispose();
     this.bodies.dispose();
-    this.flat?.dispose();
+    this.flat?.material.dispose();
     this.floor.geometry.dispose();
     this.floor.material.map?.dispose();
     this.floor.material.dispose();
