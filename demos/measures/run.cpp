@@ -125,6 +125,18 @@ Vector3d angular_momentum(const Scene& scene, const std::vector<State>& states) 
   return sum;
 }
 
+Gaps gaps(const Scene& scene, const Engine& engine) {
+  const std::vector<State> now = states(scene, engine);
+  Gaps gaps;
+  for (const scenes::Joint& joint : scene.joints) {
+    const double gap = joint_errors(joint, now[size_t(joint.a)], now[size_t(joint.b)]).gap;
+    if (!std::isfinite(gap)) return {HUGE_VAL, HUGE_VAL};
+    gaps.mean += gap / double(scene.joints.size());
+    gaps.largest = std::max(gaps.largest, gap);
+  }
+  return gaps;
+}
+
 std::vector<Vector3d> reference(const Scene& scene) {
   const int samples = int(std::lround(scene.horizon / sample_interval));
   if (!scene.closed_form) return reference::stored(scene.name, samples);

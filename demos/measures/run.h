@@ -44,6 +44,12 @@ struct JointErrors {
 JointErrors joint_errors(const scenes::Joint& joint, const engines::State& a,
                          const engines::State& b);
 
+// Of all joints, as they stand, m; infinite: a body is lost.
+struct Gaps {
+  double mean = 0, largest = 0;
+};
+Gaps gaps(const scenes::Scene& scene, const engines::Engine& engine);
+
 // Follows a joint's coordinates through their turns, and says how far they are beyond its limits.
 class Overshoot {
  public:

@@ -3,12 +3,9 @@
 //
 // Measured, in double and from the poses alone:
 //   gap      distance between the two anchors of a joint, m; of a slider the distance across its axis
-//   energy   kinetic, and kinetic plus height, J
+//   energy   kinetic plus height, J
 
 #pragma once
-
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
-#include <BulletCollision/CollisionShapes/btCylinderShape.h>
 
 #include <algorithm>
 #include <cmath>
@@ -33,9 +30,6 @@ class Playground {
       : gravity_(settings.gravity), world_(settings.gravity, settings.iterations, [] {
           return std::make_unique<btSequentialImpulseConstraintSolver>();
         }) {}
-  ~Playground() {
-    for (const auto& body : round_bodies_) world_.bullet().removeRigidBody(body.get());
-  }
   Playground(const Playground&) = delete;
   Playground& operator=(const Playground&) = delete;
 
@@ -58,22 +52,6 @@ class Playground {
     return body;
   }
   btRigidBody& ground(double z = 0) { return box(0, {200, 200, 1}, {0, 0, z - 1}); }
-  btRigidBody& round(double mass, std::unique_ptr<btCollisionShape> shape, const btTransform& pose,
-                     double friction = 0.5) {
-    btVector3 inertia(0, 0, 0);
-    if (mass > 0) shape->calculateLocalInertia(btScalar(mass), inertia);
-    btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, shape.get(), inertia);
-    info.m_startWorldTransform = pose;
-    info.m_friction = btScalar(friction);
-    shapes_.push_back(std::move(shape));
-    round_bodies_.push_back(std::make_unique<btRigidBody>(info));
-    btRigidBody& body = *round_bodies_.back();
-    body.setActivationState(DISABLE_DEACTIVATION);
-    world_.bullet().addRigidBody(&body, btBroadphaseProxy::DefaultFilter,
-                                 btBroadphaseProxy::DefaultFilter);
-    if (mass > 0) bodies_.push_back(&body);
-    return body;
-  }
 
   // Joins two bodies where they stand, in a frame of the world.
   template <class Family>
@@ -103,23 +81,12 @@ class Playground {
                                 double limit = 0) {
     return static_cast<typename Family::Hinge&>(join<Family>(Kind::hinge, a, b, frame, limit));
   }
-  template <class Family>
-  typename Family::Slider& slider(btRigidBody& a, btRigidBody& b, const btTransform& frame,
-                                  double limit = 0) {
-    return static_cast<typename Family::Slider&>(join<Family>(Kind::slider, a, b, frame, limit));
-  }
-  template <class Family>
-  typename Family::ConeTwist& cone(btRigidBody& a, btRigidBody& b, const btTransform& frame) {
-    return static_cast<typename Family::ConeTwist&>(join<Family>(Kind::cone_twist, a, b, frame));
-  }
 
   void step(double dt) { world_.step(dt); }
 
-  struct Gap {
-    double mean = 0, largest = 0;  // over the joints
-  };
-  Gap gap() const {
-    Gap gap;
+  // The largest of any joint; infinite where it is not finite.
+  double gap() const {
+    double most = 0;
     for (const Anchors& at : anchors_) {
       Eigen::Vector3d d = point_in_world(*at.b, at.in_b) - point_in_world(*at.a, at.in_a);
       if (at.slides) {
@@ -127,16 +94,10 @@ class Playground {
         d -= axis.dot(d) * axis;
       }
       const double size = d.norm();
-      if (!std::isfinite(size)) return {HUGE_VAL, HUGE_VAL};
-      gap.mean += size / double(anchors_.size());
-      gap.largest = std::max(gap.largest, size);
+      if (!std::isfinite(size)) return HUGE_VAL;
+      most = std::max(most, size);
     }
-    return gap;
-  }
-  double kinetic() const {
-    double sum = 0;
-    for (const btRigidBody* body : bodies_) sum += scenes::energy(*body, 0);
-    return sum;
+    return most;
   }
   double energy() const {
     double sum = 0;
@@ -155,7 +116,6 @@ class Playground {
 
   World& world() { return world_; }
   const std::vector<btRigidBody*>& bodies() const { return bodies_; }
-  int joints() const { return int(anchors_.size()); }
 
  private:
   template <class Of>
@@ -174,8 +134,6 @@ class Playground {
     bool slides;
   };
   double gravity_;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
-  std::vector<std::unique_ptr<btRigidBody>> round_bodies_;
   World world_;
   std::vector<btRigidBody*> bodies_;  // those that move
   std::vector<Anchors> anchors_;

@@ -17,8 +17,8 @@ const char* unit(Error error) {
 }
 
 const char* name(Group group) {
-  static const char* const names[] = {"Machines you know", "What was wrong", "Limits, as they are drawn",
-                                      "Measured in the report"};
+  static const char* const names[] = {"Machines you know", "What was wrong",
+                                      "Limits, as they are drawn", "Measured in the report"};
   return names[int(group)];
 }
 
@@ -52,6 +52,24 @@ Joint& Scene::connect(Kind kind, int a, int b, const Isometry3d& frame) {
   joints.push_back(
       {kind, a, b, bodies[a].pose.inverse() * frame, bodies[b].pose.inverse() * frame});
   return joints.back();
+}
+
+void Scene::append(const Scene& part, const Isometry3d& pose) {
+  const int offset = int(bodies.size()) - 1;
+  for (size_t i = 1; i < part.bodies.size(); ++i) {
+    Body body = part.bodies[i];
+    body.pose = pose * body.pose;
+    for (Vector3d* vector : {&body.velocity, &body.angular_velocity, &body.torque})
+      *vector = pose.linear() * *vector;
+    bodies.push_back(body);
+  }
+  const Isometry3d in_ground = bodies[0].pose.inverse() * pose * part.bodies[0].pose;
+  for (Joint joint : part.joints) {
+    if (joint.a == 0) joint.in_a = in_ground * joint.in_a;
+    if (joint.b == 0) joint.in_b = in_ground * joint.in_b;
+    for (int* body : {&joint.a, &joint.b}) *body += *body > 0 ? offset : 0;
+    joints.push_back(joint);
+  }
 }
 
 Body Scene::ground() {

@@ -35,6 +35,7 @@ struct Body {
   Vector3d torque = {0, 0, 0};            // N m, world: acts all the time
   double damping = 0;                     // the part of its speeds that Bullet takes away a second
   bool collides = false;
+  double friction = 0.5;
   Form form = Form::box;
 };
 
@@ -147,6 +148,8 @@ struct Scene {
   int add(const Body& body);
   // The joint's frames coincide at the start, in this frame of the world.
   Joint& connect(Kind kind, int a, int b, const Isometry3d& frame);
+  // Another scene's bodies and joints, moved. Its ground is this one's.
+  void append(const Scene& part, const Isometry3d& pose);
 
   static Body ground();
 };

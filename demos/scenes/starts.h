@@ -101,7 +101,7 @@ inline StartResult run_start(Playground& world, double seconds, double dt = 1. /
     result.spin = std::max(result.spin, world.spin());
     if (!std::isfinite(result.energy + result.speed + result.spin)) break;
   }
-  result.gap = world.gap().largest;
+  result.gap = world.gap();
   return result;
 }
 

@@ -185,6 +185,7 @@ inline std::vector<btRigidBody*> World::add_bodies(const Scene& scene) {
   for (const Body& from : scene.bodies) {
     added.push_back(&add(from.mass, make_shape(from), to_bullet(from.pose), from.collides));
     btRigidBody& body = *added.back();
+    body.setFriction(btScalar(from.friction));
     if (from.mass == 0) continue;
     body.setMassProps(btScalar(from.mass), to_bullet(from.inertia));
     body.updateInertiaTensor();

@@ -10,10 +10,12 @@
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/two_point_hinge.h>
 
+#include <measures/crate_bridges.h>
+#include <measures/run.h>
 #include <scenes/chain.h>
 #include <scenes/changing.h>
+#include <scenes/crowds.h>
 #include <scenes/dragging.h>
-#include <scenes/frame_scenes.h>
 #include <scenes/starts.h>
 
 #include <ctime>
@@ -23,14 +25,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace {
 
+using engines::make_conditioned_joint;
+using engines::make_stock_joint;
 using scenes::PintleJoints;
-using scenes::Playground;
 using scenes::PlaygroundPtr;
 using scenes::PlaygroundSettings;
 using scenes::StockJoints;
@@ -61,32 +64,34 @@ struct Cost {
 };
 
 struct Contender {
-  std::function<PlaygroundPtr()> make;
+  engines::MakeJoint make_joint;
   Cost cost = {};
   std::vector<double> shortest = {};  // us, of each step
 };
 
 // Both run side by side and take turns every few steps. Each step is the same in every repeat, so that its
 // shortest time is its own.
-void measure(std::vector<Contender>& contenders, double seconds, int repeats) {
+void measure(const scenes::Scene& scene, std::vector<Contender>& contenders, double seconds,
+             int repeats) {
   const double dt = 1. / 60;
   const int steps = int(std::lround(seconds / dt)), turn = 10;
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    std::vector<PlaygroundPtr> worlds;
+    std::vector<std::unique_ptr<engines::BulletEngine>> worlds;
     for (Contender& contender : contenders) {
-      worlds.push_back(contender.make());
+      worlds.push_back(engines::make_bullet(scene, 10, contender.make_joint));
       contender.shortest.resize(size_t(steps), HUGE_VAL);
     }
     for (int from = 0; from < steps; from += turn) {
       for (size_t k = 0; k < worlds.size(); ++k) {
         Contender& contender = contenders[k];
         for (int step = from; step < std::min(from + turn, steps); ++step) {
+          worlds[k]->drive(step * dt, dt);
           const double before = now();
           worlds[k]->step(dt);
           double& shortest = contender.shortest[size_t(step)];
           shortest = std::min(shortest, now() - before);
           if (repeat > 0) continue;
-          const Playground::Gap gap = worlds[k]->gap();
+          const measures::Gaps gap = measures::gaps(scene, *worlds[k]);
           contender.cost.mean_gap += gap.mean / steps;
           contender.cost.largest_gap += gap.largest / steps;
         }
@@ -102,22 +107,15 @@ void measure(std::vector<Contender>& contenders, double seconds, int repeats) {
 struct CostScene {
   const char* name;
   double seconds;
-  std::function<PlaygroundPtr(const PlaygroundSettings&)> stock, pintle;
+  scenes::Scene scene;
 };
 
 const std::vector<CostScene>& costScenes() {
-  using namespace scenes;
-  static const std::vector<CostScene> all = {
-      {"ragdolls", 5, [](auto& s) { return make_ragdolls<StockJoints>(s); },
-       [](auto& s) { return make_ragdolls<PintleJoints>(s); }},
-      {"doors", 3, [](auto& s) { return make_doors<StockJoints>(s); },
-       [](auto& s) { return make_doors<PintleJoints>(s); }},
-      {"vehicles", 4, [](auto& s) { return make_vehicles<StockJoints>(s); },
-       [](auto& s) { return make_vehicles<PintleJoints>(s); }},
-      {"bridges", 4, [](auto& s) { return std::move(make_bridges<StockJoints>(s, 20).world); },
-       [](auto& s) { return std::move(make_bridges<PintleJoints>(s, 20).world); }},
-      {"net", 4, [](auto& s) { return make_net<StockJoints>(s); },
-       [](auto& s) { return make_net<PintleJoints>(s); }}};
+  static const std::vector<CostScene> all = {{"ragdolls", 5, scenes::ragdolls_scene()},
+                                             {"doors", 3, scenes::doors_scene()},
+                                             {"vehicles", 4, scenes::vehicles_scene()},
+                                             {"bridges", 4, scenes::crate_bridges(20).scene},
+                                             {"net", 4, scenes::net_scene()}};
   return all;
 }
 
@@ -131,13 +129,12 @@ void costHeader() {
 
 void cost(const CostScene& scene, const Options& options) {
   costHeader();
-  const PlaygroundSettings settings;
-  std::vector<Contender> both = {{[&] { return scene.stock(settings); }},
-                                 {[&] { return scene.pintle(settings); }}};
-  measure(both, options.seconds > 0 ? options.seconds : scene.seconds, options.repeats);
+  std::vector<Contender> both = {{make_stock_joint}, {make_conditioned_joint}};
+  measure(scene.scene, both, options.seconds > 0 ? options.seconds : scene.seconds,
+          options.repeats);
   const Cost &stock = both[0].cost, &pintle = both[1].cost;
   std::printf("%-10s %6d %11.2e %11.2e %7.3f %11.2e %11.2e %9.1f %9.1f %6.3f\n", scene.name,
-              scene.stock(settings)->joints(), stock.mean_gap, pintle.mean_gap,
+              int(scene.scene.joints.size()), stock.mean_gap, pintle.mean_gap,
               pintle.mean_gap / stock.mean_gap, stock.largest_gap, pintle.largest_gap,
               stock.microseconds, pintle.microseconds, pintle.microseconds / stock.microseconds);
   std::fflush(stdout);
@@ -176,14 +173,15 @@ void crates(const Options& options) {
               "gains J", "end J", "mean gap", "max gap", "off");
   for (const int iterations : {10, 100}) {
     for (const double hz : {60., 120., 240.}) {
-      const auto print = [&](const char* who, const scenes::BridgesResult& r) {
+      const auto print = [&](const char* who, const measures::CrateBridgesResult& r) {
         std::printf("%3d iterations, %3.0f Hz     %-8s %11.4g %11.3g %10.3g %10.2e %10.2e %4d\n",
                     iterations, hz, who, r.fed, r.gains, r.end_kinetic, r.mean_gap, r.max_gap,
                     r.thrown_off);
         std::fflush(stdout);
       };
-      print("stock", scenes::run_bridges<StockJoints>(iterations, hz, seconds, 50));
-      print("Pintle", scenes::run_bridges<PintleJoints>(iterations, hz, seconds, 50));
+      print("stock", measures::run_crate_bridges(make_stock_joint, iterations, hz, seconds, 50));
+      print("Pintle",
+            measures::run_crate_bridges(make_conditioned_joint, iterations, hz, seconds, 50));
     }
   }
 }

@@ -4,10 +4,11 @@
 //   record INDEX FRAMES STEPS    runs one, with so many frames a second, for an instruction counter (record.sh)
 //   record page FILE TEMPLATE    writes a page of 500 bodies in each of four panes, for tests/page/measure.sh
 
-#include <pintle/joints/quaternion_hinge.h>
 #include <pintle/record.h>
-#include <scenes/chain.h>
-#include <scenes/frame_scenes.h>
+
+#include <engines/bullet.h>
+#include <scenes/catalog.h>
+#include <scenes/crowds.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,57 +23,39 @@
 
 namespace {
 
-using scenes::PintleJoints;
-using scenes::PlaygroundPtr;
-
-// A world of some kind, and what keeps it alive.
-struct Running {
-  std::shared_ptr<void> owner;
-  scenes::World* world;
-};
-
-Running chain(int links) {
-  const auto world = std::make_shared<scenes::World>();
-  const scenes::Scene scene = scenes::chain_scene(links, 1);
-  const std::vector<btRigidBody*> bodies = world->add_bodies(scene);
-  for (const scenes::Joint& joint : scene.joints)
-    world->add_joint<pintle::QuaternionHinge>(
-        *bodies[std::size_t(joint.a)], *bodies[std::size_t(joint.b)], scenes::to_bullet(joint.in_a),
-        scenes::to_bullet(joint.in_b), true);
-  return {world, world.get()};
-}
-
-Running keep(PlaygroundPtr scene) {
-  const std::shared_ptr<scenes::Playground> owner = std::move(scene);
-  return {owner, &owner->world()};
-}
-
 struct Case {
   const char* name;
-  Running (*make)();
+  scenes::Scene scene;
 };
-const Case cases[] = {{"chain of 10", [] { return chain(10); }},
-                      {"chain of 100", [] { return chain(100); }},
-                      {"20 ragdolls", [] { return keep(scenes::make_ragdolls<PintleJoints>({})); }},
-                      {"100 doors", [] { return keep(scenes::make_doors<PintleJoints>({})); }}};
+const Case cases[] = {{"chain of 10", scenes::chain_scene(10, 1)},
+                      {"chain of 100", scenes::chain_scene(100, 1)},
+                      {"20 ragdolls", scenes::ragdolls_scene()},
+                      {"100 doors", scenes::doors_scene()}};
 
 constexpr int timed_steps = 240, many_ragdolls = 46;
 constexpr double dt = 1. / 60;
 
+// With Pintle's joints, their motors on.
+std::unique_ptr<engines::BulletEngine> start(const scenes::Scene& scene) {
+  auto engine = engines::make_bullet(scene, 10, engines::make_conditioned_joint);
+  engine->drive(0, dt);
+  return engine;
+}
+
 // us, of each step, with frames so often a second; 0: without a recorder.
 std::vector<double> run(const Case& of, double frames_per_second, int steps = timed_steps) {
   using Clock = std::chrono::steady_clock;
-  const Running running = of.make();
+  const auto engine = start(of.scene);
   std::unique_ptr<pintle::Recorder> recorder;
   pintle::RecorderOptions options;
   if (frames_per_second > 0) {
     options.frames_per_second = frames_per_second;
-    recorder = std::make_unique<pintle::Recorder>(running.world->bullet(), options);
+    recorder = std::make_unique<pintle::Recorder>(engine->world(), options);
   }
   std::vector<double> times;
   for (int i = 0; i < steps; ++i) {
     const auto before = Clock::now();
-    running.world->bullet().stepSimulation(btScalar(dt), 0);
+    engine->world().stepSimulation(btScalar(dt), 0);
     if (recorder) recorder->step();
     times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - before).count());
   }
@@ -81,13 +64,12 @@ std::vector<double> run(const Case& of, double frames_per_second, int steps = ti
 
 // 5 s of 500 bodies, four times.
 void writeMany(const char* file, const char* page_template) {
-  std::list<Running> worlds;
+  std::list<std::unique_ptr<engines::BulletEngine>> worlds;
   std::list<pintle::Recorder> recorders;
   pintle::Recordings all;
   for (const char* name : {"first", "second", "third", "fourth"}) {
     btDiscreteDynamicsWorld& world =
-        worlds.emplace_back(keep(scenes::make_ragdolls<PintleJoints>({}, many_ragdolls)))
-            .world->bullet();
+        worlds.emplace_back(start(scenes::ragdolls_scene(many_ragdolls)))->world();
     std::printf("%s: %d bodies\n", name, world.getNumCollisionObjects());
     pintle::RecorderOptions options;
     options.name = name;

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace scenes {
+namespace measures {
 
 // An impulse p on a body that moves at v before and at v' after a step has given it p . (v + v') / 2, exactly.
 class JointWork {
@@ -71,4 +71,4 @@ class JointWork {
   std::vector<Velocities> before_;
 };
 
-}  // namespace scenes
+}  // namespace measures

@@ -1,0 +1,32 @@
+// What a game's frame holds: each description many times, among contacts. They serve benchmarks and tests, and
+// are not in the catalog.
+
+#pragma once
+
+#include "scene.h"
+
+namespace scenes {
+
+// Ragdolls fall on a floor and on each other, five above each other, each turned another way.
+Scene ragdolls_scene(int count = 20);
+// Doors on one hinge each, with limits: a third at rest, a third opened and shut by a motor, a third held shut
+// by it.
+Scene doors_scene(int count = 100);
+// Cars with four driven wheels, each on a slider that is its suspension's travel.
+Scene vehicles_scene(int count = 20);
+// A square net of plates, each tied to its neighbours by a ball joint, falls on a ball that stays.
+Scene net_scene(int size = 15);
+
+// Rope bridges of ten planks, held at both ends, with a crate dropped on each.
+struct CrateBridges {
+  Scene scene;
+  struct Crate {
+    int body;
+    Vector3d from, to;  // the bridge's ends
+  };
+  std::vector<Crate> crates;
+  static constexpr double half_width = 0.5;  // m
+};
+CrateBridges crate_bridges(int count = 50);
+
+}  // namespace scenes
