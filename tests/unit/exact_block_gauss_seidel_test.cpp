@@ -51,7 +51,7 @@ class Chain : public testing::Test {
     options.contact_tolerance = 0;
     options.newton_tolerance = 1e-9;
     return pintle::solveInVelocity(m_island, blocks, m_contacts, options, sweep, passes,
-                                   m_velocities);
+                                   m_velocities, m_memory);
   }
   double kinetic() const {
     double sum = 0;
@@ -71,6 +71,7 @@ class Chain : public testing::Test {
   pintle::Workspace m_work;
   std::vector<pintle::ContactRow> m_contacts;
   std::vector<Vector6d> m_velocities;
+  pintle::PassMemory m_memory;
 
  private:
   pintle::IslandBody body() {

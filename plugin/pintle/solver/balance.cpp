@@ -26,13 +26,13 @@ struct AtEnd {
 // The motion of all bodies as one, with their momenta.
 class AsOne {
  public:
-  AsOne(const Island& island, const Component& component, const std::vector<AtEnd>& end,
-        const std::vector<Vector6d>& v) {
+  AsOne(const Island& island, const IslandBody* bodies, const std::vector<Vector6d>& v,
+        const PoseChange* changes) {
     double mass = 0;
     for (size_t i = 0; i < v.size(); ++i) {
-      const double m = island.bodies[size_t(component.first_body) + i].mass;
+      const double m = bodies[i].mass;
       mass += m;
-      m_center += m * end[i].x;
+      m_center += m * AtEnd(bodies[i], v[i], changes[i], island.dt).x;
       m_velocity += m * v[i].head<3>();
     }
     m_center /= mass;
@@ -40,10 +40,11 @@ class AsOne {
     Vector3d spin = Vector3d::Zero();
     Matrix3d inertia = Matrix3d::Zero();
     for (size_t i = 0; i < v.size(); ++i) {
-      const double m = island.bodies[size_t(component.first_body) + i].mass;
-      const Vector3d d = end[i].x - m_center;
-      spin += m * cross(d, v[i].head<3>()) + end[i].inertia * v[i].tail<3>();
-      inertia += end[i].inertia + m * (d.dot(d) * Matrix3d::Identity() - d * d.transpose());
+      const double m = bodies[i].mass;
+      const AtEnd end(bodies[i], v[i], changes[i], island.dt);
+      const Vector3d d = end.x - m_center;
+      spin += m * cross(d, v[i].head<3>()) + end.inertia * v[i].tail<3>();
+      inertia += end.inertia + m * (d.dot(d) * Matrix3d::Identity() - d * d.transpose());
     }
     m_spin = inertia.ldlt().solve(spin);
   }
@@ -134,14 +135,14 @@ bool isOfArcs(double energy, const Island& island, const Component& component,
 //   (s - 1) ((s + 1) w M w + w M (2 r + v0 - v*)) / 2
 // more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Returns its work.
 double scale(const Island& island, const Component& component, bool is_free, double energy,
-             std::vector<Vector6d>& v, PoseChange* changes) {
+             Workspace& work, PoseChange* changes) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
-  std::vector<AtEnd> end;
-  for (size_t i = 0; i < v.size(); ++i) end.emplace_back(bodies[i], v[i], changes[i], island.dt);
-  std::vector<Vector6d> stays(v.size(), Vector6d::Zero());
+  std::vector<Vector6d>&v = work.v, &stays = work.stays;
+  stays.assign(v.size(), Vector6d::Zero());
   if (is_free) {
-    const AsOne as_one(island, component, end, v);
-    for (size_t i = 0; i < v.size(); ++i) stays[i] = as_one.of(end[i]);
+    const AsOne as_one(island, bodies, v, changes);
+    for (size_t i = 0; i < v.size(); ++i)
+      stays[i] = as_one.of(AtEnd(bodies[i], v[i], changes[i], island.dt));
   }
   double a = 0, b = 0;
   for (size_t i = 0; i < v.size(); ++i) {
@@ -152,13 +153,13 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   if (!(a > 0)) return 0;
   const double root2 = b * b + 4 * a * (a + b - 2 * std::fmax(energy, -a / 2));
   const double part = std::clamp((std::sqrt(std::fmax(root2, 0)) - b) / (2 * a), 0., std::sqrt(2.));
-  double work = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
+  double done = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
+    const AtEnd end(bodies[i], v[i], changes[i], island.dt);
     v[i] = stays[i] + part * (v[i] - stays[i]);
-    changes[i] = changeTo(end[i], bodies[i], v[i], island.dt);
+    changes[i] = changeTo(end, bodies[i], v[i], island.dt);
   }
-  work += workOfPoses(island, component, changes);
-  return work;
+  return done + workOfPoses(island, component, changes);
 }
 
 }  // namespace
@@ -172,9 +173,12 @@ bool whirls(const Island& island, const Component& component, const SolverOption
         workOfGaps(island, component, work, options.newton_tolerance)))
     return false;
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
-  std::vector<Vector6d> v;
+  std::vector<Vector6d>& v = work.stays;
+  v.clear();
   for (int i = 0; i < component.bodies; ++i) v.push_back(bodies[i].v0);
-  std::vector<double> before(size_t(component.rows)), after(before.size());
+  std::vector<double>&before = work.straight, &after = work.goal;
+  before.resize(size_t(component.rows));
+  after.resize(before.size());
   measureAtStart(island, component, v.data(), before);
   measureAtStart(island, component, work.base.data(), after);
   std::vector<double>& x = work.x;
@@ -217,7 +221,7 @@ double balance(const Island& island, const Component& component, const SolverOpt
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);
   if (is_free && !isFree(island, component)) return 0;
-  const double work = scale(island, component, is_free, energy, kept.work.v, changes);
+  const double work = scale(island, component, is_free, energy, kept.work, changes);
   if (by_arcs) ledger.taken = std::fmax(0, ledger.taken - work);
   return work;
 }

@@ -21,6 +21,8 @@ void addStiffness(const Island& island, const BlockOfJoints& of,
   }
 }
 
+}  // namespace
+
 /// The joints of a component.
 class BlockSolver {
  public:
@@ -163,14 +165,22 @@ double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
   return largest;
 }
 
+PassMemory::PassMemory() = default;
+PassMemory::~PassMemory() = default;
+void PassMemory::reserve(size_t bodies, size_t components) {
+  pintle::reserve(bodies, sources, touched, start);
+  pintle::reserve(components, blocks);
+}
+size_t PassMemory::bytes() const { return bytesOf(sources, touched, start, blocks); }
+
+namespace {
+
 // What impulses of contacts do. `with_joints`: of components whose joints hold.
 void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
-                 std::vector<ContactRow>& contacts, bool with_joints) {
-  struct Source {
-    const InverseInertia* alone = nullptr;  ///< null: it has no joints
-    const JointMatrix::Matrix6d* with_joints = nullptr;
-  };
-  std::vector<Source> source(island.bodies.size());
+                 std::vector<ContactRow>& contacts, bool with_joints,
+                 std::vector<PassMemory::Source>& source) {
+  using Source = PassMemory::Source;
+  source.assign(island.bodies.size(), {nullptr, nullptr});
   for (const BlockOfJoints& part : of)
     for (int i = 0; i < part.component->bodies; ++i) {
       Source& to = source[size_t(part.component->first_body + i)];
@@ -214,22 +224,29 @@ double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& v
 class Passes {
  public:
   Passes(const Island& island, std::vector<BlockOfJoints>& of, std::vector<ContactRow>& contacts,
-         const SolverOptions& options, Sweep sweep, std::vector<Vector6d>& velocities)
-      : m_contacts(contacts), m_velocities(velocities), m_sweep(sweep) {
+         const SolverOptions& options, Sweep sweep, std::vector<Vector6d>& velocities,
+         PassMemory& memory)
+      : m_contacts(contacts),
+        m_velocities(velocities),
+        m_sweep(sweep),
+        m_blocks(memory.blocks),
+        m_start(memory.start) {
     velocities.clear();
     for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
     if (sweep != Sweep::all_at_once)
       for (ContactRow& row : contacts) row.impulse = 0;
-    findAnswers(island, of, contacts, false);
+    findAnswers(island, of, contacts, false, memory.sources);
     for (ContactRow& row : contacts) row.push(row.impulse, velocities);
+    m_blocks.clear();
     m_blocks.reserve(of.size());
     for (const BlockOfJoints& part : of) {
       m_blocks.emplace_back(island, part, options);
       m_blocks.back().begin(sweep, velocities);
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
-    std::vector<char> touched(island.bodies.size(), false);
+    std::vector<char>& touched = memory.touched;
+    touched.assign(island.bodies.size(), false);
     for (const ContactRow& row : contacts)
       for (const int body : row.body)
         if (body >= 0) touched[size_t(body)] = true;
@@ -238,7 +255,7 @@ class Passes {
       part.work->touched.assign(first, first + part.component->bodies);
       part.K->findAnswers(part.work->touched, part.work->answers);
     }
-    findAnswers(island, of, contacts, true);
+    findAnswers(island, of, contacts, true, memory.sources);
     sweepBlocks();
     for (ContactRow& row : contacts) row.speed = row.velocity(velocities);
   }
@@ -282,8 +299,8 @@ class Passes {
   std::vector<ContactRow>& m_contacts;
   std::vector<Vector6d>& m_velocities;
   const Sweep m_sweep;
-  std::vector<BlockSolver> m_blocks;
-  std::vector<Vector6d> m_start;
+  std::vector<BlockSolver>& m_blocks;
+  std::vector<Vector6d>& m_start;
 };
 
 // Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
@@ -328,9 +345,10 @@ bool stopRebounds(Island& island, const Component& component) {
 
 SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,
-                            Sweep sweep, int most, std::vector<Vector6d>& velocities) {
+                            Sweep sweep, int most, std::vector<Vector6d>& velocities,
+                            PassMemory& memory) {
   SolveReport report;
-  Passes passes(island, of, contacts, options, sweep, velocities);
+  Passes passes(island, of, contacts, options, sweep, velocities, memory);
   report.is_solvable = passes.isSolvable();
   for (bool go_on = true; go_on;) {
     report.error = passes.pass() * island.dt;

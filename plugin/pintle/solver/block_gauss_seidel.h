@@ -21,6 +21,26 @@ struct BlockOfJoints {
   Workspace* work;
 };
 
+class BlockSolver;
+/// Memory of the passes.
+struct PassMemory {
+  PassMemory();
+  ~PassMemory();
+  PassMemory(const PassMemory&) = delete;
+  PassMemory& operator=(const PassMemory&) = delete;
+  size_t bytes() const;
+  void reserve(size_t bodies, size_t components);
+
+  struct Source {
+    const InverseInertia* alone;  ///< null: it has no joints
+    const JointMatrix::Matrix6d* with_joints;
+  };
+  std::vector<Source> sources;  ///< of each body: what impulses do to it
+  std::vector<char> touched;    ///< of each body: by contacts
+  std::vector<Vector6d> start;  ///< of each body: its velocity before a pass
+  std::vector<BlockSolver> blocks;
+};
+
 /// How the rows of a component are solved.
 enum class Sweep {
   all_at_once,  ///< from the impulses of the last step, with those that act: which may not be found
@@ -34,7 +54,8 @@ bool stopRebounds(Island& island, const Component& component);
 /// Of all bodies of the island: `velocities`, m/s and rad/s. Of each component: v, u, lambda and pieces of its workspace.
 SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& blocks,
                             std::vector<ContactRow>& contacts, const SolverOptions& options,
-                            Sweep sweep, int most, std::vector<Vector6d>& velocities);
+                            Sweep sweep, int most, std::vector<Vector6d>& velocities,
+                            PassMemory& memory);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

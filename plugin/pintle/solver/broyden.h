@@ -22,6 +22,12 @@ class Broyden {
   /// What y was changed by.
   const std::vector<double>& last() const { return m_steps[m_count - 1].s; }
 
+  size_t bytes() const {
+    size_t sum = bytesOf(m_steps);
+    for (const Step& step : m_steps) sum += bytesOf(step.s, step.Ks);
+    return sum;
+  }
+
  private:
   struct Step {
     std::vector<double> s, Ks;

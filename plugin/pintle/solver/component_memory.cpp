@@ -17,11 +17,12 @@ void remember(const Island& island, const Component& component,
     for (int& body : of) body = body < 0 ? -1 : body - component.first_body;
     return of;
   };
-  JointMatrix::Locks locks;
-  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
-    locks.push_back(island.bodies[size_t(i)].locked);
+  const auto locksOf = [&](int i) -> const std::array<bool, 6>& {
+    return island.bodies[size_t(component.first_body + i)].locked;
+  };
   bool same = memory != nullptr && int(memory->constraints.size()) == component.joints &&
-              memory->locks == locks;
+              int(memory->locks.size()) == component.bodies;
+  for (int i = 0; same && i < component.bodies; ++i) same = memory->locks[size_t(i)] == locksOf(i);
   for (int c = 0; same && c < component.joints; ++c)
     same = memory->constraints[size_t(c)] == joints[c].constraint &&
            memory->bodies[size_t(c)] == bodiesOf(joints[c]);
@@ -37,12 +38,12 @@ void remember(const Island& island, const Component& component,
     // What the factors of a body hold hangs on the world, too: joints between two such bodies may repeat each other.
     std::vector<std::array<int, 2>> held = memory->bodies;
     for (int i = 0; i < component.bodies; ++i) {
-      const auto& lock = locks[size_t(i)];
+      const auto& lock = locksOf(i);
+      memory->locks.push_back(lock);
       if (std::find(lock.begin(), lock.end(), true) != lock.end()) held.push_back({i, -1});
     }
     memory->in_loop = findLoops(component.bodies, held);
-    memory->locks = locks;
-    memory->K.analyse(memory->bodies, locks);
+    memory->K.analyse(memory->bodies, memory->locks);
   }
   std::vector<int>& sizes = memory->sizes;
   bool same_sizes = same && int(sizes.size()) == component.joints;
@@ -53,6 +54,8 @@ void remember(const Island& island, const Component& component,
   }
   if (same_sizes) return;
   memory->K.setSizes(sizes);
+  memory->work.reserve(size_t(component.bodies), size_t(component.joints), size_t(component.rows),
+                       memory->K.unknowns());
 }
 
 int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {

@@ -37,6 +37,12 @@ struct ComponentMemory {
   /// The next step begins anew.
   void forget();
 
+  size_t bytes() const {
+    return sizeof(*this) + K.bytes() + work.bytes() +
+           bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_lambda, m_load, m_stretch,
+                   m_last_stretch, m_change);
+  }
+
  private:
   struct Stretch {
     double length = 0, energy = 0;

@@ -50,8 +50,10 @@ PoseChange changeFrom(const Vector6d& next, const Vector6d& v, const PoseChange&
 
 // No body goes further than all of its contacts ask for, and they lift by no more than impulses have taken in this step.
 void pushApart(Island& island, const std::vector<ContactRow>& contacts,
-               const std::vector<Vector6d>& velocities, int passes, double turn_share) {
-  std::vector<ContactRow> rows;
+               const std::vector<Vector6d>& velocities, int passes, double turn_share,
+               ContactPosesMemory& memory) {
+  std::vector<ContactRow>& rows = memory.rows;
+  rows.clear();
   for (const ContactRow& row : contacts) {
     if (row.isFriction() || !(row.K > 0) || !(speedOut(row) > 0)) continue;
     rows.push_back(row);
@@ -59,8 +61,10 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
     rows.back().softness = rows.back().impulse = 0;
   }
   if (rows.empty()) return;
-  std::vector<Vector6d> push(island.bodies.size(), Vector6d::Zero());
-  std::vector<double> most(island.bodies.size(), 0.);  // m/s
+  std::vector<Vector6d>& push = memory.push;
+  push.assign(island.bodies.size(), Vector6d::Zero());
+  std::vector<double>& most = memory.most;
+  most.assign(island.bodies.size(), 0.);
   for (const ContactRow& row : rows)
     for (const int body : row.body)
       if (body >= 0) most[size_t(body)] += row.target;
@@ -90,11 +94,13 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
 
 void followPoses(const Island& island, const std::vector<Component>& components,
                  const std::vector<char>& is_resolved, const std::vector<ContactRow>& contacts,
-                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes) {
-  std::vector<char> is_done(island.bodies.size(), false);
+                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes,
+                 ContactPosesMemory& memory) {
+  std::vector<char>&is_done = memory.is_done, &is_of_it = memory.is_of_it;
+  is_done.assign(island.bodies.size(), false);
   for (size_t c = 0; c < components.size(); ++c) {
     if (is_resolved[c] || is_done[size_t(components[c].first_body)]) continue;
-    std::vector<char> is_of_it(island.bodies.size(), false);
+    is_of_it.assign(island.bodies.size(), false);
     findJoined(components, components[c], contacts, is_of_it);
     const auto by = [&](size_t i) {
       return Vector6d(changes[i] / island.dt + island.bodies[i].push);

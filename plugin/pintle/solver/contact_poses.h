@@ -1,24 +1,36 @@
 // Purpose: what contacts do to the poses of jointed bodies, beside the velocities with which the step ends.
 #pragma once
 
+#include <pintle/solver/bytes.h>
 #include <pintle/solver/contacts.h>
 #include <pintle/solver/pose_correction.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// Memory of both.
+struct ContactPosesMemory {
+  std::vector<ContactRow> rows;
+  std::vector<Vector6d> push;           ///< of each body
+  std::vector<double> most;             ///< of each body, m/s
+  std::vector<char> is_done, is_of_it;  ///< of each body
+  size_t bytes() const { return bytesOf(rows, push, most, is_done, is_of_it); }
+};
+
 /// Split impulses: `push` of each body moves it out of those that it is in, as far as Bullet's solver asks for. A contact sees what
 /// the joints of its bodies do to them (ContactRow::with_joints), so that what lies on jointed bodies is pushed off them, and not
 /// they from under it. `turn_share`: of the turns that lead out (btContactSolverInfo::m_splitImpulseTurnErp).
 void pushApart(Island& island, const std::vector<ContactRow>& contacts,
-               const std::vector<Vector6d>& velocities, int passes, double turn_share);
+               const std::vector<Vector6d>& velocities, int passes, double turn_share,
+               ContactPosesMemory& memory);
 
 /// Where bodies of a component swing faster than a step resolves (`is_resolved`, of each component), rows of the start hold its
 /// velocities in hardly any of the ways that it may go, and poses have to take back the rest. Then velocities follow the poses, of
 /// all bodies that contacts join with it: by that part of their changes that takes most energy. It never gives any.
 void followPoses(const Island& island, const std::vector<Component>& components,
                  const std::vector<char>& is_resolved, const std::vector<ContactRow>& contacts,
-                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes);
+                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes,
+                 ContactPosesMemory& memory);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

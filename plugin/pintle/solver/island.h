@@ -25,6 +25,12 @@ inline Vector3d inDouble(const btVector3& v) {
   return {double(v.x()), double(v.y()), double(v.z())};
 }
 inline Vector3d inDouble(const Vec3& v) { return v.cast<double>(); }
+inline Matrix3d inDouble(const btMatrix3x3& m) {
+  Matrix3d to;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) to(i, j) = double(m[i][j]);
+  return to;
+}
 inline btVector3 toBullet(const Vector3d& v) { return {Scalar(v[0]), Scalar(v[1]), Scalar(v[2])}; }
 
 /// A rigid body that joints hold. World space; of vectors of six the first three are linear.

@@ -16,13 +16,6 @@ namespace {
 
 constexpr int unknown = std::numeric_limits<int>::min();
 
-Matrix3d inDouble(const btMatrix3x3& m) {
-  Matrix3d to;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) to(i, j) = double(m[i][j]);
-  return to;
-}
-
 // Bounds of Bullet's, and of ours, that mean none.
 double bounded(Scalar impulse) {
   if (!(impulse < infinity)) return AxisLaw::unbounded;
@@ -58,7 +51,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   const btVector3 &linear = rigid.getLinearFactor(), &angular = rigid.getAngularFactor();
   to.mass = 1 / double(rigid.getInvMass());
   const Matrix3d R = inDouble(to.start.getBasis());
-  const Vector3d inverse = pintle::inDouble(rigid.getInvInertiaDiagLocal());
+  const Vector3d inverse = inDouble(rigid.getInvInertiaDiagLocal());
   const double largest = inverse.maxCoeff();
   bool turns = largest > 0;
   // An axis about which the body does not turn at all, while it does about others.
@@ -87,7 +80,7 @@ int IslandBuilder::unmoved(const btSolverBody& from) {
   const btVector3 &v = from.m_linearVelocity, &w = from.m_angularVelocity;
   if (v.isZero() && w.isZero()) return Island::unmoved(Island::at_rest);
   Vector6d velocity;
-  velocity << pintle::inDouble(v), pintle::inDouble(w);
+  velocity << inDouble(v), inDouble(w);
   m_island.unmoved_bodies.emplace_back(velocity, m_island.dt);
   return Island::unmoved(int(m_island.unmoved_bodies.size()) - 1);
 }
@@ -323,9 +316,8 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.start.axis = -1;
     row.index = i;
     // Bullet's sign of an impulse is the other one.
-    row.J = {-pintle::inDouble(from.m_contactNormal1), -pintle::inDouble(from.m_relpos1CrossNormal),
-             -pintle::inDouble(from.m_contactNormal2),
-             -pintle::inDouble(from.m_relpos2CrossNormal)};
+    row.J = {-inDouble(from.m_contactNormal1), -inDouble(from.m_relpos1CrossNormal),
+             -inDouble(from.m_contactNormal2), -inDouble(from.m_relpos2CrossNormal)};
     if (row.J.L_b.isZero(0)) row.shape.kind = RowShape::angle;
     row.K = inverseMass(to, row.J, row.J);
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);

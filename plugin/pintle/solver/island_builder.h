@@ -1,6 +1,7 @@
 // Purpose: from Bullet's bodies and joints to an Island: called once a step.
 #pragma once
 
+#include <pintle/solver/bytes.h>
 #include <pintle/solver/contacts.h>
 #include <pintle/solver/island.h>
 #include <pintle/solver/solver_options.h>
@@ -28,6 +29,9 @@ class IslandBuilder {
   /// Thereafter: Bullet's contacts, or friction, which is bounded by the contacts and comes after them.
   void addContacts(btConstraintArray& rows, const SolverBodies& bodies, bool are_friction,
                    std::vector<ContactRow>& to);
+  size_t bytes() const {
+    return bytesOf(m_body_of, m_root, m_number, m_to, m_sorted_bodies, m_sorted_joints);
+  }
 
  private:
   void addOurs(IslandJoint& to);
@@ -58,6 +62,10 @@ class IslandBuilder {
   const SolverOptions& m_options;
   btContactSolverInfo m_info;
   std::vector<int> m_body_of;  ///< of Bullet's bodies
+  // Memory of `finish`.
+  std::vector<int> m_root, m_number, m_to;  ///< of each body
+  std::vector<IslandBody> m_sorted_bodies;
+  std::vector<IslandJoint> m_sorted_joints;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -10,7 +10,10 @@ inline namespace PINTLE_PRECISION {
 void IslandBuilder::finish(std::vector<Component>& components) {
   // Union of bodies that a joint connects.
   const size_t n = m_island.bodies.size();
-  std::vector<int> root(n), number(n, -1), to(n);
+  std::vector<int>&root = m_root, &number = m_number, &to = m_to;
+  root.resize(n);
+  number.assign(n, -1);
+  to.resize(n);
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int i) {
     while (root[size_t(i)] != i) i = root[size_t(i)] = root[size_t(root[size_t(i)])];
@@ -41,13 +44,15 @@ void IslandBuilder::finish(std::vector<Component>& components) {
     first_joint += c.joints;
     c.bodies = c.joints = 0;  // and counted again, as they come to their places
   }
-  std::vector<IslandBody> bodies(n);
+  std::vector<IslandBody>& bodies = m_sorted_bodies;
+  bodies.resize(n);
   for (size_t i = 0; i < n; ++i) {
     Component& c = components[size_t(numberOf(int(i)))];
     to[i] = c.first_body + c.bodies++;
     bodies[size_t(to[i])] = m_island.bodies[i];
   }
-  std::vector<IslandJoint> joints(m_island.joints.size());
+  std::vector<IslandJoint>& joints = m_sorted_joints;
+  joints.resize(m_island.joints.size());
   for (const IslandJoint& joint : m_island.joints) {
     Component& c = components[numberOfJoint(joint)];
     IslandJoint& at = joints[size_t(c.first_joint + c.joints++)];

@@ -1,9 +1,7 @@
 #include <pintle/solver/island_solver.h>
 
 #include <pintle/solver/balance.h>
-#include <pintle/solver/block_gauss_seidel.h>
 #include <pintle/solver/chord.h>
-#include <pintle/solver/contact_poses.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/softness.h>
@@ -44,6 +42,14 @@ void IslandSolver::enter(const btDispatcher* world) {
   if (world == nullptr || world == m_world) return;
   m_world = world;
   m_memory = WorldMemory::of(*world, m_memory);
+}
+
+size_t IslandSolver::bytes() const {
+  return m_memory->bytes() + m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() +
+         bytesOf(m_island.unmoved_bodies, m_island.bodies, m_island.joints, m_island.rows,
+                 m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
+                 m_touched_bodies, m_touched, m_counted, m_is_resolved, m_alone, m_among_contacts,
+                 m_blocks);
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -103,7 +109,8 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
     }
     if (is_last) return;
     writeVelocities(bodies);
-    std::vector<Vector6d> before;
+    std::vector<Vector6d>& before = m_before_others;
+    before.clear();
     for (const IslandBody& of : m_island.bodies) before.push_back(changeOf(bodies[of.solver_body]));
     others(pass);
     for (size_t i = 0; i < before.size(); ++i) {
@@ -155,12 +162,13 @@ void IslandSolver::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
   const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
-  const Workspace::Solution by_chord = has_end ? kept.work.solution() : Workspace::Solution();
+  if (has_end) kept.work.keepAsOther();
   const double given = kept.work_done;
+  m_alone.assign(1, &component);
   std::vector<ContactRow> none;
-  solveInVelocity({&component}, none);
+  solveInVelocity(m_alone, none);
   if (!has_end || kept.ledger.mayGive(-kept.work_done, m_options.ledger_share)) return;
-  kept.work.take(by_chord);
+  kept.work.takeOther();
   kept.work_done = given;
   kept.has_factor = false;
   kept.holds_end = kept.converged = true;
@@ -170,7 +178,8 @@ void IslandSolver::solveAlone(const Component& component) {
 // other.
 double IslandSolver::gainInVelocity(const Components& those, const std::vector<ContactRow>& rows) {
   double gain = 0;
-  std::vector<char> counted(m_island.bodies.size(), false);
+  std::vector<char>& counted = m_counted;
+  counted.assign(m_island.bodies.size(), false);
   for (const Component* of : those) {
     gain += gainOverForces(m_island, *of, memoryOf(*of).work);
     std::fill_n(counted.begin() + of->first_body, of->bodies, true);
@@ -185,7 +194,8 @@ double IslandSolver::gainInVelocity(const Components& those, const std::vector<C
 void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactRow>& rows) {
   m_report.second_tier += int(those.size());
   m_report.tier = std::max(m_report.tier, 2);
-  std::vector<BlockOfJoints> blocks;
+  std::vector<BlockOfJoints>& blocks = m_blocks;
+  blocks.clear();
   double largest = 0;
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
@@ -197,7 +207,8 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
   SolveReport done;
   const auto solve = [&](Sweep sweep) {
     const int most = rows.empty() ? m_options.max_sweeps : m_sweeps;
-    done = pintle::solveInVelocity(m_island, blocks, rows, m_options, sweep, most, m_velocities);
+    done = pintle::solveInVelocity(m_island, blocks, rows, m_options, sweep, most, m_velocities,
+                                   m_pass_memory);
     count(done, int(those.size()));
   };
   // Again, where bodies swing fast, and under another load than was foreseen.
@@ -216,16 +227,16 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
     for (const Component* of : those) any = stopRebounds(m_island, *of) || any;
     return any && attempt(sweep);
   };
-  const bool is_passive = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
-                          attemptWithoutRebounds(Sweep::bounds_one_by_one);
-  if (!is_passive) {
+  const bool is_sound = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
+                        attemptWithoutRebounds(Sweep::bounds_one_by_one);
+  if (!is_sound) {
     m_report.one_by_one += int(those.size());
     m_report.tier = 3;
     attempt(Sweep::one_by_one);
   }
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
-    kept.has_factor = is_passive;
+    kept.has_factor = is_sound;
     kept.converged = done.converged;
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
     kept.holds_end = false;
@@ -273,20 +284,24 @@ void IslandSolver::report(const Component& component, const ComponentMemory& kep
   m_report.ledger_limit += m_options.ledger_share * kept.ledger.peak;
 }
 
-// Of each component: whether a contact is on one of its bodies.
-std::vector<char> IslandSolver::findTouched() const {
-  std::vector<char> body(m_island.bodies.size(), false), touched;
+void IslandSolver::findTouched() {
+  std::vector<char>& body = m_touched_bodies;
+  body.assign(m_island.bodies.size(), false);
+  m_touched.clear();
   for (const ContactRow& row : m_contacts)
     for (const int i : row.body)
       if (i >= 0) body[size_t(i)] = true;
   for (const Component& component : m_components) {
     const auto first = body.begin() + component.first_body, last = first + component.bodies;
-    touched.push_back(std::find(first, last, true) != last);
+    m_touched.push_back(std::find(first, last, true) != last);
   }
-  return touched;
 }
 
 void IslandSolver::beginComponents() {
+  const size_t bodies = m_island.bodies.size(), components = m_components.size();
+  m_pass_memory.reserve(bodies, components);
+  reserve(components, m_alone, m_among_contacts, m_blocks);
+  reserve(bodies, m_counted);
   m_kept.clear();
   for (const Component& component : m_components) {
     std::unique_ptr<ComponentMemory>& slot =
@@ -299,11 +314,11 @@ void IslandSolver::beginComponents() {
 }
 
 void IslandSolver::solveJoints() {
-  const std::vector<char> touched = findTouched();
-  Components among_contacts;
+  findTouched();
+  m_among_contacts.clear();
   for (size_t c = 0; c < m_components.size(); ++c) {
-    if (touched[c])
-      among_contacts.push_back(&m_components[c]);
+    if (m_touched[c])
+      m_among_contacts.push_back(&m_components[c]);
     else
       solveAlone(m_components[c]);
   }
@@ -311,7 +326,7 @@ void IslandSolver::solveJoints() {
     m_velocities.clear();
     for (const IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
   } else {
-    solveInVelocity(among_contacts, m_contacts);
+    solveInVelocity(m_among_contacts, m_contacts);
   }
   gatherVelocities();
 }
@@ -332,16 +347,17 @@ bool IslandSolver::breakOverloaded() {
 }
 
 void IslandSolver::finishComponents() {
-  pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share);
-  std::vector<char> is_resolved;
+  pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_poses_memory);
+  m_is_resolved.clear();
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
     report(component, memoryOf(component));
-    is_resolved.push_back(isResolved(memoryOf(component).work));
+    m_is_resolved.push_back(isResolved(memoryOf(component).work));
   }
   gatherVelocities();
   if (!m_contacts.empty())
-    followPoses(m_island, m_components, is_resolved, m_contacts, m_velocities, m_pose_changes);
+    followPoses(m_island, m_components, m_is_resolved, m_contacts, m_velocities, m_pose_changes,
+                m_poses_memory);
 }
 
 }  // namespace PINTLE_PRECISION

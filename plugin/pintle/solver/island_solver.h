@@ -1,6 +1,8 @@
 // Purpose: solves the joints and the contacts of an island. Bullet's solvers hand it their bodies and rows (joint_solver.h).
 #pragma once
 
+#include <pintle/solver/block_gauss_seidel.h>
+#include <pintle/solver/contact_poses.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/pose_correction.h>
 #include <pintle/solver/solver_options.h>
@@ -17,6 +19,7 @@ class IslandSolver {
   /// Goes on from what the solvers of this world have kept.
   void enter(const btDispatcher* world);
   WorldMemory& memory() const { return *m_memory; }
+  size_t bytes() const;
   void setOptions(const SolverOptions& options) { m_options = options; }
   const SolverOptions& options() const { return m_options; }
 
@@ -53,7 +56,7 @@ class IslandSolver {
   void solveInVelocity(const Components& those, std::vector<ContactRow>& rows);
   double gainInVelocity(const Components& those, const std::vector<ContactRow>& rows);
   void finish(const Component& component, ComponentMemory& kept);
-  std::vector<char> findTouched() const;
+  void findTouched();
   void count(const SolveReport& done, int components);
   void report(const Component& component, const ComponentMemory& kept);
   void gatherVelocities();
@@ -75,6 +78,16 @@ class IslandSolver {
   double m_turn_share = 0;             ///< of the turns by which split impulses move bodies apart
   std::vector<Vector6d> m_velocities;  ///< of each body
   std::vector<PoseChange> m_pose_changes;
+
+  // Memory of the solve.
+  std::vector<Vector6d> m_before_others;          ///< of each body: its change of velocity
+  std::vector<char> m_touched_bodies, m_touched;  ///< of each body, and component: by a contact
+  std::vector<char> m_counted;                    ///< of each body
+  std::vector<char> m_is_resolved;                ///< of each component
+  Components m_alone, m_among_contacts;
+  std::vector<BlockOfJoints> m_blocks;
+  PassMemory m_pass_memory;
+  ContactPosesMemory m_poses_memory;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,5 +1,7 @@
 #include <pintle/solver/joint_matrix.h>
 
+#include <pintle/solver/bytes.h>
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -270,7 +272,11 @@ void JointMatrix::addResponse(const double* x, Vector6d* v) const {
 }
 
 size_t JointMatrix::bytes() const {
-  return m_factor.bytes() + sizeof(Rows) * m_rows.capacity() + sizeof(size_t) * m_places.capacity();
+  size_t sum = m_factor.bytes();
+  for (const auto& ends : m_ends) sum += bytesOf(ends);
+  for (const auto& column : m_columns) sum += bytesOf(column.coupled);
+  return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_places, m_rows,
+                       m_softness, m_acts, m_bodies, m_inverse);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -55,14 +55,14 @@ void findStiffness(const Island& island, const Component& component, double stab
 
 bool foreseeLoad(const Island& island, const Component& component, double stable_swing,
                  Workspace& work) {
-  const std::vector<double> load = work.load;
-  const std::vector<Matrix3d> foreseen = work.stiffness;
+  work.last_load = work.load;
+  work.last_stiffness = work.stiffness;
   addLoad(work);
   findStiffness(island, component, stable_swing, work);
-  work.load = load;
+  work.load = work.last_load;
   for (int i = 0; i < component.bodies; ++i) {
     const double own = island.bodies[size_t(component.first_body + i)].inertia.trace(),
-                 was = own + foreseen[size_t(i)].trace(),
+                 was = own + work.last_stiffness[size_t(i)].trace(),
                  is = own + work.stiffness[size_t(i)].trace();
     if (is > 2 * was || was > 2 * is) return true;
   }

@@ -47,10 +47,11 @@ class PoseCorrection {
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
   std::vector<char>& m_bends =
-      m_work.bends;                  ///< of each row that closes: whether it is measured at the end
-  std::vector<double> m_open;        ///< what was open at first, in the units of K
-  std::vector<MovedBody> m_nearest;  ///< where least is open
-  std::vector<MovedBody> m_first;    ///< where the first step has led, if it closes nothing
+      m_work.bends;  ///< of each row that closes: whether it is measured at the end
+  std::vector<double>& m_open = m_work.open;  ///< what was open at first, in the units of K
+  std::vector<MovedBody>& m_nearest = m_work.nearest;  ///< where least is open
+  std::vector<MovedBody>& m_first =
+      m_work.first;  ///< where the first step has led, if it closes nothing
 };
 
 // Beyond which of its stops a row that may leave them ends the step, and where that is.
@@ -239,12 +240,13 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   if (open <= m_tolerance) return open;
   m_open = m_work.x;
   m_nearest = m_work.moved;
-  const std::vector<MovedBody> start = m_nearest;
+  m_work.start = m_nearest;
+  m_first.clear();
   m_work.broyden.begin();
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
   if (!(left <= m_tolerance / 2) && straighten()) {
-    m_work.moved = m_nearest = start;
+    m_work.moved = m_nearest = m_work.start;
     m_first.clear();
     if (!factorise(false)) return open;
     open = measure();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/solver/broyden.h>
+#include <pintle/solver/bytes.h>
 #include <pintle/solver/island.h>
 
 #include <vector>
@@ -31,12 +32,18 @@ struct Workspace {
     std::vector<double> u, lambda;
     std::vector<LawPiece> pieces;
   };
-  Solution solution() const { return {v, u, lambda, pieces}; }
-  void take(const Solution& from) {
-    v = from.v;
-    u = from.u;
-    lambda = from.lambda;
-    pieces = from.pieces;
+  Solution other;  ///< that of the first tier, beside that of the second one
+  void keepAsOther() {
+    other.v = v;
+    other.u = u;
+    other.lambda = lambda;
+    other.pieces = pieces;
+  }
+  void takeOther() {
+    v = other.v;
+    u = other.u;
+    lambda = other.lambda;
+    pieces = other.pieces;
   }
 
   // Memory of the solves.
@@ -55,7 +62,31 @@ struct Workspace {
     size_t r, at;  ///< among the rows of the component, and among the unknowns of K
   };
   std::vector<Place> bounded, all;  ///< rows
+  std::vector<Vector6d> stays;      ///< of each body: the part of its velocity that is not scaled
+  std::vector<double> open;         ///< what poses are to close, in the units of K
+  std::vector<MovedBody> start, nearest, first;  ///< of each body: where corrections of poses lead
+  std::vector<double> last_load;
+  std::vector<Matrix3d> last_stiffness;
   Broyden broyden;
+
+  /// For any solve of a component of this size: no step allocates because it is the first one that takes another way. (Broyden's
+  /// method does, for more steps than ever before.)
+  void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
+    pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
+                    other.v);
+    pintle::reserve(joints, of_loop);
+    pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
+                    bounded, last_load, other.u, other.lambda, other.pieces);
+    pintle::reserve(unknowns, y, x, y_before_pass, y_before_choice, open);
+  }
+
+  size_t bytes() const {
+    return bytesOf(v, u, lambda, load, pieces, softness, stiffness, of_loop, y, x, y_before_pass,
+                   y_before_choice, touched, answers, base, moved, straight, goal, J, closes, bends,
+                   bounded, all, stays, open, start, nearest, first, last_load, last_stiffness,
+                   other.v, other.u, other.lambda, other.pieces) +
+           broyden.bytes();
+  }
 };
 
 }  // namespace PINTLE_PRECISION

@@ -55,5 +55,13 @@ int WorldMemory::size() const {
   return int(m_slots.size());
 }
 
+size_t WorldMemory::bytes() const {
+  const Lock lock(m_mutex);
+  size_t sum = 0;
+  for (const auto& [joint, slot] : m_slots)
+    sum += sizeof(slot) + (slot.memory != nullptr ? slot.memory->bytes() : 0);
+  return sum;
+}
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -29,6 +29,7 @@ class WorldMemory {
   StepReport report() const;
   /// Components.
   int size() const;
+  size_t bytes() const;
 
  private:
   struct Slot {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/precision.h>
+#include <pintle/solver/bytes.h>
 
 #include <vector>
 
@@ -33,10 +34,7 @@ class SymmetricFactor {
   /// Of A^-1, the blocks that the factor has, too: each at its place in `to` (Takahashi, Fagan and Chen 1973).
   void invertWhereFactored(std::vector<double>& to) const;
 
-  size_t bytes() const {
-    return sizeof(double) * m_numbers.capacity() +
-           sizeof(int) * (m_row.capacity() + m_first.capacity());
-  }
+  size_t bytes() const { return bytesOf(m_row, m_first, m_idle, m_numbers); }
 
  private:
   static constexpr size_t area = size_t(size) * size_t(size);
