@@ -78,6 +78,7 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
   for (size_t i = 0; i < push.size(); ++i) {
     IslandBody& body = island.bodies[i];
     const double size = push[i].head<3>().norm() + body.radius() * push[i].tail<3>().norm();
+    if (!std::isfinite(size)) continue;
     body.push = size > most[i] ? Vector6d(most[i] / size * push[i]) : push[i];
     body.push.tail<3>() *= turn_share;
     lifted -= body.product(body.v_free - body.v0, body.push);
