@@ -15,8 +15,8 @@
 #include <memory>
 #include <vector>
 
+#include "bodies.h"
 #include "joint_kinds.h"
-#include "kinetic_energy.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -28,69 +28,28 @@ using support::Random;
 using support::scalar;
 using support::vec;
 
-/// A world of boxes, with books of its energy. Bodies fall by 9.81 m/s^2 along -z.
-class Books {
+struct World {
+  World() { world.getSolverInfo().m_minimumSolverBatchSize = 1; }
+
+  pintle::PassiveJointSolver solver;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+};
+
+/// Bodies in a world of their own, with books of its energy.
+class Books : public World, public support::Bodies {
  public:
-  explicit Books(double hz)
-      : m_dt(1 / hz), m_world(&m_dispatcher, &m_broadphase, &solver, &m_configuration) {
-    m_world.setGravity(vec(0, 0, -9.81));
-    m_world.getSolverInfo().m_minimumSolverBatchSize = 1;
-  }
-  ~Books() {
-    for (const auto& joint : joints) m_world.removeConstraint(joint.get());
-    for (const auto& body : bodies) m_world.removeRigidBody(body.get());
-  }
+  explicit Books(double hz) : support::Bodies(World::world), m_dt(1 / hz) {}
 
-  /// Collides only if asked to. A mass of 0: static.
-  btRigidBody& add(double mass, const btVector3& half, const btTransform& pose,
-                   bool collides = false) {
-    m_shapes.push_back(std::make_unique<btBoxShape>(half));
-    btVector3 inertia(0, 0, 0);
-    if (mass > 0) m_shapes.back()->calculateLocalInertia(scalar(mass), inertia);
-    btRigidBody::btRigidBodyConstructionInfo info(scalar(mass), nullptr, m_shapes.back().get(),
-                                                  inertia);
-    info.m_startWorldTransform = pose;
-    bodies.push_back(std::make_unique<btRigidBody>(info));
-    bodies.back()->setActivationState(DISABLE_DEACTIVATION);
-    if (collides)
-      m_world.addRigidBody(bodies.back().get());
-    else
-      m_world.addRigidBody(bodies.back().get(), 0, 0);
-    return *bodies.back();
-  }
-  void join(std::unique_ptr<btTypedConstraint> joint) {
-    m_world.addConstraint(joint.get(), true);
-    joints.push_back(std::move(joint));
-  }
-
-  void removeLastJoint() {
-    m_world.removeConstraint(joints.back().get());
-    joints.pop_back();
-  }
-
-  /// J, in the middle of the last step: there the velocity belongs to the pose.
-  double energy() const {
-    double sum = kinetic();
-    for (const auto& body : bodies)
-      if (body->getInvMass() > 0)
-        sum += 9.81 / double(body->getInvMass()) *
-               (double(body->getCenterOfMassPosition().z()) -
-                m_dt / 2 * double(body->getLinearVelocity().z()));
-    return sum;
-  }
-  double kinetic() const {
-    double sum = 0;
-    for (const auto& body : bodies)
-      sum += support::kineticEnergy(*body, body->getCenterOfMassTransform().getBasis());
-    return sum;
-  }
-
+  double energy() const { return support::Bodies::energy(m_dt); }
   void begin() {
     m_start = m_last = energy();
     peak = kinetic();
   }
   void step() {
-    m_world.stepSimulation(scalar(m_dt), 0, scalar(m_dt));
+    world.stepSimulation(scalar(m_dt), 0, scalar(m_dt));
     const double now = energy();
     gain = std::max(gain, now - m_start);
     gains += std::max(0., now - m_last);
@@ -98,36 +57,16 @@ class Books {
     peak = std::max(peak, kinetic());
   }
 
-  pintle::PassiveJointSolver solver;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;
-  std::vector<std::unique_ptr<btTypedConstraint>> joints;
   double gain = 0;   ///< J: the most above the start
   double gains = 0;  ///< J: the sum of all gains of a step
   double peak = 0;   ///< J: the largest kinetic energy
 
  private:
   double m_dt, m_start = 0, m_last = 0;
-  btDefaultCollisionConfiguration m_configuration;
-  btCollisionDispatcher m_dispatcher{&m_configuration};
-  btDbvtBroadphase m_broadphase;
-  std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
-  btDiscreteDynamicsWorld m_world;
 };
 
 btTransform at(const btVector3& x, const btQuaternion& turn = btQuaternion::getIdentity()) {
   return btTransform(turn, x);
-}
-
-/// m: the largest distance of the pivots of balls.
-double largestGap(const Books& books) {
-  double largest = 0;
-  for (const auto& constraint : books.joints) {
-    const auto& joint = static_cast<const pintle::BallJoint&>(*constraint);
-    const btVector3 d = joint.getRigidBodyA().getCenterOfMassTransform() * joint.getPivotInA() -
-                        joint.getRigidBodyB().getCenterOfMassTransform() * joint.getPivotInB();
-    largest = std::max(largest, double(d.length()));
-  }
-  return largest;
 }
 
 /// m or rad: the most that an equality of the joint is open.
@@ -243,7 +182,7 @@ TEST(Passive, CablesGainNothing) {
     double gap = 0;
     for (int i = 0; i < 10 * int(of.hz); ++i) {
       books->step();
-      gap = std::max(gap, largestGap(*books));
+      gap = std::max(gap, books->largestGap());
     }
     EXPECT_LE(books->gain, rounding(0.02, 0.01) * books->peak)
         << of.links << " links, slack " << of.slack;
@@ -267,7 +206,7 @@ double swingChain(Books& books, double load, double cfm = 0) {
   double gap = 0;
   for (int i = 0; i < 300; ++i) {
     books.step();
-    gap = std::max(gap, largestGap(books));
+    gap = std::max(gap, books.largestGap());
   }
   EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak) << load;
   return gap;

@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-#include "kinetic_energy.h"
+#include "bodies.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -36,47 +36,17 @@ using support::vec;
 constexpr double dt = 1. / 60;
 constexpr double held = 2e-9;  // m: of three rows, each to 1e-9
 
-btTransform at(const btVector3& x) { return btTransform(btQuaternion::getIdentity(), x); }
-
 struct Bullet {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
 };
 
-/// Rigid bodies and their joints, in any world. They fall by 9.81 m/s^2 along -z.
-class Bodies {
+/// Rigid bodies and their joints, in any world.
+class Bodies : public support::Bodies {
  public:
-  explicit Bodies(btDiscreteDynamicsWorld& world) : m_world(world) {
-    world.setGravity(vec(0, 0, -9.81));
-  }
-  ~Bodies() {
-    for (const auto& joint : joints) m_world.removeConstraint(joint.get());
-    for (const auto& body : bodies) m_world.removeRigidBody(body.get());
-  }
-  Bodies(const Bodies&) = delete;
-  Bodies& operator=(const Bodies&) = delete;
+  using support::Bodies::Bodies;
 
-  /// A mass of 0: static.
-  btRigidBody& add(double mass, const btVector3& half, const btVector3& x, bool collides = false) {
-    shapes.push_back(std::make_unique<btBoxShape>(half));
-    btVector3 inertia(0, 0, 0);
-    if (mass > 0) shapes.back()->calculateLocalInertia(scalar(mass), inertia);
-    btRigidBody::btRigidBodyConstructionInfo info(scalar(mass), nullptr, shapes.back().get(),
-                                                  inertia);
-    info.m_startWorldTransform = at(x);
-    bodies.push_back(std::make_unique<btRigidBody>(info));
-    bodies.back()->setActivationState(DISABLE_DEACTIVATION);
-    if (collides)
-      m_world.addRigidBody(bodies.back().get());
-    else
-      m_world.addRigidBody(bodies.back().get(), 0, 0);
-    return *bodies.back();
-  }
-  void join(std::unique_ptr<btTypedConstraint> joint) {
-    m_world.addConstraint(joint.get(), true);
-    joints.push_back(std::move(joint));
-  }
   /// Links of 0.5 m and 1 kg, along x from `start`, where a ball holds the first one. Returns the last one.
   btRigidBody& addChain(int links, const btVector3& start, double load = 1) {
     btRigidBody* last = &add(0, vec(0.1, 0.1, 0.1), start);
@@ -89,34 +59,6 @@ class Bodies {
     }
     return *last;
   }
-  /// m: the largest distance of the pivots of balls.
-  double largestGap() const {
-    double largest = 0;
-    for (const auto& constraint : joints) {
-      const auto* joint = dynamic_cast<const pintle::BallJoint*>(constraint.get());
-      if (joint == nullptr) continue;
-      const btVector3 d = joint->getRigidBodyA().getCenterOfMassTransform() * joint->getPivotInA() -
-                          joint->getRigidBodyB().getCenterOfMassTransform() * joint->getPivotInB();
-      largest = std::max(largest, double(d.length()));
-    }
-    return largest;
-  }
-  /// J, in the middle of the last step.
-  double energy() const {
-    double sum = kinetic();
-    for (const auto& body : bodies)
-      if (body->getInvMass() > 0)
-        sum += 9.81 / double(body->getInvMass()) *
-               (double(body->getCenterOfMassPosition().z()) -
-                dt / 2 * double(body->getLinearVelocity().z()));
-    return sum;
-  }
-  double kinetic() const {
-    double sum = 0;
-    for (const auto& body : bodies)
-      sum += support::kineticEnergy(*body, body->getCenterOfMassTransform().getBasis());
-    return sum;
-  }
   std::vector<btScalar> state() const {
     std::vector<btScalar> all;
     for (const auto& body : bodies)
@@ -126,13 +68,6 @@ class Bodies {
         all.insert(all.end(), {of.x(), of.y(), of.z()});
     return all;
   }
-
-  std::vector<std::unique_ptr<btRigidBody>> bodies;
-  std::vector<std::unique_ptr<btTypedConstraint>> joints;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes;
-
- private:
-  btDiscreteDynamicsWorld& m_world;
 };
 
 /// An arm of two links of 1 m and 2 kg that turn about z, on a base that is fixed at x; its links collide.
@@ -428,11 +363,11 @@ Cable playCable(btDiscreteDynamicsWorld& world) {
   Bodies bodies(world);
   addCable(bodies, 10, 0.02);
   Cable cable;
-  const double start = bodies.energy();
+  const double start = bodies.energy(dt);
   for (int i = 0; i < 300; ++i) {
     world.stepSimulation(scalar(dt), 0, scalar(dt));
     cable.gap = std::max(cable.gap, bodies.largestGap());
-    cable.gain = std::max(cable.gain, bodies.energy() - start);
+    cable.gain = std::max(cable.gain, bodies.energy(dt) - start);
     cable.peak = std::max(cable.peak, bodies.kinetic());
   }
   cable.end = bodies.state();

@@ -58,14 +58,6 @@ class AsOne {
   Vector3d m_center = Vector3d::Zero(), m_velocity = m_center, m_spin = m_center;
 };
 
-// The change of pose before a step with v that leads to the same end.
-PoseChange changeTo(const AtEnd& end, const IslandBody& body, const Vector6d& v, double dt) {
-  PoseChange change;
-  change << end.x - inDouble(body.start.getOrigin()) - dt * v.head<3>(),
-      rotationVector(RotationOfStep(v.tail<3>(), dt).matrix().transpose() * end.turn);
-  return change;
-}
-
 bool isAnchored(const Island& island, const Component& component) {
   for (int c = component.first_joint; c < component.first_joint + component.joints; ++c)
     for (const int body : island.joints[size_t(c)].body)
@@ -155,9 +147,9 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   const double part = std::clamp((std::sqrt(std::fmax(root2, 0)) - b) / (2 * a), 0., std::sqrt(2.));
   double done = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
-    const AtEnd end(bodies[i], v[i], changes[i], island.dt);
-    v[i] = stays[i] + part * (v[i] - stays[i]);
-    changes[i] = changeTo(end, bodies[i], v[i], island.dt);
+    const Vector6d next = stays[i] + part * (v[i] - stays[i]);
+    changes[i] = changeFor(next, v[i], changes[i], island.dt);
+    v[i] = next;
   }
   return done + workOfPoses(island, component, changes);
 }

@@ -246,10 +246,7 @@ class Passes {
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
     std::vector<char>& touched = memory.touched;
-    touched.assign(island.bodies.size(), false);
-    for (const ContactRow& row : contacts)
-      for (const int body : row.body)
-        if (body >= 0) touched[size_t(body)] = true;
+    findTouched(contacts, island.bodies.size(), touched);
     for (BlockOfJoints& part : of) {
       const auto first = touched.begin() + part.component->first_body;
       part.work->touched.assign(first, first + part.component->bodies);

@@ -35,17 +35,6 @@ void findJoined(const std::vector<Component>& components, const Component& first
   }
 }
 
-// From where it is to go by `v` and the change, to where it is to go by `next` and what is returned.
-PoseChange changeFrom(const Vector6d& next, const Vector6d& v, const PoseChange& change,
-                      double dt) {
-  PoseChange to;
-  to.head<3>() = change.head<3>() + dt * (v - next).head<3>();
-  to.tail<3>() =
-      rotationVector(RotationOfStep(next.tail<3>(), dt).matrix().transpose() *
-                     RotationOfStep(v.tail<3>(), dt).matrix() * turnBy(change.tail<3>()));
-  return to;
-}
-
 }  // namespace
 
 // No body goes further than all of its contacts ask for, and they lift by no more than impulses have taken in this step.
@@ -118,7 +107,7 @@ void followPoses(const Island& island, const std::vector<Component>& components,
     for (size_t i = 0; i < is_of_it.size(); ++i) {
       if (!is_of_it[i]) continue;
       const Vector6d next = velocities[i] + part * by(i);
-      changes[i] = changeFrom(next, velocities[i], changes[i], island.dt);
+      changes[i] = changeFor(next, velocities[i], changes[i], island.dt);
       velocities[i] = next;
     }
   }

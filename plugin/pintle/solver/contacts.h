@@ -46,6 +46,14 @@ struct ContactRow {
       if (body[size_t(side)] >= 0) v[size_t(body[size_t(side)])] += by * to[size_t(side)];
   }
 };
+/// Of each of so many bodies: whether a contact is on it.
+inline void findTouched(const std::vector<ContactRow>& rows, size_t bodies,
+                        std::vector<char>& touched) {
+  touched.assign(bodies, false);
+  for (const ContactRow& row : rows)
+    for (const int body : row.body)
+      if (body >= 0) touched[size_t(body)] = true;
+}
 /// Friction by its contact's impulse.
 inline void boundFriction(const std::vector<ContactRow>& rows, ContactRow& row) {
   if (!row.isFriction()) return;

@@ -7,6 +7,7 @@
 #include <pintle/solver/turn.h>
 #include <pintle/vectors.h>
 
+#include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <array>
@@ -32,6 +33,13 @@ inline Matrix3d inDouble(const btMatrix3x3& m) {
   return to;
 }
 inline btVector3 toBullet(const Vector3d& v) { return {Scalar(v[0]), Scalar(v[1]), Scalar(v[2])}; }
+/// Of one of Bullet's bodies: the velocity that forces lead to.
+inline Vector6d freeVelocity(const btSolverBody& of) {
+  Vector6d v;
+  v << inDouble(of.m_linearVelocity) + inDouble(of.m_externalForceImpulse),
+      inDouble(of.m_angularVelocity) + inDouble(of.m_externalTorqueImpulse);
+  return v;
+}
 
 /// A rigid body that joints hold. World space; of vectors of six the first three are linear.
 struct IslandBody {

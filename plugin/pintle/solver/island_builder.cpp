@@ -65,12 +65,8 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.inverse_inertia = inverseWhereFree(to, to.inertia);
   to.scale[0] = std::sqrt(to.mass);
   to.scale[1] = std::sqrt(to.inertia.trace() / 3);
-  for (int i = 0; i < 3; ++i) {
-    to.v0[i] = double(from.m_linearVelocity[i]);
-    to.v0[3 + i] = double(from.m_angularVelocity[i]);
-    to.v_free[i] = to.v0[i] + double(from.m_externalForceImpulse[i]);
-    to.v_free[3 + i] = to.v0[3 + i] + double(from.m_externalTorqueImpulse[i]);
-  }
+  to.v0 << inDouble(from.m_linearVelocity), inDouble(from.m_angularVelocity);
+  to.v_free = freeVelocity(from);
   to.push.setZero();
   m_island.bodies.push_back(to);
   return known;

@@ -22,14 +22,7 @@ void move(btRigidBody& body, const PoseChange& by) {
   body.setWorldTransform(to);
 }
 
-// Of one of Bullet's bodies: the velocity that forces lead to, and its change by impulses.
-Vector6d freeVelocity(const btSolverBody& of) {
-  Vector6d v;
-  v << inDouble(of.m_linearVelocity), inDouble(of.m_angularVelocity);
-  Vector6d by_forces;
-  by_forces << inDouble(of.m_externalForceImpulse), inDouble(of.m_externalTorqueImpulse);
-  return v + by_forces;
-}
+// By impulses, of the velocity of one of Bullet's bodies.
 Vector6d changeOf(const btSolverBody& of) {
   Vector6d change;
   change << inDouble(of.m_deltaLinearVelocity), inDouble(of.m_deltaAngularVelocity);
@@ -286,11 +279,8 @@ void IslandSolver::report(const Component& component, const ComponentMemory& kep
 
 void IslandSolver::findTouched() {
   std::vector<char>& body = m_touched_bodies;
-  body.assign(m_island.bodies.size(), false);
+  pintle::findTouched(m_contacts, m_island.bodies.size(), body);
   m_touched.clear();
-  for (const ContactRow& row : m_contacts)
-    for (const int i : row.body)
-      if (i >= 0) body[size_t(i)] = true;
   for (const Component& component : m_components) {
     const auto first = body.begin() + component.first_body, last = first + component.bodies;
     m_touched.push_back(std::find(first, last, true) != last);

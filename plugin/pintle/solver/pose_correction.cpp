@@ -116,19 +116,6 @@ bool PoseCorrection::straighten() {
 // work.x: what is still open, in the units of K. Returns the most, m or rad.
 double PoseCorrection::measure() {
   measureAtEnd(m_island, m_component, m_work.moved, m_bends, m_u);
-  for (int c = 0; c < m_component.joints; ++c) {
-    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    const auto v = [&](int side) -> const Vector6d& {
-      const int body = joint.body[size_t(side)];
-      return body < 0 ? m_island.unmovedBody(body).v
-                      : m_work.moved[size_t(body - m_component.first_body)].v;
-    };
-    for (int i = 0; i < joint.rows; ++i) {
-      const auto r = size_t(joint.row_of_component + i);
-      if (m_closes[r] && !m_bends[r])
-        m_u[r] = m_island.rows[size_t(joint.first_row + i)].J.along(v(0), v(1));
-    }
-  }
   return findResidual();
 }
 

@@ -11,6 +11,17 @@ inline namespace PINTLE_PRECISION {
 /// m and rad, of a body: before its velocity moves it.
 using PoseChange = Vector6d;
 
+/// With which a body that moves with `next` comes to where it comes with `v` and `change`.
+inline PoseChange changeFor(const Vector6d& next, const Vector6d& v, const PoseChange& change,
+                            double dt) {
+  PoseChange to;
+  to.head<3>() = change.head<3>() + dt * (v - next).head<3>();
+  to.tail<3>() =
+      rotationVector(RotationOfStep(next.tail<3>(), dt).matrix().transpose() *
+                     RotationOfStep(v.tail<3>(), dt).matrix() * turnBy(change.tail<3>()));
+  return to;
+}
+
 /// Whether a row is to be closed by moving poses.
 bool isOpen(const Island& island, const Component& component);
 

@@ -74,21 +74,22 @@ class JointAtEnd {
         m_b(bodyOf(island, component, moved, 1)),
         m_rows(rows) {}
 
+  double velocityAtStart(const IslandRow& row) const { return row.J.along(m_a.v, m_b.v); }
   double velocity(const IslandRow& row) {
-    if (!row.has_position) return row.J.along(m_a.v, m_b.v);
+    if (!row.has_position) return velocityAtStart(row);
     if (row.isOfArms()) {
       findArms(row.shape);
       return velocityOfArms(row);
     }
     if (row.has_stops_alone) {
-      const double straight = row.J.along(m_a.v, m_b.v);
+      const double straight = velocityAtStart(row);
       if (row.isFarFromStops(straight, m_dt * (m_a.v.tail<3>().norm() + m_b.v.tail<3>().norm()),
                              m_dt))
         return straight;
     }
     ask();
     Row found;
-    const double at_start = row.J.along(m_a.v, m_b.v);
+    const double at_start = velocityAtStart(row);
     if (!find(row, found)) return at_start;
     const double change = double(found.position) - double(row.start.position);
     return (row.spins ? change + turnsBeside(row, change) : change) / m_dt;
@@ -220,7 +221,7 @@ void measureAtEnd(const Island& island, const Component& component,
                   const std::vector<MovedBody>& moved, const std::vector<char>& which,
                   std::vector<double>& u) {
   forEachAtEnd(island, component, moved, [&](const IslandRow& row, size_t r, JointAtEnd& end) {
-    if (which[r]) u[r] = end.velocity(row);
+    u[r] = which[r] ? end.velocity(row) : end.velocityAtStart(row);
   });
 }
 

@@ -12,7 +12,7 @@ void moveBodies(const Island& island, const Component& component, const Vector6d
 /// u of each row: (C(end) - C(start)) / dt, or J v of a row that is known at the start alone.
 void measureAtEnd(const Island& island, const Component& component,
                   const std::vector<MovedBody>& moved, std::vector<double>& u);
-/// The same of `which` rows alone.
+/// The same of `which` rows. Of others: J v.
 void measureAtEnd(const Island& island, const Component& component,
                   const std::vector<MovedBody>& moved, const std::vector<char>& which,
                   std::vector<double>& u);

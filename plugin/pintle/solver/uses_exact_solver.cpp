@@ -83,8 +83,7 @@ Found find(const btConstraintSolverPoolMt& pool) {
     if (!report(of, by_this))
       found.why_not =
           "a solver of this world's btConstraintSolverPoolMt is not a pintle::ExactJointSolver: "
-          "make "
-          "the pool of such solvers, with btConstraintSolverPoolMt(solvers, count)";
+          "make the pool of such solvers, with btConstraintSolverPoolMt(solvers, count)";
     if (by_this.components > 0) found.last_step = by_this;
   }
   return found;
@@ -109,8 +108,7 @@ Found find(const btDynamicsWorld& world) {
   if (!report(solver, found.last_step))
     found.why_not =
         "the solver of this world is not a pintle::ExactJointSolver: give one to its constructor "
-        "or "
-        "to setConstraintSolver()";
+        "or to setConstraintSolver()";
   return found;
 }
 

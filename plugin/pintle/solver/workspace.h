@@ -55,7 +55,8 @@ struct Workspace {
   std::vector<MovedBody> moved;
   std::vector<double> straight, goal;  ///< of each row: other velocities
   std::vector<RowJacobian> J;          ///< of each row at the end of the step
-  std::vector<char> closes, bends;     ///< of each row: whether moving poses closes it
+  std::vector<char> closes,
+      bends;  ///< of each row: whether moving poses closes it, and whether it is measured at the end
   struct Place {
     const IslandRow* row;
     int joint;
