@@ -52,6 +52,7 @@ class Observer {
       axis = larger(axis, left.axis);
       if (scene_.has(Error::overshoot)) grow(Error::overshoot, overshoots_[i](a, b));
     }
+    max_gap_ = larger(max_gap_, gap);
     at(Error::gap) += gap / steps_;
     at(Error::axis) += axis / steps_;
     const bool recovered = axis <= scenes::radians(1);  // not if it is NaN
@@ -75,6 +76,7 @@ class Observer {
     at(Error::trajectory) += (probe - wanted_[index]).norm() / double(wanted_.size());
   }
 
+  double max_gap() const { return max_gap_; }
   Errors errors(bool finite) const {
     Errors result = {};
     for (const Error error : scene_.errors) {
@@ -97,18 +99,22 @@ class Observer {
   std::vector<Overshoot> overshoots_;
   std::vector<Vector3d> wanted_;
   Errors errors_ = {};
+  double max_gap_ = 0;
 };
 
 }  // namespace
+
+double kinetic_energy(const scenes::Body& body, const State& state) {
+  const Vector3d w = state.pose.linear().transpose() * state.angular_velocity;
+  return 0.5 * body.mass * state.velocity.squaredNorm() + 0.5 * body.inertia.dot(w.cwiseAbs2());
+}
 
 double energy(const Scene& scene, const std::vector<State>& states) {
   double sum = 0;
   for (size_t i = 0; i < states.size(); ++i) {
     const scenes::Body& body = scene.bodies[i];
     if (body.mass == 0) continue;
-    const Vector3d w = states[i].pose.linear().transpose() * states[i].angular_velocity;
-    sum += 0.5 * body.mass * states[i].velocity.squaredNorm() +
-           0.5 * body.inertia.dot(w.cwiseAbs2()) +
+    sum += kinetic_energy(body, states[i]) +
            body.mass * scene.gravity * states[i].pose.translation().z();
   }
   return sum;
@@ -163,6 +169,7 @@ Outcome run(const Scene& scene, Engine& engine, double dt, const Watch& watch) {
     if (watch) watch(step * dt, outcome.end);
   }
   outcome.errors = observer.errors(outcome.finite);
+  outcome.max_gap = outcome.finite ? observer.max_gap() : HUGE_VAL;
   outcome.rows = outcome.finite ? engine.rows() : 0;
   return outcome;
 }

@@ -15,6 +15,7 @@ using Errors = std::array<double, size_t(Error::count)>;
 
 struct Outcome {
   Errors errors = {};  // infinity: the run was lost; what the scene does not ask for is 0
+  double max_gap = 0;  // m: of the worst joint in the worst step
   bool finite = true;
   std::vector<engines::State> end;  // of every body
   int rows = 0;                     // of the joints at the end
@@ -61,6 +62,8 @@ class Overshoot {
   scenes::Unwrap angle_;
 };
 
+double kinetic_energy(const scenes::Body& body, const engines::State& state);
+// With that of height.
 double energy(const scenes::Scene& scene, const std::vector<engines::State>& states);
 scenes::Vector3d angular_momentum(const scenes::Scene& scene,
                                   const std::vector<engines::State>& states);

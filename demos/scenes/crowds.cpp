@@ -46,6 +46,17 @@ Scene ragdoll() {
   return scene;
 }
 
+// Each turned another way.
+template <class Place>
+Scene ragdolls_at(int count, const Place& place) {
+  Scene scene = on_floor();
+  for (int n = 0; n < count; ++n) {
+    const Eigen::AngleAxisd turn(0.3 * n, Vector3d(0.3, 0.2, 1).normalized());
+    scene.append(ragdoll(), Eigen::Translation3d(place(n)) * turn);
+  }
+  return scene;
+}
+
 Scene vehicle(double speed) {
   const Vector3d y(0, 1, 0), z(0, 0, 1);
   Scene scene;
@@ -67,13 +78,14 @@ Scene vehicle(double speed) {
 }  // namespace
 
 Scene ragdolls_scene(int count) {
-  Scene scene = on_floor();
-  for (int n = 0; n < count; ++n) {
-    const Vector3d place(1.2 * (n / 5), 0.6 * (n / 5 % 2), 1 + 0.7 * (n % 5));
-    const Eigen::AngleAxisd turn(0.3 * n, Vector3d(0.3, 0.2, 1).normalized());
-    scene.append(ragdoll(), Eigen::Translation3d(place) * turn);
-  }
-  return scene;
+  return ragdolls_at(
+      count, [](int n) { return Vector3d(1.2 * (n / 5), 0.6 * (n / 5 % 2), 1 + 0.7 * (n % 5)); });
+}
+
+Scene ragdoll_pile_scene(int count) {
+  return ragdolls_at(count, [](int n) {
+    return Vector3d(0.7 * (n % 3 - 1), 0.9 * (n / 3 % 3 - 1), 0.5 + 0.6 * (n / 9));
+  });
 }
 
 Scene doors_scene(int count) {
@@ -107,6 +119,71 @@ Scene net_scene(int size) {
       if (i > 0) scene.connect(Kind::ball, plate - 1, plate, at(place - Vector3d(0.5, 0, 0)));
       if (j > 0) scene.connect(Kind::ball, plate - size, plate, at(place - Vector3d(0, 0.5, 0)));
     }
+  }
+  return scene;
+}
+
+Scene loaded_bridge_scene(int planks, double ratio) {
+  const Vector3d x(1, 0, 0), y(0, 1, 0);
+  const double length = 0.25, mass = 10;  // m along x, kg, of a plank
+  const double half = planks * length / 2, sag = half / 10;
+  // On a parabola.
+  const auto end = [&](int i) {
+    const double part = i * length / half - 1;
+    return Vector3d(part * half, 0, sag * (part * part - 1));
+  };
+  Scene scene;
+  const auto bank = [&](double side) {
+    return scene.add(solid(box(0, {1, 1, 1}, side * (half + 1) * x)));
+  };
+  int last = bank(-1);
+  for (int i = 0; i < planks; ++i) {
+    const Vector3d along = end(i + 1) - end(i);
+    const int plank = scene.add(
+        solid(box(mass, {along.norm() / 2, 1, 0.04}, end(i) + along / 2, turn_between(x, along))));
+    scene.connect(Kind::hinge, last, plank, with_z(end(i), y));
+    last = plank;
+  }
+  scene.connect(Kind::hinge, bank(1), last, with_z(end(planks), y));
+  scene.add(solid(box(ratio * mass, {1, 0.8, 0.5}, {0, 0, 1.5 - sag})));
+  return scene;
+}
+
+Scene track_scene(int links) {
+  const Vector3d x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  const double pitch = 0.1, radius = 1, half_thickness = 0.03;  // m
+  // Its line of pivots: two straights and two half circles, of chords of `pitch`.
+  const double around = radius + half_thickness;
+  const int on_arc = int(pi / (2 * std::asin(pitch / 2 / around))), half = links / 2,
+            on_straight = half - on_arc;
+  const double half_span = on_straight * pitch / 2;
+  const auto pivot = [&](int i) -> Vector3d {
+    const int k = i % half;
+    const double side = i / half % 2 == 0 ? 1 : -1;  // above, below
+    if (k < on_straight) return side * Vector3d(k * pitch - half_span, 0, around);
+    const double angle = pi * (k - on_straight) / on_arc;
+    return side * Vector3d(half_span + around * std::sin(angle), 0, around * std::cos(angle));
+  };
+  const auto grips = [](Body body) {
+    body.friction = 1;
+    return solid(body);
+  };
+  Scene scene;
+  int last = 0;
+  for (int i = 0; i < 2 * half; ++i) {
+    const Vector3d along = pivot(i + 1) - pivot(i);
+    const int link = scene.add(grips(box(1, {0.42 * along.norm(), 0.3, half_thickness},
+                                         pivot(i) + along / 2, turn_between(x, along))));
+    if (i > 0) scene.connect(Kind::hinge, last, link, with_z(pivot(i), y));
+    last = link;
+  }
+  scene.probe_body = 1;
+  scene.connect(Kind::hinge, last, 1, with_z(pivot(0), y));
+  for (const double side : {-1., 1.}) {
+    const Vector3d hub = side * half_span * x;
+    const int wheel = scene.add(grips(cylinder(50, radius - 0.01, 0.3, hub, turn_between(z, y))));
+    Joint& axle = scene.connect(Kind::hinge, 0, wheel, with_z(hub, y));
+    if (side > 0) axle.motor = motor_of(3, 1200);
   }
   return scene;
 }

@@ -1,5 +1,5 @@
-// What a game's frame holds: each description many times, among contacts. They serve benchmarks and tests, and
-// are not in the catalog.
+// Many joints among contacts, as a game's frame holds them. They serve benchmarks and tests, and are not in the
+// catalog.
 
 #pragma once
 
@@ -9,6 +9,8 @@ namespace scenes {
 
 // Ragdolls fall on a floor and on each other, five above each other, each turned another way.
 Scene ragdolls_scene(int count = 20);
+// The same in a pile: nine beside each other.
+Scene ragdoll_pile_scene(int count = 50);
 // Doors on one hinge each, with limits: a third at rest, a third opened and shut by a motor, a third held shut
 // by it.
 Scene doors_scene(int count = 100);
@@ -16,6 +18,10 @@ Scene doors_scene(int count = 100);
 Scene vehicles_scene(int count = 20);
 // A square net of plates, each tied to its neighbours by a ball joint, falls on a ball that stays.
 Scene net_scene(int size = 15);
+// Planks hang between two banks, and a load of so many planks' mass is dropped on the middle.
+Scene loaded_bridge_scene(int planks = 100, double ratio = 1000);
+// A closed track around two wheels, of which one is driven. Its first link is the probe's.
+Scene track_scene(int links = 200);
 
 // Rope bridges of ten planks, held at both ends, with a crate dropped on each.
 struct CrateBridges {

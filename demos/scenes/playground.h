@@ -13,7 +13,6 @@
 #include <memory>
 #include <vector>
 
-#include "crowd.h"
 #include "families.h"
 #include "world.h"
 

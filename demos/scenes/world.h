@@ -115,6 +115,13 @@ class World {
   Joint& add_joint(Arguments&&... arguments) {
     return take_joint(std::make_unique<Joint>(std::forward<Arguments>(arguments)...));
   }
+  // Joins two bodies where they stand, in a frame of the world.
+  template <class Joint, class... Arguments>
+  Joint& join(btRigidBody& a, btRigidBody& b, const btTransform& frame, Arguments&&... more) {
+    return add_joint<Joint>(a, b, a.getCenterOfMassTransform().inverse() * frame,
+                            b.getCenterOfMassTransform().inverse() * frame,
+                            std::forward<Arguments>(more)...);
+  }
   template <class Joint>
   Joint& take_joint(std::unique_ptr<Joint> joint) {
     Joint& reference = *joint;
@@ -198,6 +205,14 @@ inline std::vector<btRigidBody*> World::add_bodies(const Scene& scene) {
 
 inline btTransform pose_at(const btVector3& position) {
   return btTransform(btQuaternion::getIdentity(), position);
+}
+
+// A frame at a point, by its axes x and z.
+inline btTransform frame_along(const Eigen::Vector3d& origin, const Eigen::Vector3d& x,
+                               const Eigen::Vector3d& z) {
+  Eigen::Matrix3d axes;
+  axes << x, z.cross(x), z;
+  return btTransform(matrix_to_bullet(axes), to_bullet(origin));
 }
 
 inline Eigen::Vector3d position(const btRigidBody& body) {

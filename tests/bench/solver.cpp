@@ -5,22 +5,20 @@
 //   solver steps chain|tree JOINTS stock|exact STEPS   runs one of scaling's, for an instruction counter (linear.sh)
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
-#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/universal_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
 
-#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 
+#include <engines/bullet.h>
+#include <measures/crowd.h>
 #include <scenes/chain.h>
-#include <scenes/crowd.h>
+#include <scenes/crowds.h>
 #include <scenes/drive_shaft.h>
 #include <scenes/shoulder.h>
 #include <scenes/slider_crank.h>
@@ -327,8 +325,8 @@ void grid() {
 
 // --- among contacts --------------------------------------------------------------------------------
 
-void print(const char* scene, const char* who, const scenes::CrowdResult& r,
-           const scenes::CrowdResult& stock) {
+void print(const char* scene, const char* who, const measures::CrowdResult& r,
+           const measures::CrowdResult& stock) {
   std::printf("%-10s %-16s %7d %9.1e %9.1e %10.1e %9.1e %8.2f %8.2f %9.0f %6.2f\n", scene, who,
               r.joints, r.mean_gap, r.max_gap, r.mean_penetration, r.end_kinetic, r.lowest,
               r.travel, r.microseconds_per_step,
@@ -338,37 +336,25 @@ void print(const char* scene, const char* who, const scenes::CrowdResult& r,
 void crowd() {
   std::printf("\n%-10s %-16s %7s %9s %9s %10s %9s %8s %8s %9s %6s\n", "", "", "joints", "mean gap",
               "max gap", "deepest", "end J", "lowest", "travel", "us/step", "ratio");
-  scenes::CrowdSettings stock, ours;
-  ours.make_solver = exact;
-  using Run = std::function<scenes::CrowdResult()>;
-  using scenes::bridge;
-  using scenes::ragdolls;
-  using scenes::track;
-  struct Scene {
+  const struct {
     const char *name, *title;
-    std::vector<Run> runs;
-  };
-  const Scene all[] = {
-      {"ragdolls",
-       "pile of 50 ragdolls",
-       {[&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(stock); },
-        [&] { return ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(ours); },
-        [&] { return ragdolls<btHingeConstraint, btConeTwistConstraint>(ours); }}},
-      {"bridge",
-       "bridge of 100 planks, a load of 1000 planks dropped on it",
-       {[&] { return bridge<btHingeConstraint>(stock); },
-        [&] { return bridge<pintle::QuaternionHinge>(ours); },
-        [&] { return bridge<btHingeConstraint>(ours); }}},
-      {"track",
-       "closed track of 200 links around two wheels",
-       {[&] { return track<btHingeConstraint>(stock); },
-        [&] { return track<pintle::QuaternionHinge>(ours); },
-        [&] { return track<btHingeConstraint>(ours); }}}};
-  for (const Scene& scene : all) {
-    const auto results = inTurn(scene.runs);
-    addHolds(scene.title, results[0], results[1], results[2]);
+    scenes::Scene scene;
+  } all[] = {{"ragdolls", "pile of 50 ragdolls", scenes::ragdoll_pile_scene()},
+             {"bridge", "bridge of 100 planks, a load of 1000 planks dropped on it",
+              scenes::loaded_bridge_scene()},
+             {"track", "closed track of 200 links around two wheels", scenes::track_scene()}};
+  for (const auto& [name, title, scene] : all) {
+    const auto with = [&scene = scene](engines::MakeJoint make_joint, const SolverFactory& solver) {
+      return [&scene, make_joint, solver] {
+        return measures::run_crowd(scene, *engines::make_bullet(scene, 10, make_joint, solver));
+      };
+    };
+    const auto results = inTurn<measures::CrowdResult>(
+        {with(engines::make_stock_joint, {}), with(engines::make_conditioned_joint, exact),
+         with(engines::make_stock_joint, exact)});
+    addHolds(title, results[0], results[1], results[2]);
     const char* names[] = {"stock, 10", "exact", "exact, stock j."};
-    for (size_t i = 0; i < results.size(); ++i) print(scene.name, names[i], results[i], results[0]);
+    for (size_t i = 0; i < results.size(); ++i) print(name, names[i], results[i], results[0]);
   }
 }
 
@@ -415,16 +401,8 @@ void motors() {
 // Largest speed (m/s) or spin (5 rad/s) of each tangle over what is no matter there: stock's, or 20.
 void tangles() {
   constexpr unsigned count = 1000;
-  scenes::CrowdSettings stock, ours;
-  ours.make_solver = exact;
-  const auto ofStock = [](const scenes::CrowdSettings& settings, unsigned seed) {
-    return scenes::tangle<btHingeConstraint, btConeTwistConstraint, btSliderConstraint,
-                          btFixedConstraint>(settings, seed);
-  };
-  const auto ofPintle = [](const scenes::CrowdSettings& settings, unsigned seed) {
-    return scenes::tangle<pintle::QuaternionHinge, pintle::ConeTwistJoint, pintle::SliderJoint,
-                          pintle::FixedJoint>(settings, seed);
-  };
+  using scenes::PintleJoints;
+  using scenes::StockJoints;
   const char* names[] = {"pintle, 10", "exact, stock j.", "exact"};
   const char* titles[] = {"Pintle's joints on Bullet's solver",
                           "Bullet's joints on the exact solver",
@@ -434,10 +412,10 @@ void tangles() {
     const auto speed = [](const scenes::TangleResult& result) {
       return result.finite ? std::max(result.speed, result.spin / 5) : HUGE_VAL;
     };
-    const double usual = std::max(speed(ofStock(stock, seed)), 20.);
-    wildness[0].push_back(speed(ofPintle(stock, seed)) / usual);
-    wildness[1].push_back(speed(ofStock(ours, seed)) / usual);
-    wildness[2].push_back(speed(ofPintle(ours, seed)) / usual);
+    const double usual = std::max(speed(scenes::tangle<StockJoints>(seed)), 20.);
+    wildness[0].push_back(speed(scenes::tangle<PintleJoints>(seed)) / usual);
+    wildness[1].push_back(speed(scenes::tangle<StockJoints>(seed, exact)) / usual);
+    wildness[2].push_back(speed(scenes::tangle<PintleJoints>(seed, exact)) / usual);
   }
   std::printf("\n%-16s %8s  %8s  %8s  (of %u tangles, fastest body over stock's)\n", "", "median",
               "99 %", "largest", count);

@@ -1,19 +1,14 @@
 // The figures of ExactJointSolver in the scenes, with its default settings, and with the joints of both.
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
-#include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/universal_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
 
-#include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 #include <gtest/gtest.h>
 #include <scenes/chain.h>
-#include <scenes/crowd.h>
 #include <scenes/drive_shaft.h>
 #include <scenes/shoulder.h>
 #include <scenes/slider_crank.h>
@@ -238,23 +233,6 @@ TEST(ExactScenes, LimitsHoldBetterThanWithBullet) {
 
 // --- contacts --------------------------------------------------------------------------------------
 
-scenes::CrowdSettings crowd(bool exact, double seconds, int size) {
-  scenes::CrowdSettings settings;
-  settings.seconds = seconds;
-  settings.size = size;
-  if (exact) settings.make_solver = [] { return std::make_unique<pintle::ExactJointSolver>(); };
-  return settings;
-}
-
-TEST(ExactScenes, RagdollsHold) {
-  const auto stock =
-      scenes::ragdolls<btHingeConstraint, btConeTwistConstraint>(crowd(false, 3, 18));
-  const auto ours =
-      scenes::ragdolls<pintle::QuaternionHinge, pintle::ConeTwistJoint>(crowd(true, 3, 18));
-  EXPECT_LT(ours.mean_gap, stock.mean_gap / 30);
-  EXPECT_GT(ours.lowest, 0);
-}
-
 // What joints, limits and contacts ask for that cannot be had is not to become motion: neither what rows of a loop
 // lack, nor what the last step's impulses have grown to. Some tangles that once were the wildest of thousands, at 30
 // times the speed of stock's, and others as they come.
@@ -262,47 +240,19 @@ TEST(ExactScenes, TanglesAreNoWilderThanStocks) {
   std::vector<unsigned> seeds = {292,  569,  1043, 1450, 1503, 1998,
                                  2009, 2023, 2145, 2233, 2774, 3189};
   for (unsigned seed = 0; seed < 30; ++seed) seeds.push_back(seed);
+  const auto exact = [] { return std::make_unique<pintle::ExactJointSolver>(); };
   for (const unsigned seed : seeds) {
-    const auto ofStock = [seed](bool exact) {
-      return scenes::tangle<btHingeConstraint, btConeTwistConstraint, btSliderConstraint,
-                            btFixedConstraint>(crowd(exact, 5, 0), seed);
-    };
-    const scenes::TangleResult bullet = ofStock(false), stock = ofStock(true),
-                               ours =
-                                   scenes::tangle<pintle::QuaternionHinge, pintle::ConeTwistJoint,
-                                                  pintle::SliderJoint, pintle::FixedJoint>(
-                                       crowd(true, 5, 0), seed);
+    const auto bullet = scenes::tangle<scenes::StockJoints>(seed),
+               stock = scenes::tangle<scenes::StockJoints>(seed, exact),
+               ours = scenes::tangle<scenes::PintleJoints>(seed, exact);
     // Falling and driven by motors they reach as much by themselves.
     const double speed = 3 * std::max(bullet.speed, 20.), spin = 3 * std::max(bullet.spin, 100.);
-    for (const scenes::TangleResult& exact : {stock, ours}) {
-      EXPECT_TRUE(exact.finite) << seed;
-      EXPECT_LT(exact.speed, speed) << seed;
-      EXPECT_LT(exact.spin, spin) << seed;
+    for (const scenes::TangleResult& on_exact : {stock, ours}) {
+      EXPECT_TRUE(on_exact.finite) << seed;
+      EXPECT_LT(on_exact.speed, speed) << seed;
+      EXPECT_LT(on_exact.spin, spin) << seed;
     }
   }
-}
-
-TEST(ExactScenes, BridgeBearsWhatItsPlanksDoNot) {
-  const auto ours = scenes::bridge<pintle::QuaternionHinge>(crowd(true, 5, 100));
-  const auto stock = scenes::bridge<btHingeConstraint>(crowd(false, 5, 100));
-  EXPECT_LT(ours.mean_gap, stock.mean_gap / 100);
-  EXPECT_GT(ours.lowest, -3) << "the load is on the bridge";
-}
-
-TEST(ExactScenes, TrackRunsAndHolds) {
-  const auto ours = scenes::track<pintle::QuaternionHinge>(crowd(true, 3, 200));
-  const auto stock = scenes::track<btHingeConstraint>(crowd(false, 3, 200));
-  EXPECT_LT(ours.mean_gap, stock.mean_gap / 100);
-  EXPECT_GT(ours.travel, 5) << "the wheel drives it";
-  EXPECT_GT(ours.lowest, -3);
-}
-
-// Bullet's hinges turn their rows from step to step: what the last one's impulses say must not depend
-// on them.
-TEST(ExactScenes, TrackOfBulletsHingesHolds) {
-  const auto ours = scenes::track<btHingeConstraint>(crowd(true, 3, 200));
-  EXPECT_LT(ours.mean_gap, 2e-3);
-  EXPECT_GT(ours.travel, 5);
 }
 
 }  // namespace
