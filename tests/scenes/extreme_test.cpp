@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <measures/run.h>
 #include <pintle/solver/exact_joint_solver.h>
+#include <pintle/solver/passive_joint_solver.h>
 
 #include <algorithm>
 #include <cmath>
@@ -103,6 +104,23 @@ TEST(Extreme, FiniteAndNeverWorseThanStock) { expectNeverWorseThanStock({}, pint
 TEST(Extreme, FiniteAndNeverWorseThanStockOnTheExactSolver) {
   expectNeverWorseThanStock([] { return std::make_unique<pintle::ExactJointSolver>(); },
                             exact_column);
+}
+
+// Bodies that turn kinematic keep their mass; motors start bodies that fall.
+TEST(Extreme, HoldsExactlyOnThePassiveSolver) {
+  const std::set<std::string> names = {
+      "ball, kinematic and dynamic by turns", "universal, kinematic and dynamic by turns",
+      "hinge with motor, steps of 0.1 s", "hinge with motor, discs: inertia ratio 1e-8"};
+  size_t found = 0;
+  for (const Case& one : short_cases()) {
+    if (names.count(one.name()) == 0) continue;
+    ++found;
+    const extreme::Result result = run(one, engines::make_conditioned_joint, [] {
+      return std::make_unique<pintle::PassiveJointSolver>();
+    });
+    EXPECT_EQ(result.outcome, Outcome::exact) << one.name() << ": " << result.error;
+  }
+  EXPECT_EQ(found, names.size());
 }
 
 // Those of 10^6 steps, which take too long for a test, are in the table.

@@ -1,6 +1,8 @@
 // Scenes are what they say: their joints hold at the start, and every contender builds them alike.
+#include <engines/bullet.h>
 #include <gtest/gtest.h>
 #include <measures/run.h>
+#include <pintle/solver/passive_joint_solver.h>
 #include <reference/integrator.h>
 #include <scenes/catalog.h>
 
@@ -122,6 +124,22 @@ TEST(ExactLimits, HoldWithoutIterations) {
     EXPECT_LT(100 * overshoot("exact"), overshoot("pintle"));
     EXPECT_LT(10000 * overshoot("exact"), overshoot("stock"));
   }
+}
+
+/// A stop whose direction turns over in a step, as at the tip of a flat cone, holds; and springs neither gain nor lose.
+TEST(PassiveSolver, LeavesLittleAtTipsAndSprings) {
+  const auto left = [](const char* name, measures::Error error) {
+    const std::vector<Scene> catalog = scenes::catalog();
+    const Scene& scene = *std::find_if(catalog.begin(), catalog.end(),
+                                       [&](const Scene& one) { return one.name == name; });
+    const auto engine = engines::make_bullet(scene, 10, engines::make_conditioned_joint, [] {
+      return std::make_unique<pintle::PassiveJointSolver>();
+    });
+    return measures::run(scene, *engine, 1. / 60)[error];
+  };
+  EXPECT_LT(left("flat_cone", measures::Error::overshoot), 1e-5);
+  EXPECT_LT(left("spring", measures::Error::trajectory), 0.005);
+  EXPECT_LT(left("suspension", measures::Error::trajectory), 0.005);
 }
 
 /// What a whipping chain of light links gains in energy is of Bullet's steps, with joints that leave nothing at

@@ -14,12 +14,28 @@ struct LawPart {
   double target, softness, lower, upper;
   bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
   int role = 0;         ///< which part of an axis it is (Axis::Part)
+  /// Of a spring and damper, Lambda = -dt k (C + dt u) - dt c u: dt^2 k softness. What is left of 1 is the damper's.
+  double spring_share = 0;
 
   static constexpr double unbounded = 1e30;
   bool isLowerStop() const { return lower == 0 && upper == unbounded; }
   bool isUpperStop() const { return upper == 0 && lower == -unbounded; }
   bool rebounds() const {
     return !drives && ((isLowerStop() && target > 0) || (isUpperStop() && target < 0));
+  }
+
+  /// The spring pulls by `share` of the way of this step, and by all that it was stretched before: Lambda = -dt k (C + share dt u) -
+  /// dt c u. Without a damper and a share of the way its impulse is known.
+  void foresee(double share) {
+    const double left = 1 - (1 - share) * spring_share;
+    if (left > 1e-6) {
+      target /= left;
+      softness /= left;
+    } else {
+      lower = upper = std::fmin(std::fmax(target / softness, lower), upper);
+      target = softness = 0;
+    }
+    spring_share = left > 1e-6 ? share * spring_share / left : 0;
   }
 
   double at(double u) const {
@@ -65,6 +81,25 @@ class AxisLaw {
       any = true;
     }
     return any;
+  }
+  /// Whether no u of that size meets one of its stops.
+  bool isFar(double u) const {
+    for (int i = 0; i < m_parts; ++i)
+      if ((m_part[i].isLowerStop() && -u < m_part[i].target) ||
+          (m_part[i].isUpperStop() && u > m_part[i].target))
+        return false;
+    return true;
+  }
+  /// dt^2 k of its springs, N s^2/m.
+  double springs() const {
+    double sum = 0;
+    for (int i = 0; i < m_parts; ++i)
+      if (m_part[i].spring_share > 0) sum += m_part[i].spring_share / m_part[i].softness;
+    return sum;
+  }
+  void foresee(double share) {
+    for (int i = 0; i < m_parts; ++i)
+      if (m_part[i].spring_share > 0) m_part[i].foresee(share);
   }
   int parts() const { return m_parts; }
   const LawPart& part(int i) const { return m_part[i]; }

@@ -3,6 +3,7 @@
 #include <pintle/solver/row_velocities.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -44,15 +45,23 @@ double stored(const Island& island, const IslandRow& row, double u, double lambd
          row.spring.energy(softness, island.dt);
 }
 
+// J: the most that a drive does to velocities v* that its joints may not hold yet. Joints alone would lead to a w of no more energy, and
+// from there it works by lambda (u + J w) / 2.
+double mostWork(double lambda, double u, double K, double energy) {
+  return (lambda * u + std::abs(lambda) * std::sqrt(2 * K * energy)) / 2;
+}
+
 // An impulse p that changes velocities from v to v1 works by p . (v + v1) / 2.
 double workFrom(Vector6d IslandBody::*start, const Island& island, const Component& component,
                 const Workspace& end) {
-  double work = 0;
+  double work = 0, energy = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     const Vector6d& v = end.v[size_t(i)];
     work += body.product(v - body.v_free, v + body.*start) / 2;
+    energy += gainOf(body, Vector6d::Zero(), body.v_free);
   }
+  const bool over_forces = start == &IslandBody::v_free;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto mean = [&](int side) {
@@ -65,7 +74,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const double driving = drivingImpulse(row.law, end.pieces[r], end.u[r], end.lambda[r]);
       if (driving != 0 || row.rebound_energy > 0) {
         const double u = row.J.along(mean(0), mean(1));
-        work -= driving * u +
+        work -= (over_forces ? mostWork(driving, end.u[r], row.K, energy) : driving * u) +
                 std::fmin(row.rebound_energy, std::fmax(0, (end.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.

@@ -41,6 +41,19 @@ inline Vector6d freeVelocity(const btSolverBody& of) {
   return v;
 }
 
+/// d u / d(velocities): of body a and of body b, each linear and angular.
+struct RowJacobian {
+  Vector3d L_a, A_a, L_b, A_b;
+
+  // Of body a (0) or b (1).
+  const Vector3d& L(int side) const { return side ? L_b : L_a; }
+  const Vector3d& A(int side) const { return side ? A_b : A_a; }
+  double along(const Vector6d& a, const Vector6d& b) const {
+    return L_a.dot(a.head<3>()) + A_a.dot(a.tail<3>()) + L_b.dot(b.head<3>()) +
+           A_b.dot(b.tail<3>());
+  }
+};
+
 /// A rigid body that joints hold. World space; of vectors of six the first three are linear.
 struct IslandBody {
   const btRigidBody* body;
@@ -59,6 +72,13 @@ struct IslandBody {
   /// a M b
   double product(const Vector6d& a, const Vector6d& b) const {
     return mass * a.head<3>().dot(b.head<3>()) + a.tail<3>().dot(inertia * b.tail<3>());
+  }
+  /// Its part of J_1 M^-1 J_2^T, as body `side` of a joint.
+  double inverseMass(const RowJacobian& J_1, const RowJacobian& J_2, int side) const {
+    double K = J_1.A(side).dot(inverse_inertia * J_2.A(side));
+    for (size_t i = 0; i < 3; ++i)
+      if (!locked[i]) K += J_1.L(side)[Eigen::Index(i)] * J_2.L(side)[Eigen::Index(i)] / mass;
+    return K;
   }
   /// m: of gyration.
   double radius() const { return scale[1] / scale[0]; }
@@ -100,19 +120,6 @@ struct MovedBody {
         start.getOrigin() + btVector3(Scalar(move[0]), Scalar(move[1]), Scalar(move[2])));
   }
 };
-/// d u / d(velocities): of body a and of body b, each linear and angular.
-struct RowJacobian {
-  Vector3d L_a, A_a, L_b, A_b;
-
-  // Of body a (0) or b (1).
-  const Vector3d& L(int side) const { return side ? L_b : L_a; }
-  const Vector3d& A(int side) const { return side ? A_b : A_a; }
-  double along(const Vector6d& a, const Vector6d& b) const {
-    return L_a.dot(a.head<3>()) + A_a.dot(a.tail<3>()) + L_b.dot(b.head<3>()) +
-           A_b.dot(b.tail<3>());
-  }
-};
-
 /// J of a row of ours: [-L, -A_a, L, A_b], times the sign with which a coordinate moves along it.
 inline RowJacobian jacobianOf(const Row& row, double sign) {
   const Vector3d L = sign * row.L.cast<double>();
@@ -194,6 +201,15 @@ struct Island {
   std::vector<IslandJoint> joints;
   std::vector<IslandRow> rows;
 
+  /// J_1 M^-1 J_2^T
+  double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
+                     const RowJacobian& J_2) const {
+    double K = 0;
+    for (int side = 0; side < 2; ++side)
+      if (const int body = joint.body[size_t(side)]; body >= 0)
+        K += bodies[size_t(body)].inverseMass(J_1, J_2, side);
+    return K;
+  }
   const MovedBody& unmovedBody(int body) const { return unmoved_bodies[size_t(unmoved(body))]; }
 };
 

@@ -33,6 +33,7 @@ void IslandBuilder::begin(const btContactSolverInfo& info) {
   m_island.joints.clear();
   m_island.rows.clear();
   m_body_of.clear();
+  m_has_springs = false;
 }
 
 int IslandBuilder::body(const SolverBodies& bodies, int number) {
@@ -41,9 +42,10 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   if (m_body_of.size() <= size_t(number)) m_body_of.resize(size_t(bodies.size()), unknown);
   int& known = m_body_of[size_t(number)];
   if (known != unknown) return known;
-  if (!(from.m_originalBody->getInvMass() > 0)) return known = unmoved(from);
-  known = int(m_island.bodies.size());
   const btRigidBody& rigid = *from.m_originalBody;
+  // Bullet moves no kinematic body, whatever its mass.
+  if (!(rigid.getInvMass() > 0) || rigid.isKinematicObject()) return known = unmoved(from);
+  known = int(m_island.bodies.size());
   IslandBody to;
   to.body = &rigid;
   to.solver_body = number;
@@ -81,24 +83,11 @@ int IslandBuilder::unmoved(const btSolverBody& from) {
   return Island::unmoved(int(m_island.unmoved_bodies.size()) - 1);
 }
 
-double IslandBuilder::inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
-                                  const RowJacobian& J_2) const {
-  double K = 0;
-  for (int side = 0; side < 2; ++side) {
-    if (joint.body[size_t(side)] < 0) continue;
-    const IslandBody& body = m_island.bodies[size_t(joint.body[size_t(side)])];
-    for (int i = 0; i < 3; ++i)
-      if (!body.locked[size_t(i)]) K += J_1.L(side)[i] * J_2.L(side)[i] / body.mass;
-    K += J_1.A(side).dot(body.inverse_inertia * J_2.A(side));
-  }
-  return K;
-}
-
 // J M^-1 J^T less what the equalities hold of it, by Cholesky's factor of their own; those that repeat others are left out.
 double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const {
   double L[most_stock_rows][most_stock_rows], y[most_stock_rows];
   const IslandRow* equality[most_stock_rows];
-  const double own = inverseMass(joint, J, J);
+  const double own = m_island.inverseMass(joint, J, J);
   double rest = own;
   int n = 0;
   for (size_t r = size_t(joint.first_row); r < m_island.rows.size(); ++r) {
@@ -106,14 +95,14 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
     if (!row.law.isEquality() || n == most_stock_rows) continue;
     double pivot = row.K;
     for (int j = 0; j < n; ++j) {
-      double sum = inverseMass(joint, row.J, equality[j]->J);
+      double sum = m_island.inverseMass(joint, row.J, equality[j]->J);
       for (int k = 0; k < j; ++k) sum -= L[n][k] * L[j][k];
       L[n][j] = sum / L[j][j];
       pivot -= L[n][j] * L[n][j];
     }
     if (!(pivot > 1e-9 * row.K)) continue;
     L[n][n] = std::sqrt(pivot);
-    y[n] = inverseMass(joint, row.J, J);
+    y[n] = m_island.inverseMass(joint, row.J, J);
     for (int j = 0; j < n; ++j) y[n] -= L[n][j] * y[j];
     y[n] /= L[n][n];
     rest -= y[n] * y[n];
@@ -144,6 +133,7 @@ void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {
   m_island.rows.push_back(row);
   m_island.rows.back().root_K = std::sqrt(row.K);
   ++to.rows;
+  m_has_springs = m_has_springs || row.law.springs() > 0;
 }
 
 void IslandBuilder::addOurs(IslandJoint& to) {
@@ -161,7 +151,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
     const bool is_axis = rows[i].axis >= 0;
     if (is_axis) row.sign = JointAccess::axis(joint, rows[i]).sign;
     row.J = jacobianOf(rows[i], row.sign);
-    row.K = inverseMass(to, row.J, row.J);
+    row.K = m_island.inverseMass(to, row.J, row.J);
     row.spins = is_axis && row.shape.kind == RowShape::angle &&
                 std::abs(velocityAlong(to, row.J, &IslandBody::v_free)) * m_island.dt > pi;
     if (is_axis)
@@ -195,7 +185,9 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const 
   }
   const double erp = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp);
   row.law.add({target, double(soft.cfm) * row.K, -bound, bound});
-  row.open = closing(erp, position, double(row.start.max_speed));
+  // Bullet's correction is a velocity, of which the next steps leave so much, too.
+  row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
+                     double(row.start.max_speed));
   if (soft.cfm > 0) row.spring = {erp, row.open, 0};
 }
 
@@ -210,24 +202,33 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   state.taken = 0;
   state.row = {-1, -1, -1};
   double K_beside = -1;
-  const auto addPart = [&](const AxisPart& part, Axis::Part role) {
+  const auto addPart = [&](const AxisPart& part, Axis::Part role, const Spring* spring) {
     if (!part.on) return;
     double softness = double(part.row.cfm);
     if (softness > 0) {
       if (K_beside < 0) K_beside = inverseMassBeside(of, row.J);
       softness *= K_beside;
     }
+    const double of_spring =
+        spring != nullptr && softness > 0
+            ? double(equations::softness_by_frequency<Scalar>(
+                         spring->angular_frequency, spring->damping_ratio, m_info.m_timeStep, 1)
+                         .beta)
+            : 0;
     row.law.add({double(part.row.target), softness, bounded(part.row.lower),
-                 bounded(part.row.upper), true, role});
+                 bounded(part.row.upper), true, role, of_spring});
   };
-  if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction);
-  if (axis.drive != Axis::Drive::off) addPart(motorPart(axis, motion), Axis::motor);
+  if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction, nullptr);
+  if (axis.drive != Axis::Drive::off)
+    addPart(motorPart(axis, motion), Axis::motor,
+            axis.drive == Axis::Drive::servo ? &axis.servo_spring : nullptr);
   // What is asked of its velocity alone need not be a coordinate: friction about any axis of the world, and the like.
   row.has_position =
       row.start.limit || axis.drive == Axis::Drive::servo || axis.drive == Axis::Drive::pose;
   if (!row.start.limit || !axis.limited()) return;
   if (axis.hasLimitSpring() || motion.limit_cfm > 0)
-    addPart(limitPart(axis, motion, state.incoming), Axis::limit);
+    addPart(limitPart(axis, motion, state.incoming), Axis::limit,
+            axis.locked() ? &axis.limit_spring : nullptr);
   else
     addRigidLimit(of, axis, motion, state, row);
 }
@@ -315,7 +316,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.J = {-inDouble(from.m_contactNormal1), -inDouble(from.m_relpos1CrossNormal),
              -inDouble(from.m_contactNormal2), -inDouble(from.m_relpos2CrossNormal)};
     if (row.J.L_b.isZero(0)) row.shape.kind = RowShape::angle;
-    row.K = inverseMass(to, row.J, row.J);
+    row.K = m_island.inverseMass(to, row.J, row.J);
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
     LawPart part{-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower};
@@ -333,7 +334,7 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   IslandRow* const rows = m_island.rows.data() + joint.first_row;
   if (joint.ours == nullptr && joint.rows >= 3 && findPoint(rows))
     for (IslandRow* row = rows; row < rows + 3; ++row) {
-      row->K = inverseMass(joint, row->J, row->J);
+      row->K = m_island.inverseMass(joint, row->J, row->J);
       row->root_K = std::sqrt(row->K);
     }
   IslandRow* turns[3];

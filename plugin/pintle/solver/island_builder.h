@@ -30,7 +30,7 @@ class IslandBuilder {
   void addContacts(btConstraintArray& rows, const SolverBodies& bodies, bool are_friction,
                    std::vector<ContactRow>& to);
   size_t bytes() const {
-    return bytesOf(m_body_of, m_root, m_number, m_to, m_sorted_bodies, m_sorted_joints);
+    return bytesOf(m_body_of, m_springs, m_root, m_number, m_to, m_sorted_bodies, m_sorted_joints);
   }
 
  private:
@@ -45,13 +45,12 @@ class IslandBuilder {
   int body(const SolverBodies& bodies, int solver_body);
   void findShapes(const IslandJoint& joint);
   double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
-  /// J_1 M^-1 J_2^T
-  double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
-                     const RowJacobian& J_2) const;
-  /// The same of J, when the equalities of the joint hold.
+  /// J M^-1 J^T, when the equalities of the joint hold.
   double inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const;
   /// And of bodies of which nothing is locked.
   double inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const;
+  /// Springs that a step resolves pull by where it starts, others by where it ends, too.
+  void foreseeSprings();
   /// The number of a body that only its owner moves.
   int unmoved(const btSolverBody& from);
 
@@ -62,7 +61,9 @@ class IslandBuilder {
   const SolverOptions& m_options;
   btContactSolverInfo m_info;
   std::vector<int> m_body_of;  ///< of Bullet's bodies
+  bool m_has_springs = false;
   // Memory of `finish`.
+  std::vector<double> m_springs;            ///< of each body
   std::vector<int> m_root, m_number, m_to;  ///< of each body
   std::vector<IslandBody> m_sorted_bodies;
   std::vector<IslandJoint> m_sorted_joints;

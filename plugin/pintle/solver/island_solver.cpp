@@ -4,6 +4,7 @@
 #include <pintle/solver/chord.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/row_velocities.h>
 #include <pintle/solver/softness.h>
 
 #include <algorithm>
@@ -179,8 +180,13 @@ double IslandSolver::gainInVelocity(const Components& those, const std::vector<C
   }
   for (size_t i = 0; !rows.empty() && i < counted.size(); ++i)
     if (!counted[i]) gain += gainOf(m_island.bodies[i], m_island.bodies[i].v_free, m_velocities[i]);
-  for (const ContactRow& row : rows) gain -= std::fmax(row.impulse * row.target, 0);
-  return gain;
+  double rebounds = 0, fastest = 0, mass = 0;
+  for (const ContactRow& row : rows) {
+    rebounds += std::fmax(row.impulse * row.target, 0);
+    fastest = std::fmax(fastest, std::abs(row.target));
+  }
+  for (const IslandBody& body : m_island.bodies) mass += body.mass;
+  return gain - std::fmin(rebounds, mass * fastest * fastest / 2);
 }
 
 // The second tier: one component alone, or those that contacts touch.
@@ -299,6 +305,7 @@ void IslandSolver::beginComponents() {
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
     slot->stretchSprings(m_island, component);
+    turnStops(m_island, component, slot->work);
     slot->ledger.begin(m_island, component, m_options.ledger_share);
   }
 }

@@ -1,5 +1,6 @@
 #include <pintle/solver/joint_report.h>
 
+#include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/row_velocities.h>
 
@@ -31,6 +32,9 @@ bool breakOverloaded(Island& island, const Component& component, const Workspace
 }
 
 void report(const Island& island, const Component& component, const Workspace& end) {
+  double energy = 0;  // J: no stop takes more
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
+    energy += gainOf(island.bodies[size_t(i)], Vector6d::Zero(), island.bodies[size_t(i)].v_free);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     btTypedConstraint& constraint = *joint.constraint;
@@ -70,10 +74,12 @@ void report(const Island& island, const Component& component, const Workspace& e
       if (state.impulse[Axis::limit] == 0)
         state.incoming = 0;  // it was not met
       else if (state.incoming > 0)
-        state.taken = btMax(
-            Scalar(0), -state.impulse[Axis::limit] *
-                           Scalar(row.J.along(meanVelocity(island, joint, 0, component, end),
-                                              meanVelocity(island, joint, 1, component, end))));
+        state.taken =
+            btMax(Scalar(0),
+                  btMin(Scalar(energy),
+                        -state.impulse[Axis::limit] *
+                            Scalar(row.J.along(meanVelocity(island, joint, 0, component, end),
+                                               meanVelocity(island, joint, 1, component, end)))));
     }
   }
 }

@@ -31,6 +31,14 @@ bool findAlong(const Row& row, const Rows& end, int first, int last, const IsOfT
   return any;
 }
 
+// The number of a row of the same axis, below 0 if there is none.
+int findAxis(const Row& start, const Rows& end) {
+  int at = -1;
+  for (int i = end.equalities(); i < end.size(); ++i)
+    if (end[i].axis == start.axis && end[i].limit == start.limit) at = i;
+  return at;
+}
+
 // The row `start`, the number `index` of its joint, among those of the end. Returns false if there is none. Tangents of a joint may be
 // chosen anew at each pose, and the axes of a motor about all of them: such rows are then taken along those of the start. So are
 // rows along axes of the world: along what `carry` makes of them.
@@ -94,6 +102,23 @@ class JointAtEnd {
     const double change = double(found.position) - double(row.start.position);
     return (row.spins ? change + turnsBeside(row, change) : change) / m_dt;
   }
+  /// Whether the joint ends beyond a stop of the row along a direction that is not the one of the start, which is then found.
+  bool isBeyondTurned(const IslandRow& row, Row& found) {
+    ask();
+    if (find(row, found)) return false;
+    const int at = findAxis(row.start, m_rows);
+    if (at < 0) return false;
+    found = m_rows[at];
+    const double u = (double(found.position) - double(row.start.position)) / m_dt;
+    for (int i = 0; i < row.law.parts(); ++i) {
+      const LawPart& part = row.law.part(i);
+      if ((part.isLowerStop() && u < part.target) || (part.isUpperStop() && u > part.target))
+        return true;
+    }
+    return false;
+  }
+  /// rad: the most by which its bodies turn against each other.
+  double turn() const { return m_dt * (m_a.v.tail<3>() - m_b.v.tail<3>()).norm(); }
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
     if (row.isOfArms()) {
@@ -232,6 +257,32 @@ void differentiateAtEnd(const Island& island, const Component& component,
   forEachAtEnd(island, component, moved, [&](const IslandRow& row, size_t r, JointAtEnd& end) {
     J[r] = which[r] ? end.jacobian(row) : row.J;
   });
+}
+
+void turnStops(Island& island, const Component& component, Workspace& work) {
+  RowMemory<max_joint_rows, max_joint_rows> memory;
+  Rows rows(memory);
+  work.moved.clear();
+  for (int i = 0; i < component.bodies; ++i)
+    work.moved.emplace_back(island.bodies[size_t(component.first_body + i)].v_free, island.dt);
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (joint.ours == nullptr) continue;
+    JointAtEnd end(island, joint, component, work.moved, rows);
+    for (int i = 0; i < joint.rows; ++i) {
+      IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!row.start.limit || !row.start.angular || !row.has_position || row.isOfArms() ||
+          row.has_stops_alone || row.law.isFar(end.turn() / island.dt))
+        continue;
+      Row found;
+      if (!end.isBeyondTurned(row, found)) continue;
+      found.position = row.start.position;
+      row.start = found;
+      row.J = jacobianOf(found, row.sign);
+      row.K = island.inverseMass(joint, row.J, row.J);
+      row.root_K = std::sqrt(row.K);
+    }
+  }
 }
 
 void measureAtStart(const Island& island, const Component& component, const Vector6d* v,

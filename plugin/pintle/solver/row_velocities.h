@@ -20,6 +20,9 @@ void measureAtEnd(const Island& island, const Component& component,
 void differentiateAtEnd(const Island& island, const Component& component,
                         const std::vector<MovedBody>& moved, const std::vector<char>& which,
                         std::vector<RowJacobian>& J);
+/// Where forces lead beyond a stop whose direction has turned over by then, as at the tip of a flat cone, the stop acts along the
+/// direction there.
+void turnStops(Island& island, const Component& component, Workspace& work);
 /// J v of each row.
 void measureAtStart(const Island& island, const Component& component, const Vector6d* v,
                     std::vector<double>& u);
