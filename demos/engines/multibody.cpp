@@ -68,6 +68,7 @@ class MultiBodyEngine : public Engine {
   ~MultiBodyEngine() override {
     for (const auto& constraint : constraints_) world_.removeMultiBodyConstraint(constraint.get());
     for (const auto& collider : colliders_) world_.removeCollisionObject(collider.get());
+    for (const auto& body : statics_) world_.removeCollisionObject(body.get());
     world_.removeMultiBody(&tree_);
   }
 
@@ -104,8 +105,15 @@ class MultiBodyEngine : public Engine {
     if (!colliders_.empty()) return;
     for (size_t body = 0; body < links_.size(); ++body) {
       const int link = links_[body];
-      if (link == base) continue;
+      if (body == 0) continue;
       shapes_.push_back(scenes::make_shape(scene_.bodies[body]));
+      if (link == base) {
+        statics_.push_back(std::make_unique<btCollisionObject>());
+        statics_.back()->setCollisionShape(shapes_.back().get());
+        statics_.back()->setWorldTransform(to_bullet(scene_.bodies[body].pose));
+        world_.addCollisionObject(statics_.back().get(), 0, 0);
+        continue;
+      }
       colliders_.push_back(std::make_unique<btMultiBodyLinkCollider>(&tree_, link));
       colliders_.back()->setCollisionShape(shapes_.back().get());
       tree_.getLink(link).m_collider = colliders_.back().get();
@@ -199,6 +207,7 @@ class MultiBodyEngine : public Engine {
   const std::vector<int> links_;  // of each body
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders_;
+  std::vector<std::unique_ptr<btCollisionObject>> statics_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -165,9 +166,10 @@ void write(const Options& options, std::vector<Scene> scenes) {
 
 int main(int argc, char** argv) {
   const std::vector<Scene> all = gallery();
-  std::vector<std::string> names, contenders;
+  std::vector<std::string> names;
+  std::set<std::string> contenders;
   for (const Scene& scene : all) names.push_back(scene.name);
-  for (const Kind& kind : kinds) contenders.push_back(kind.contender);
+  for (const Kind& kind : kinds) contenders.insert(kind.contender);
 
   Options options;
   bool list = false;
