@@ -16,7 +16,7 @@ const writePage = (name, texts) => {
   writeFileSync(`${file}.${name}.html`, head + texts.map((text) => `${open}${text}</script>\n`).join('') + tail);
   return `file://${file}.${name}.html`;
 };
-const few = ['rope_bridge', 'valve', 'chain_heavy', 'limits_of_turns', 'chain'];  // they open sooner than all
+const few = ['rope_bridge', 'valve', 'chain_heavy', 'limits_of_turns', 'bend_rim', 'chain'];  // they open sooner than all
 const small = writePage('few', runs.filter((run) => few.includes(run.scene)).map((run) => JSON.stringify(run)));
 
 const floats = (base64) => {
@@ -147,6 +147,28 @@ test('the plots have the clock as a cursor, and a click goes there', async () =>
   const {time} = await state();
   assert.ok(Math.abs(time - 0.7 * 5) < 0.05, `${time}`);
   assert.ok(Math.abs((await cursor()) - time) < 0.02);
+});
+
+test('what is 0 in all of a run is plotted, what a run has not is left out', async () => {
+  const plotted = async (scene, key, ...panes) => {
+    await page.evaluate((hash) => (location.hash = hash), `#scene=${scene}&time=0.5${panes.map((pane) => `&pane=${pane}`).join('')}`);
+    await page.waitForFunction((name) => window.pintle.state().scene === name, scene);
+    await drawn();
+    return page.locator(`.plot[data-key="${key}"] .value`).evaluateAll((values) => values.map(({title, textContent}) => [title, textContent]));
+  };
+  for (const scene of ['valve', 'limits_of_turns']) {
+    assert.equal(runs.find((run) => run.scene === scene && run.name === 'stock').series.some(({key}) => key === 'total'), false);
+    const change = await plotted(scene, 'change', 'stock', 'pintle', 'exact');
+    assert.deepEqual(change.map(([name]) => name), ['stock', 'pintle', 'exact']);
+    assert.match(change[0][1], /\b0 J$/);
+  }
+  const beyond = await plotted('bend_rim', 'overshoot', 'stock', 'pintle', 'exact');
+  assert.deepEqual(beyond.map(([name]) => name), ['stock', 'pintle', 'exact']);
+  assert.match(beyond[1][1], /\b0°$/);
+  // Pintle's joint holds no direction there, and nobody knows the impulses of Bullet's multibody.
+  assert.deepEqual((await plotted('bend_rim', 'angleOff', 'stock', 'pintle', 'exact')).map(([name]) => name), ['stock']);
+  assert.deepEqual((await plotted('chain_heavy', 'impulse', 'stock', 'multibody')).map(([name]) => name), ['stock']);
+  assert.deepEqual(errors, []);
 });
 
 test('keys play, step, change panes, speed and options', async () => {

@@ -33,13 +33,13 @@ function rows(runs: Run[]): Row[] {
   const names = new Map(runs.flatMap((run) => run.figures.map((figure) => [figure.name, figure.unit])));
   for (const [name, unit] of names) add(name, unit, (run) => run.figure(name)?.value);
   const series = (run: Run, key: string): {mean: number; most: number} | undefined =>
-    statistics(run.open().series.get(key)?.values);
+    runs.some((one) => one.open().series.has(key)) ? statistics(run.open().measured(key)?.values) : undefined;
   add('gap, mean', 'm', (run) => series(run, 'gap')?.mean);
   add('gap, largest', 'm', (run) => series(run, 'gap')?.most);
   add('angle off, largest', 'rad', (run) => series(run, 'angleOff')?.most);
   add('beyond a limit, most', 'rad', (run) => series(run, 'overshoot')?.most);
   add('energy at the end, change', 'J', (run) => {
-    const total = run.open().series.get('total')?.values;
+    const total = run.open().measured('total')?.values;
     return total === undefined ? undefined : total[total.length - 1]! - total[0]!;
   });
   add('impulse of a joint, largest', 'N s', (run) => series(run, 'impulse')?.most);

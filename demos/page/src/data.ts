@@ -220,6 +220,32 @@ export class OpenRun {
     return this.times[this.times.length - 1]!;
   }
 
+  /** A series; at 0, of no unit, where the recording leaves it out for that. Undefined: there is no such number, or it is not known. */
+  measured(key: string): {values: Float32Array; unit: string} | undefined {
+    const series = this.series.get(key);
+    if (series !== undefined || !this.has(key)) return series;
+    return {values: this.times.map((_, frame) => (this.isLost(frame) ? NaN : 0)), unit: ''};
+  }
+
+  private has(key: string): boolean {
+    switch (key) {
+      case 'gap': return this.joints.length > 0;
+      case 'angleOff': return this.joints.some((joint) => joint.align !== 'nothing');
+      case 'overshoot': return this.joints.some((joint) => joint.limits.length > 0);
+      case 'impulse':
+      case 'step': return false;  // that is never 0, but may not have been measured
+      default: return this.bodies.some((body) => body.mass > 0);
+    }
+  }
+
+  private isLost(frame: number): boolean {
+    return this.bodies.some(({pose, track, alive}) => {
+      if (pose !== null || !this.isAlive(alive, frame)) return false;
+      const at = 7 * (track * this.times.length + frame);
+      return !this.poses.subarray(at, at + 7).every(Number.isFinite);
+    });
+  }
+
   /** The last frame at or before a time. */
   frameAt(time: number): number {
     let low = 0, high = this.times.length - 1;

@@ -15,6 +15,8 @@ interface Plot {
   unit: string;
 }
 
+type Column = (number | null | undefined)[];
+
 interface Kind {
   key: string;
   label: string;
@@ -25,13 +27,13 @@ interface Kind {
 
 // Angles in degrees.
 const raw = (key: string) => (run: OpenRun): {values: ArrayLike<number>; unit: string} | undefined => {
-  const series = run.series.get(key);
+  const series = run.measured(key);
   if (series?.unit !== 'rad') return series;
   return {values: series.values.map((value) => (value * 180) / Math.PI), unit: '°'};
 };
 
 const change = (run: OpenRun): {values: ArrayLike<number>; unit: string} | undefined => {
-  const total = run.series.get('total');
+  const total = run.measured('total');
   if (total === undefined) return undefined;
   return {values: total.values.map((value) => value - total.values[0]!), unit: total.unit};
 };
@@ -82,7 +84,7 @@ export class Plots {
   }
 
   private add(kind: Kind, scene: Scene, found: {run: OpenRun; values: ArrayLike<number>; unit: string}[]): void {
-    const unit = found[0]!.unit;
+    const unit = found.find((one) => one.unit !== '')!.unit;
     const legend = make('span', 'legend');
     const head = make('div', 'plot-head', make('h3', '', kind.label), legend);
     const box = make('div', 'plot-box');
@@ -93,14 +95,17 @@ export class Plots {
     // One list of times for all: runs may have frames of their own.
     const times = [...new Set(found.flatMap(({run}) => Array.from(run.times)))].sort((a, b) => a - b);
     const place = new Map(times.map((time, i) => [time, i]));
-    const columns = found.map(({run, values}) => {
-      const column: (number | null | undefined)[] = new Array(times.length).fill(undefined);
+    const columns: Column[] = found.map(({run, values}) => {
+      const column: Column = new Array(times.length).fill(undefined);
       run.times.forEach((time, i) => {
         const value = values[i]!;
         column[place.get(time)!] = !Number.isFinite(value) ? null : kind.log ? Math.max(Math.abs(value), least) : value;
       });
       return column;
     });
+    const range = logRange(columns);
+    // What is less than all that is drawn lies at the lower edge.
+    if (kind.log) for (const column of columns) column.forEach((value, i) => typeof value === 'number' && (column[i] = Math.max(value, range[0])));
     const ink = isDark() ? '#9aa5b1' : '#5c6773', grid = isDark() ? '#2c333c' : '#e4e8ed';
     const font = '11px system-ui, sans-serif';
     const axis: uPlot.Axis = {stroke: ink, font, grid: {stroke: grid, width: 1}, ticks: {stroke: grid, width: 1, size: 3}};
@@ -111,7 +116,7 @@ export class Plots {
       legend: {show: false},
       cursor: {drag: {x: false, y: false}, points: {size: 5}},
       scales: {x: {time: false, range: [times[0]!, Math.max(times[times.length - 1]!, times[0]! + 1e-6)]},
-               y: kind.log ? {distr: 3, range: logRange(columns)} : {}},
+               y: kind.log ? {distr: 3, range} : {}},
       hooks: {draw: [() => this.setTime(this.time)]},  // where its parts are is known then
       axes: [
         {...axis, size: 22, gap: 2, values: (_, splits) => splits.map((value) => `${Number(value.toPrecision(6))}`)},
@@ -178,7 +183,7 @@ function powers(_: uPlot, __: number, low: number, high: number): number[] {
 }
 
 // Whole powers of ten about what there is, but not those of rounding alone.
-function logRange(columns: (number | null | undefined)[][]): [number, number] {
+function logRange(columns: Column[]): [number, number] {
   const all = columns.flat().filter((value): value is number => typeof value === 'number' && value > least);
   if (all.length === 0) return [1e-9, 1];
   all.sort((a, b) => a - b);
