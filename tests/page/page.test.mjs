@@ -286,6 +286,11 @@ test('is read on a phone, in the dark', async () => {
   assert.equal((await state()).panes.length, 2);
   const wide = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(wide <= 390, `${wide} px wide`);
+  const cut = await page.evaluate(() => ['title', 'subtitle'].filter((id) => {
+    const {clientWidth, clientHeight, scrollWidth, scrollHeight} = document.getElementById(id);
+    return clientHeight === 0 || scrollWidth > clientWidth || scrollHeight > clientHeight + 1;
+  }));
+  assert.deepEqual(cut, []);
   await page.screenshot({path: `${pictures}/phone.png`});
   assert.deepEqual(errors, []);
 });

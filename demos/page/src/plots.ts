@@ -120,7 +120,7 @@ export class Plots {
       hooks: {draw: [() => this.setTime(this.time)]},  // where its parts are is known then
       axes: [
         {...axis, size: 22, gap: 2, values: (_, splits) => splits.map((value) => `${Number(value.toPrecision(6))}`)},
-        {...axis, size: 58, gap: 3, space: 24, ...(kind.log ? {splits: powers, filter: (_, splits) => splits} : {}),
+        {...axis, size: axisSize, gap: 3, space: 24, ...(kind.log ? {splits: powers, filter: (_, splits) => splits} : {}),
          values: (_, splits) => splits.map((value) => formatted(value, unit))},
       ],
       series: [{}, ...found.map(({run}) => ({
@@ -171,6 +171,16 @@ function largest(values: ArrayLike<number>): number {
   let most = 0;
   for (let i = 0; i < values.length; ++i) most = Math.max(most, Number.isFinite(values[i]!) ? Math.abs(values[i]!) : 1);
   return most;
+}
+
+// As wide as the labels need; mostly the same, so that the plots are one below the other.
+function axisSize(plot: uPlot, labels: string[] | null, axis: number): number {
+  const usual = 58, besides = 8;  // px; the tick, and what is between it and its label
+  plot.ctx.save();
+  plot.ctx.font = (plot.axes[axis]!.font as unknown as string[])[0]!;  // in pixels of the canvas
+  const widest = Math.max(0, ...(labels ?? []).map((label) => plot.ctx.measureText(label ?? '').width)) / devicePixelRatio;
+  plot.ctx.restore();
+  return Math.max(usual, Math.ceil(widest) + besides);
 }
 
 // Whole powers of ten, at most five.
