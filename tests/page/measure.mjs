@@ -15,6 +15,7 @@ const open = async (file) => {
 const shown = [];
 for (let load = 0; load < 4; ++load) {
   const page = await open(gallery);
+  await page.waitForFunction(() => performance.getEntriesByName('shown').length > 0);
   shown.push(await page.evaluate(() => performance.getEntriesByName('shown')[0].startTime / 1000));
   await page.close();
 }

@@ -57,8 +57,10 @@ class App {
     this.listen();
     this.sayProblems();
     this.follow(true);
-    performance.mark('shown');
-    requestAnimationFrame((now) => this.frame(now));
+    requestAnimationFrame((now) => {
+      this.frame(now);
+      requestAnimationFrame(() => performance.mark('shown'));  // what was drawn is seen now
+    });
   }
 
   private listen(): void {
