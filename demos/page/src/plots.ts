@@ -138,11 +138,12 @@ export class Plots {
       this.seek(plot.posToVal(left, 'x'));
     });
     const values = found.map(({run, values: data}) => {
-      const element = make('span', 'value');
-      element.style.setProperty('--colour', onBackground(colourOf(run.run, scene.runs.indexOf(run.run))));
-      element.classList.toggle('variant', isVariant(run.run));
-      element.title = run.run.name;
-      legend.append(element);
+      const element = make('span', 'number');
+      const entry = make('span', 'value', make('span', 'name', run.run.name.replace(/, (\d+) iterations$/, ' $1')), element);
+      entry.style.setProperty('--colour', onBackground(colourOf(run.run, scene.runs.indexOf(run.run))));
+      entry.classList.toggle('variant', isVariant(run.run));
+      entry.title = run.run.name;
+      legend.append(entry);
       return {element, run, data: data as Float32Array};
     });
     this.plots.push({key: kind.key, element: box, plot, clock, values, unit});
