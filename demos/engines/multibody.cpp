@@ -38,7 +38,7 @@ std::vector<int> links_of(const Scene& scene) {
                holds = joint.kind == Kind::ball || joint.kind == Kind::fixed;
     if (!turns && !slides && !holds) return {};
     if (joint.spring.frequency > 0 || (joint.motor.speed && !turns) ||
-        (joint.range.limited() && holds))
+        (joint.range.limited() && holds) || joint.restitution > 0)
       return {};
     int& link = links[size_t(joint.b)];
     if (link != no_link || links[size_t(joint.a)] == no_link) return {};
