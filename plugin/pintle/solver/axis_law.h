@@ -28,7 +28,7 @@ struct LawPart {
   /// dt c u. Without a damper and a share of the way its impulse is known.
   void foresee(double share) {
     const double left = 1 - (1 - share) * spring_share;
-    if (left > 1e-6) {
+    if (left > 1e-6) {  // of less, rounding would be most
       target /= left;
       softness /= left;
     } else {

@@ -305,7 +305,7 @@ void IslandSolver::beginComponents() {
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
     slot->stretchSprings(m_island, component);
-    turnStops(m_island, component, slot->work);
+    turnStops(m_island, component);
     slot->ledger.begin(m_island, component, m_options.ledger_share);
   }
 }

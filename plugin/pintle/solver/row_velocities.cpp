@@ -81,6 +81,9 @@ class JointAtEnd {
         m_a(bodyOf(island, component, moved, 0)),
         m_b(bodyOf(island, component, moved, 1)),
         m_rows(rows) {}
+  JointAtEnd(const Island& island, const IslandJoint& joint, const MovedBody& a, const MovedBody& b,
+             Rows& rows)
+      : m_joint(joint), m_dt(island.dt), m_a(a), m_b(b), m_rows(rows) {}
 
   double velocityAtStart(const IslandRow& row) const { return row.J.along(m_a.v, m_b.v); }
   double velocity(const IslandRow& row) {
@@ -117,8 +120,6 @@ class JointAtEnd {
     }
     return false;
   }
-  /// rad: the most by which its bodies turn against each other.
-  double turn() const { return m_dt * (m_a.v.tail<3>() - m_b.v.tail<3>()).norm(); }
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
     if (row.isOfArms()) {
@@ -259,23 +260,25 @@ void differentiateAtEnd(const Island& island, const Component& component,
   });
 }
 
-void turnStops(Island& island, const Component& component, Workspace& work) {
+void turnStops(Island& island, const Component& component) {
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows rows(memory);
-  work.moved.clear();
-  for (int i = 0; i < component.bodies; ++i)
-    work.moved.emplace_back(island.bodies[size_t(component.first_body + i)].v_free, island.dt);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     if (joint.ours == nullptr) continue;
-    JointAtEnd end(island, joint, component, work.moved, rows);
+    const auto velocity = [&](int side) -> const Vector6d& {
+      const int body = joint.body[size_t(side)];
+      return body < 0 ? island.unmovedBody(body).v : island.bodies[size_t(body)].v_free;
+    };
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.start.limit || !row.start.angular || !row.has_position || row.isOfArms() ||
-          row.has_stops_alone || row.law.isFar(end.turn() / island.dt))
+          row.has_stops_alone ||
+          row.law.isFar((velocity(0).tail<3>() - velocity(1).tail<3>()).norm()))
         continue;
+      const MovedBody a(velocity(0), island.dt), b(velocity(1), island.dt);
       Row found;
-      if (!end.isBeyondTurned(row, found)) continue;
+      if (!JointAtEnd(island, joint, a, b, rows).isBeyondTurned(row, found)) continue;
       found.position = row.start.position;
       row.start = found;
       row.J = jacobianOf(found, row.sign);

@@ -22,7 +22,7 @@ void differentiateAtEnd(const Island& island, const Component& component,
                         std::vector<RowJacobian>& J);
 /// Where forces lead beyond a stop whose direction has turned over by then, as at the tip of a flat cone, the stop acts along the
 /// direction there.
-void turnStops(Island& island, const Component& component, Workspace& work);
+void turnStops(Island& island, const Component& component);
 /// J v of each row.
 void measureAtStart(const Island& island, const Component& component, const Vector6d* v,
                     std::vector<double>& u);
