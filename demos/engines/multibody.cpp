@@ -78,11 +78,14 @@ class MultiBodyEngine : public Engine {
       motor->setMaxAppliedImpulse(btScalar(joint->motor.max_torque * dt));
     }
   }
-  void step(double dt) override { world_.stepSimulation(btScalar(dt), 0); }
+  void step(double dt) override {
+    world_.stepSimulation(btScalar(dt), 0);
+    looked_ = false;
+  }
   State state(int body) const override {
     const int link = links_[size_t(body)];
     if (link == base) return {scene_.bodies[size_t(body)].pose, Vector3d::Zero(), Vector3d::Zero()};
-    if (link == 0) look();  // bodies are asked for in their order
+    if (!looked_) look();
     const btTransform& pose = tree_.getLink(link).m_cachedWorldTransform;
     State state;
     state.pose.setIdentity();
@@ -195,6 +198,7 @@ class MultiBodyEngine : public Engine {
   }
 
   void look() const {
+    looked_ = true;
     btAlignedObjectArray<btQuaternion> turns;
     btAlignedObjectArray<btVector3> origins;
     tree_.forwardKinematics(turns, origins);
@@ -215,6 +219,7 @@ class MultiBodyEngine : public Engine {
   btMultiBodyDynamicsWorld world_;
   std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;
   std::vector<std::pair<const Joint*, btMultiBodyJointMotor*>> motors_;
+  mutable bool looked_ = false;                               // since the last step
   mutable btMultiBody tree_;                                  // it keeps what is asked for
   mutable btAlignedObjectArray<btVector3> angular_, linear_;  // of each body, in its frame
 };

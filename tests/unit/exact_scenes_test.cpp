@@ -234,9 +234,6 @@ TEST(ExactScenes, LimitsHoldBetterThanWithBullet) {
 
 // --- contacts --------------------------------------------------------------------------------------
 
-// What joints, limits and contacts ask for that cannot be had is not to become motion: neither what rows of a loop
-// lack, nor what the last step's impulses have grown to. Some tangles that once were the wildest of thousands, at 30
-// times the speed of stock's, and others as they come.
 void expectNoWilderThanStocks(const std::vector<unsigned>& seeds,
                               const scenes::SolverFactory& exact) {
   for (const unsigned seed : seeds) {
@@ -253,6 +250,9 @@ void expectNoWilderThanStocks(const std::vector<unsigned>& seeds,
   }
 }
 
+// What joints, limits and contacts ask for that cannot be had is not to become motion: neither what rows of a loop
+// lack, nor what the last step's impulses have grown to. Some tangles that once were the wildest of thousands, at 30
+// times the speed of stock's, and others as they come.
 TEST(ExactScenes, TanglesAreNoWilderThanStocks) {
   std::vector<unsigned> seeds = {292,  569,  1043, 1450, 1503, 1998,
                                  2009, 2023, 2145, 2233, 2774, 3189};

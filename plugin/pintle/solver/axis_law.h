@@ -31,11 +31,11 @@ struct LawPart {
     if (left > 1e-6) {  // of less, rounding would be most
       target /= left;
       softness /= left;
-    } else {
-      lower = upper = std::fmin(std::fmax(target / softness, lower), upper);
-      target = softness = 0;
+      spring_share *= share / left;
+      return;
     }
-    spring_share = left > 1e-6 ? share * spring_share / left : 0;
+    lower = upper = std::fmin(std::fmax(target / softness, lower), upper);
+    target = softness = spring_share = 0;
   }
 
   double at(double u) const {
@@ -82,13 +82,13 @@ class AxisLaw {
     }
     return any;
   }
-  /// Whether no u of that size meets one of its stops.
-  bool isFar(double u) const {
+  /// Whether u is beyond one of its stops.
+  bool isBeyondStop(double u) const {
     for (int i = 0; i < m_parts; ++i)
-      if ((m_part[i].isLowerStop() && -u < m_part[i].target) ||
+      if ((m_part[i].isLowerStop() && u < m_part[i].target) ||
           (m_part[i].isUpperStop() && u > m_part[i].target))
-        return false;
-    return true;
+        return true;
+    return false;
   }
   /// dt^2 k of its springs, N s^2/m.
   double springs() const {

@@ -12,14 +12,18 @@ double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to) 
   return body.product(to - from, to + from) / 2;
 }
 
-void EnergyLedger::begin(const Island& island, const Component& component, double share) {
-  double before = 0;
-  with_forces = 0;
+double kineticEnergy(const Island& island, const Component& component, Vector6d IslandBody::*v) {
+  double sum = 0;
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(i)];
-    before += gainOf(body, Vector6d::Zero(), body.v0);
-    with_forces += gainOf(body, Vector6d::Zero(), body.v_free);
+    sum += gainOf(body, Vector6d::Zero(), body.*v);
   }
+  return sum;
+}
+
+void EnergyLedger::begin(const Island& island, const Component& component, double share) {
+  const double before = kineticEnergy(island, component, &IslandBody::v0);
+  with_forces = kineticEnergy(island, component, &IslandBody::v_free);
   // It is forgotten within a second or so.
   peak = std::fmax(peak * std::fmax(1 - island.dt, 0), before);
   given = std::fmin(given, share * peak);
@@ -54,12 +58,11 @@ double mostWork(double lambda, double u, double K, double energy) {
 // An impulse p that changes velocities from v to v1 works by p . (v + v1) / 2.
 double workFrom(Vector6d IslandBody::*start, const Island& island, const Component& component,
                 const Workspace& end) {
-  double work = 0, energy = 0;
+  double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     const Vector6d& v = end.v[size_t(i)];
     work += body.product(v - body.v_free, v + body.*start) / 2;
-    energy += gainOf(body, Vector6d::Zero(), body.v_free);
   }
   const bool over_forces = start == &IslandBody::v_free;
   for (int c = 0; c < component.joints; ++c) {
@@ -74,7 +77,10 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const double driving = drivingImpulse(row.law, end.pieces[r], end.u[r], end.lambda[r]);
       if (driving != 0 || row.rebound_energy > 0) {
         const double u = row.J.along(mean(0), mean(1));
-        work -= (over_forces ? mostWork(driving, end.u[r], row.K, energy) : driving * u) +
+        work -= (over_forces && driving != 0
+                     ? mostWork(driving, end.u[r], row.K,
+                                kineticEnergy(island, component, &IslandBody::v_free))
+                     : driving * u) +
                 std::fmin(row.rebound_energy, std::fmax(0, (end.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.

@@ -24,6 +24,8 @@ struct EnergyLedger {
 
 /// J: kinetic energy from one velocity to another.
 double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to);
+/// J: of all bodies at v0 or v_free.
+double kineticEnergy(const Island& island, const Component& component, Vector6d IslandBody::*v);
 /// J: what joints gave in the step, without motors, springs and friction: all that bodies have gained but by their forces.
 double workOfJoints(const Island& island, const Component& component, const Workspace& end);
 /// The same where contacts act, too: of the impulses of joints alone.

@@ -210,6 +210,9 @@ struct Island {
         K += bodies[size_t(body)].inverseMass(J_1, J_2, side);
     return K;
   }
+  const Vector6d& velocity(int body, Vector6d IslandBody::*v) const {
+    return body < 0 ? unmovedBody(body).v : bodies[size_t(body)].*v;
+  }
   const MovedBody& unmovedBody(int body) const { return unmoved_bodies[size_t(unmoved(body))]; }
 };
 

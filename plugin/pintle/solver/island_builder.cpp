@@ -164,10 +164,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
 
 double IslandBuilder::velocityAlong(const IslandJoint& of, const RowJacobian& J,
                                     Vector6d IslandBody::*v) const {
-  const auto velocity = [&](int body) -> const Vector6d& {
-    return body < 0 ? m_island.unmovedBody(body).v : m_island.bodies[size_t(body)].*v;
-  };
-  return J.along(velocity(of.body[0]), velocity(of.body[1]));
+  return J.along(m_island.velocity(of.body[0], v), m_island.velocity(of.body[1], v));
 }
 
 void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const {
@@ -347,8 +344,7 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   }
   if (count < 2) return;
   const auto turnOf = [&](int body) -> Vector3d {
-    return (body < 0 ? m_island.unmovedBody(body).v : m_island.bodies[size_t(body)].v_free)
-        .tail<3>();
+    return m_island.velocity(body, &IslandBody::v_free).tail<3>();
   };
   findTurn(turns, count, turnOf(joint.body[0]), turnOf(joint.body[1]));
 }

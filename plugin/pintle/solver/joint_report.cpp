@@ -32,9 +32,6 @@ bool breakOverloaded(Island& island, const Component& component, const Workspace
 }
 
 void report(const Island& island, const Component& component, const Workspace& end) {
-  double energy = 0;  // J: no stop takes more
-  for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
-    energy += gainOf(island.bodies[size_t(i)], Vector6d::Zero(), island.bodies[size_t(i)].v_free);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     btTypedConstraint& constraint = *joint.constraint;
@@ -73,13 +70,13 @@ void report(const Island& island, const Component& component, const Workspace& e
         constraint.internalSetAppliedImpulse(Scalar(-row.sign) * state.impulse[size_t(last)]);
       if (state.impulse[Axis::limit] == 0)
         state.incoming = 0;  // it was not met
-      else if (state.incoming > 0)
+      else if (state.incoming > 0) {
+        const double u = row.J.along(meanVelocity(island, joint, 0, component, end),
+                                     meanVelocity(island, joint, 1, component, end)),
+                     most = kineticEnergy(island, component, &IslandBody::v_free);  // J
         state.taken =
-            btMax(Scalar(0),
-                  btMin(Scalar(energy),
-                        -state.impulse[Axis::limit] *
-                            Scalar(row.J.along(meanVelocity(island, joint, 0, component, end),
-                                               meanVelocity(island, joint, 1, component, end)))));
+            btMax(Scalar(0), btMin(Scalar(most), -state.impulse[Axis::limit] * Scalar(u)));
+      }
     }
   }
 }

@@ -112,13 +112,7 @@ class JointAtEnd {
     const int at = findAxis(row.start, m_rows);
     if (at < 0) return false;
     found = m_rows[at];
-    const double u = (double(found.position) - double(row.start.position)) / m_dt;
-    for (int i = 0; i < row.law.parts(); ++i) {
-      const LawPart& part = row.law.part(i);
-      if ((part.isLowerStop() && u < part.target) || (part.isUpperStop() && u > part.target))
-        return true;
-    }
-    return false;
+    return row.law.isBeyondStop((double(found.position) - double(row.start.position)) / m_dt);
   }
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
@@ -266,17 +260,15 @@ void turnStops(Island& island, const Component& component) {
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     if (joint.ours == nullptr) continue;
-    const auto velocity = [&](int side) -> const Vector6d& {
-      const int body = joint.body[size_t(side)];
-      return body < 0 ? island.unmovedBody(body).v : island.bodies[size_t(body)].v_free;
-    };
+    const Vector6d &v_a = island.velocity(joint.body[0], &IslandBody::v_free),
+                   &v_b = island.velocity(joint.body[1], &IslandBody::v_free);
+    const double turn = (v_a.tail<3>() - v_b.tail<3>()).norm();  // rad/s
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.start.limit || !row.start.angular || !row.has_position || row.isOfArms() ||
-          row.has_stops_alone ||
-          row.law.isFar((velocity(0).tail<3>() - velocity(1).tail<3>()).norm()))
+          row.has_stops_alone || !(row.law.isBeyondStop(-turn) || row.law.isBeyondStop(turn)))
         continue;
-      const MovedBody a(velocity(0), island.dt), b(velocity(1), island.dt);
+      const MovedBody a(v_a, island.dt), b(v_b, island.dt);
       Row found;
       if (!JointAtEnd(island, joint, a, b, rows).isBeyondTurned(row, found)) continue;
       found.position = row.start.position;
