@@ -37,8 +37,9 @@ set(DOXYGEN_GENERATE_LATEX NO)
 set(DOXYGEN_GENERATE_TREEVIEW YES)
 set(DOXYGEN_QUIET YES)
 set(DOXYGEN_WARN_AS_ERROR FAIL_ON_WARNINGS)
+list(TRANSFORM PINTLE_SOLVER_HEADERS PREPEND "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/" OUTPUT_VARIABLE pintle_solver_headers)
 doxygen_add_docs(docs
   "${PROJECT_SOURCE_DIR}/README.md" "${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${PROJECT_SOURCE_DIR}/plugin/docs"
   "${PROJECT_SOURCE_DIR}/plugin/pintle/pintle.h" "${PROJECT_SOURCE_DIR}/plugin/pintle/fwd.h" "${PROJECT_SOURCE_DIR}/plugin/pintle/record.h"
-  "${PROJECT_SOURCE_DIR}/plugin/pintle/joints" "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/exact_joint_solver.h"
+  "${PROJECT_SOURCE_DIR}/plugin/pintle/joints" ${pintle_solver_headers}
   COMMENT "Documentation: ${PROJECT_BINARY_DIR}/site/html/index.html")

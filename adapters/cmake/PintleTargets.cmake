@@ -3,6 +3,10 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
+# The public headers of the solver.
+set(PINTLE_SOLVER_HEADERS exact_joint_solver.h exact_multi_body_joint_solver.h joint_solver.h solver_options.h step_log.h
+  step_report.h uses_exact_solver.h)
+
 # Warnings are private: what includes or links Pintle keeps its own.
 function(pintle_set_warnings target)
   if(NOT MSVC)
@@ -73,7 +77,6 @@ function(pintle_add_library precision wanted)
   pintle_compile_library(${target}_solver ${precision})
   target_compile_options(${target}_solver PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-ftree-slp-vectorize>")
   set_target_properties(${target}_solver PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 9)
-  set_source_files_properties("${PROJECT_SOURCE_DIR}/plugin/pintle/solver/joint_system.cpp" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   pintle_set_warnings(${target}_solver -Wconversion)
   target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_solver>)
   pintle_set_warnings(${target} -Wconversion)
@@ -92,13 +95,14 @@ function(pintle_install)
   endforeach()
   # The public headers, and what pintle/extend.h needs: neither the solver's own, nor those of the joints' .cpp files.
   install(DIRECTORY adapters/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
-    PATTERN joint_rows.h EXCLUDE PATTERN prefetch.h EXCLUDE PATTERN row_writer.h EXCLUDE PATTERN solver_body.h EXCLUDE)
+    PATTERN joint_rows.h EXCLUDE PATTERN row_writer.h EXCLUDE PATTERN solver_body.h EXCLUDE)
   install(DIRECTORY plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
     PATTERN solver EXCLUDE PATTERN record EXCLUDE
     PATTERN axis_part.h EXCLUDE PATTERN block.h EXCLUDE
     PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN joint_passes.h EXCLUDE PATTERN single_row.h EXCLUDE
     PATTERN turning.h EXCLUDE)
-  install(FILES plugin/pintle/solver/exact_joint_solver.h DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/pintle/solver")
+  list(TRANSFORM PINTLE_SOLVER_HEADERS PREPEND "plugin/pintle/solver/" OUTPUT_VARIABLE solver)
+  install(FILES ${solver} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/pintle/solver")
   # Made with Node (demos/page): where there is none, a program names its own.
   install(FILES "${PROJECT_BINARY_DIR}/page/pintle_page.html" DESTINATION "${CMAKE_INSTALL_DATADIR}/pintle" OPTIONAL)
   set(version_file "${PROJECT_BINARY_DIR}/pintle-config-version.cmake")

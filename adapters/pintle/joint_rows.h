@@ -1,4 +1,4 @@
-// Purpose: the rows of any joint, called as Bullet's solver calls it, and prepared as Bullet's iteration needs them.
+// Purpose: the rows of any joint, called as Bullet's solver calls it.
 #pragma once
 
 #include <pintle/precision.h>
@@ -78,28 +78,6 @@ inline void completeTargets(btSolverConstraint* rows, int count, const btTypedCo
                row.m_relpos2CrossNormal.dot(rb_b.getAngularVelocity());
     row.m_rhs += known - damping * whole;
   }
-}
-
-/// 1 / (J M^-1 J^T) as Bullet has it, without the bodies' factors; 0: nobody can move.
-inline Scalar inverseK(const btSolverConstraint& row, const btTypedConstraint& joint) {
-  const auto part = [](const btRigidBody& body, const btVector3& L, const btVector3& A) {
-    return body.getInvMass() * L.length2() + A.dot(body.getInvInertiaTensorWorld() * A);
-  };
-  const Scalar K = part(joint.getRigidBodyA(), row.m_contactNormal1, row.m_relpos1CrossNormal) +
-                   part(joint.getRigidBodyB(), row.m_contactNormal2, row.m_relpos2CrossNormal);
-  return K > SIMD_EPSILON ? 1 / K : Scalar(0);
-}
-
-/// Prepares a row for Bullet's iteration. m_rhs becomes the impulse that alone brings the row to its target.
-inline void prepareToIterate(btSolverConstraint& row, const btTypedConstraint& joint,
-                             const btSolverBody& a, const btSolverBody& b) {
-  const auto turned = [](const btRigidBody& body, const btVector3& A) {
-    return body.getInvInertiaTensorWorld() * A * body.getAngularFactor();
-  };
-  row.m_angularComponentA = turned(joint.getRigidBodyA(), row.m_relpos1CrossNormal);
-  row.m_angularComponentB = turned(joint.getRigidBodyB(), row.m_relpos2CrossNormal);
-  row.m_jacDiagABInv = inverseK(row, joint);
-  row.m_rhs = (row.m_rhs - velocity(row, a, b)) * row.m_jacDiagABInv;
 }
 
 }  // namespace PINTLE_PRECISION

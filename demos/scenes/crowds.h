@@ -19,7 +19,7 @@ Scene vehicles_scene(int count = 20);
 // A square net of plates, each tied to its neighbours by a ball joint, falls on a ball that stays.
 Scene net_scene(int size = 15);
 // Planks hang between two banks, and a load of so many planks' mass is dropped on the middle.
-Scene loaded_bridge_scene(int planks = 100, double ratio = 1000);
+Scene loaded_bridge_scene(int planks = 100, double ratio = 100);
 // A closed track around two wheels, of which one is driven. Its first link is the probe's.
 Scene track_scene(int links = 200);
 

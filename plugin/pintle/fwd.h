@@ -1,4 +1,4 @@
-// Purpose: the names of all joints, for headers that only point to them.
+// Purpose: the names of all joints and solvers, for headers that only point to them.
 #pragma once
 
 #include <pintle/precision.h>
@@ -33,6 +33,10 @@ class SingleRowLock;
 
 // solver/
 class ExactJointSolver;
+class ExactMultiBodyJointSolver;
+struct SolverOptions;
+class StepLog;
+struct StepReport;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

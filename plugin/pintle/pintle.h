@@ -1,5 +1,5 @@
 // Purpose: all joints. Each has a header of its own, too: nobody need pay for those that he does not use. The exact
-// solver (solver/exact_joint_solver.h) and the joints that are there for comparison (unstable/) are not here.
+// solvers (solver/exact_joint_solver.h) and the joints that are there for comparison (unstable/) are not here.
 #pragma once
 
 #include <pintle/joints/angular_limit.h>

@@ -340,7 +340,7 @@ void crowd() {
     const char *name, *title;
     scenes::Scene scene;
   } all[] = {{"ragdolls", "pile of 50 ragdolls", scenes::ragdoll_pile_scene()},
-             {"bridge", "bridge of 100 planks, a load of 1000 planks dropped on it",
+             {"bridge", "bridge of 100 planks, a load of 100 planks dropped on it",
               scenes::loaded_bridge_scene()},
              {"track", "closed track of 200 links around two wheels", scenes::track_scene()}};
   for (const auto& [name, title, scene] : all) {

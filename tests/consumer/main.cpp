@@ -15,6 +15,7 @@ static_assert(std::is_same<btScalar, double>::value == bool(EXPECT_DOUBLE),
               "Pintle's target brings Bullet's precision along");
 
 bool can_record(btDynamicsWorld& world);  // record.cpp
+bool can_solve_exactly();                 // exact.cpp
 
 // A motor turns a door for one second.
 int main() {
@@ -49,5 +50,8 @@ int main() {
   world.removeRigidBody(&frame);
 
   std::printf("turned by %g rad\n", double(angle));
-  return records && btFabs(angle) > btScalar(0.5) && btFabs(angle) < btScalar(1.5) ? 0 : 1;
+  return records && can_solve_exactly() && btFabs(angle) > btScalar(0.5) &&
+                 btFabs(angle) < btScalar(1.5)
+             ? 0
+             : 1;
 }

@@ -108,6 +108,7 @@ TEST(ExactCrowds, RagdollsHold) {
   EXPECT_GT(ours.lowest, 0);
 }
 
+// A load of 100 times a plank's mass. One of 1000 times is too much for the contacts' iterations: it sinks through the planks.
 TEST(ExactCrowds, BridgeBearsWhatItsPlanksDoNot) {
   const scenes::Scene bridge = scenes::loaded_bridge_scene();
   const auto stock = run(bridge, 5, make_stock_joint),

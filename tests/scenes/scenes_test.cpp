@@ -2,7 +2,7 @@
 #include <engines/bullet.h>
 #include <gtest/gtest.h>
 #include <measures/run.h>
-#include <pintle/solver/passive_joint_solver.h>
+#include <pintle/solver/exact_joint_solver.h>
 #include <reference/integrator.h>
 #include <scenes/catalog.h>
 
@@ -131,11 +131,11 @@ TEST(ExactLimits, HoldWithoutIterations) {
 }
 
 /// A stop whose direction turns over in a step, as at the tip of a flat cone, holds; and springs neither gain nor lose.
-TEST(PassiveSolver, LeavesLittleAtTipsAndSprings) {
+TEST(ExactJointSolver, LeavesLittleAtTipsAndSprings) {
   const auto left = [](const char* name, measures::Error error) {
     const Scene scene = named(name);
     const auto engine = engines::make_bullet(scene, 10, engines::make_conditioned_joint, [] {
-      return std::make_unique<pintle::PassiveJointSolver>();
+      return std::make_unique<pintle::ExactJointSolver>();
     });
     return measures::run(scene, *engine, 1. / 60)[error];
   };
@@ -168,7 +168,7 @@ TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
                             steps = measures::run(scene, *reference::make_bullet_steps(scene), dt);
     EXPECT_LT(steps[measures::Error::gap], 1e-9);
     for (const measures::Error error : {measures::Error::trajectory, measures::Error::energy})
-      EXPECT_NEAR(exact[error], steps[error], 0.05 * steps[error]) << name(error);
+      EXPECT_NEAR(exact[error], steps[error], 0.06 * steps[error]) << name(error);
   }
 }
 

@@ -31,9 +31,7 @@ class OneRow : public pintle::FrameJoint {
     const Vec3 d = at.x_b() - at.x_a() - from(m_b.getOrigin() - m_a.getOrigin());
     const Scalar moved =
         m_J.L.dot(d) - m_J.A_a.dot(turn(m_a, at.R_a())) + m_J.A_b.dot(turn(m_b, at.R_b()));
-    // (What ExactJointSolver finds at the end of the step it would correct, too.)
-    const bool stands = onExactSolver() && !onPassiveSolver();
-    rows.addEquality(m_J.L, m_J.A_a, m_J.A_b, stands ? m_C : m_C + moved);
+    rows.addEquality(m_J.L, m_J.A_a, m_J.A_b, m_C + moved);
   }
   /// C where the bodies are.
   Scalar error() const {
@@ -90,9 +88,9 @@ class BulletNumbers : public testing::TestWithParam<unsigned> {
   }
 
   const double h = 1.0 / 60;
-  // Of the passive solver, 1e-9 m in a step.
-  const double rounding = onPassiveSolver() ? (support::is_double ? 1e-7 : 1e-4)
-                                            : 100 * double(std::numeric_limits<Scalar>::epsilon());
+  // Of the exact solver, 1e-9 m in a step.
+  const double rounding = onExactSolver() ? (support::is_double ? 1e-7 : 1e-4)
+                                          : 100 * double(std::numeric_limits<Scalar>::epsilon());
   Random m_random;
   scenes::World world{0, 200};
   btRigidBody& a = world.add_box(2, vec(0.5, 0.3, 0.2), m_random.pose(1));
@@ -111,16 +109,14 @@ TEST_P(BulletNumbers, ARigidRowsImpulseIsTheDocuments) {
     row.soften(erp, 0);
     row.enableFeedback(true);
     world.step(h);
-    // The passive solver moves poses instead.
+    // The exact solver moves poses instead.
     const Scalar bias =
-        onPassiveSolver() ? Scalar(0) : equations::baumgarte(scalar(C), erp, scalar(h));
+        onExactSolver() ? Scalar(0) : equations::baumgarte(scalar(C), erp, scalar(h));
     const Scalar lambda = equations::impulse(K, Jv, bias);
     expectImpulse(lambda, rounding);
     EXPECT_NEAR(double(-row.getAppliedImpulse()), double(lambda),
                 rounding * (1 + std::abs(double(lambda))));
-    if (!onExactSolver() || onPassiveSolver()) {
-      EXPECT_NEAR(double(row.error()), (1 - double(erp)) * C, rounding);
-    }
+    EXPECT_NEAR(double(row.error()), (1 - double(erp)) * C, rounding);
     // What the next one starts from.
     row.setEnabled(false);
     before = {from(a.getLinearVelocity()), from(a.getAngularVelocity()),
@@ -134,7 +130,7 @@ TEST_P(BulletNumbers, ARigidRowsImpulseIsTheDocuments) {
 
 // (2.13) with gamma and beta of (2.9): Bullet's erp is beta, its cfm gamma / (dt K).
 TEST_P(BulletNumbers, ASoftRowsImpulseIsTheDocuments) {
-  PINTLE_SKIP_ON_PASSIVE_SOLVER("a spring starts without tension wherever it is");
+  PINTLE_SKIP_ON_EXACT_SOLVER("a spring starts without tension wherever it is");
   const Scalar C = scalar(0.2), dt = scalar(h);
   // Stiff enough for Bullet's iteration to converge: cfm = 1 / (dt (dt k + d) K).
   const Scalar k = 20 / (K * dt * dt), d = 5 / (K * dt);

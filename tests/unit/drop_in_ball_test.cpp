@@ -204,7 +204,7 @@ TEST(DropInBall, FeedbackIsStocks) {
 
 TEST(DropInBall, ImpulseClampBoundsTheForceAsStocks) {
   for (const double clamp : {0.05, 0.5}) {
-    // The same bounds in the same world axes, of a fresh joint: the residual of 100 iterations. (On the passive solver the rows that
+    // The same bounds in the same world axes, of a fresh joint: the residual of 100 iterations. (On the exact solver the rows that
     // are not at a bound hold at the end of the step.)
     expectSameOnEverySide(
         [clamp](auto& rig) {
@@ -228,7 +228,7 @@ TEST(DropInBall, ImpulseClampBoundsTheForceAsStocks) {
           rig.ball().setJointFeedback(nullptr);
           return first;
         },
-        onPassiveSolver() ? 0.15 : 2e-3);
+        onExactSolver() ? 0.15 : 2e-3);
   }
 }
 
@@ -243,8 +243,8 @@ TEST(DropInBall, DampingTakesAwayAsMuchVelocityAsStocks) {
           return std::vector<btVector3>{rig.free().getLinearVelocity(),
                                         rig.free().getAngularVelocity()};
         },
-        // Some m/s: the residual of 100 iterations. (The passive solver takes it from the mean velocity of the step.)
-        onPassiveSolver() ? 0.1 : 1e-3);
+        // Some m/s: the residual of 100 iterations. (The exact solver takes it from the mean velocity of the step.)
+        onExactSolver() ? 0.1 : 1e-3);
   }
 }
 

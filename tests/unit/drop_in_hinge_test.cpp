@@ -604,7 +604,7 @@ std::vector<State> course(Rig<Hinge>& rig, int steps) {
     rig.step();
     const double by = std::remainder(rig.angle() - before, 2 * pi);
     // Where velocities close nothing, as fast as poses move.
-    states.push_back({rig.angle(), onPassiveSolver() ? 60 * by : rig.rate()});
+    states.push_back({rig.angle(), onExactSolver() ? 60 * by : rig.rate()});
   }
   return states;
 }

@@ -5,7 +5,6 @@
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/universal_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
-#include <pintle/solver/passive_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <gtest/gtest.h>
@@ -36,9 +35,9 @@ scenes::ChainSettings chain(int links, double ratio, double dt, bool exact = tru
 TEST(ExactScenes, ChainsHold) {
   EXPECT_LE(scenes::chain<pintle::QuaternionHinge>(chain(10, 100, 1. / 60)).mean_gap, 1e-4);
   EXPECT_LE(scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 60)).mean_gap, 1e-3);
-  // In single precision a position of 100 m has digits of 8e-6 m.
+  // In single precision a position of 100 m has digits of 8e-6 m, and a gap is of two of them.
   EXPECT_LE(scenes::chain<pintle::QuaternionHinge>(chain(100, 1000, 1. / 240)).mean_gap,
-            is_double ? 1e-6 : 1e-5);
+            is_double ? 1e-6 : 1.6e-5);
 }
 
 TEST(ExactScenes, ChainsOfBulletsHingesHold) {
@@ -118,7 +117,7 @@ TEST(ExactScenes, ViolentMotionNeverDiverges) {
 }
 
 // The tip whips round by 0.65 rad in a step of 1/60 s, of which Bullet goes the chord: that gives the chain 3.7 % of
-// its energy, unless it is made up for. Half the step, a third of the error.
+// its energy, unless it is made up for. Half the step, less than half of the error.
 TEST(ExactScenes, WhatWhipsKeepsItsEnergy) {
   const double at_60 =
       scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 60)).in_step_energy_error;
@@ -126,9 +125,9 @@ TEST(ExactScenes, WhatWhipsKeepsItsEnergy) {
       scenes::chain<pintle::QuaternionHinge>(chain(10, 1, 1. / 120)).in_step_energy_error;
   const double stock =
       scenes::chain<btHingeConstraint>(chain(10, 1, 1. / 60, false)).in_step_energy_error;
-  EXPECT_LE(at_60, 0.01);
+  EXPECT_LE(at_60, 0.004);
   EXPECT_LT(at_60, stock / 30);
-  EXPECT_LT(at_120, at_60 / 3);
+  EXPECT_LT(at_120, at_60 / 2);
 }
 
 // A double pendulum falls from level and whirls, at up to 0.27 rad a step, for half an hour. What ends of steps
@@ -173,24 +172,25 @@ TEST_P(Extreme, ChainHolds) {
   EXPECT_LE(r.energy_gain, 0.01);
 }
 
-// Where it swings to in 5 s, against steps so short that half of them change that by no more than a few millimetres.
-// At a ratio of 10^4 rounding decides between two ends a centimetre apart: in single precision, the one of most of five.
+// Where it swings to in 5 s, against steps of 1/1000 s or so. Bullet's velocities are those of the middle of a step, and a start is
+// not: all motion, that of a body that falls freely, too, is half a step ahead (0.1 m at the tip's 12 m/s). Beside that it is where
+// short steps lead.
 TEST_P(Extreme, ChainEndsWhereShortStepsLead) {
-  const auto tip = [](double rate) {
-    return scenes::chain<pintle::QuaternionHinge>(chain(10, GetParam(), 1 / rate)).tip;
+  const auto tip = [](double rate, double ahead) {
+    auto settings = chain(10, GetParam(), 1 / rate);
+    settings.seconds = 5 + ahead;
+    return scenes::chain<pintle::QuaternionHinge>(settings).tip;
   };
-  const Eigen::Vector3d at_60 = tip(60);
+  const double rate = 60;
+  const Eigen::Vector3d end = tip(rate, 0);
   std::vector<double> distances;
-  for (const double rate : {990., 995., 1000., 1005., 1010.})
-    distances.push_back((at_60 - tip(rate)).norm());
-  if (is_double || GetParam() != 1e4) {
-    EXPECT_LT(distances[2], 0.1);  // at 1000 Hz
-  }
+  for (const double short_steps : {990., 995., 1000., 1005., 1010.})
+    distances.push_back((end - tip(short_steps, 0.5 / rate - 0.5 / short_steps)).norm());
   std::sort(distances.begin(), distances.end());
-  EXPECT_LT(distances[2], 0.1);
+  EXPECT_LT(distances[2], GetParam() < 1e3 ? 0.1 : 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Ratios, Extreme, testing::Values(1e3, 1e4, 1e5, 1e6));
+INSTANTIATE_TEST_SUITE_P(Ratios, Extreme, testing::Values(1e2, 1e3, 1e4, 1e5, 1e6));
 
 TEST(ExactScenes, LongExtremeChainHolds) {
   const auto r = scenes::chain<pintle::QuaternionHinge>(chain(100, 1e4, 1. / 60));
@@ -257,10 +257,9 @@ TEST(ExactScenes, TanglesAreNoWilderThanStocks) {
   std::vector<unsigned> seeds = {292,  569,  1043, 1450, 1503, 1998,
                                  2009, 2023, 2145, 2233, 2774, 3189};
   for (unsigned seed = 0; seed < 30; ++seed) seeds.push_back(seed);
-  expectNoWilderThanStocks(seeds, [] { return std::make_unique<pintle::ExactJointSolver>(); });
   // There stops that contradict each other, or contacts on all sides, once gave back what nobody had brought.
   for (unsigned seed = 220; seed < 240; ++seed) seeds.push_back(seed);
-  expectNoWilderThanStocks(seeds, [] { return std::make_unique<pintle::PassiveJointSolver>(); });
+  expectNoWilderThanStocks(seeds, [] { return std::make_unique<pintle::ExactJointSolver>(); });
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // What a step did, the options of the solver, and its log.
 #include <pintle/joints/ball_joint.h>
-#include <pintle/solver/passive_joint_solver.h>
+#include <pintle/solver/exact_joint_solver.h>
 #include <pintle/solver/step_log.h>
 
 #include <btBulletDynamicsCommon.h>
@@ -40,7 +40,7 @@ struct Pendulum {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  pintle::PassiveJointSolver solver;
+  pintle::ExactJointSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   btBoxShape shape{vec(0.1, 0.1, 0.1)};
   btRigidBody body{2, nullptr, &shape, vec(0.02, 0.02, 0.02)};
@@ -84,7 +84,7 @@ TEST(LastStep, IsOfNothingWhereAllSleep) {
 }
 
 void expectRejected(const pintle::SolverOptions& options, const std::string& with) {
-  pintle::PassiveJointSolver solver;
+  pintle::ExactJointSolver solver;
   try {
     solver.setOptions(options);
     ADD_FAILURE() << with;
@@ -99,7 +99,7 @@ void expectRejected(const pintle::SolverOptions& options, const std::string& wit
 TEST(SolverOptions, AreChecked) {
   pintle::SolverOptions options;
   options.ledger_share = 0.05;
-  pintle::PassiveJointSolver solver;
+  pintle::ExactJointSolver solver;
   solver.setOptions(options);
   EXPECT_EQ(solver.options().ledger_share, 0.05);
   options = {};

@@ -2,7 +2,7 @@
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/solver/exact_multi_body_joint_solver.h>
-#include <pintle/solver/passive_joint_solver.h>
+#include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -276,7 +276,7 @@ void solveOnThreads(btAlignedObjectArray<Islands::Island*>* islands,
 
 std::vector<btConstraintSolver*> solvers(int count) {
   std::vector<btConstraintSolver*> all;
-  for (int i = 0; i < count; ++i) all.push_back(new pintle::PassiveJointSolver);
+  for (int i = 0; i < count; ++i) all.push_back(new pintle::ExactJointSolver);
   return all;
 }
 
@@ -376,7 +376,7 @@ Cable playCable(btDiscreteDynamicsWorld& world) {
 
 TEST(ExactSolverMt, HoldsACableAsInAPlainWorld) {
   Bullet of;
-  pintle::PassiveJointSolver solver;
+  pintle::ExactJointSolver solver;
   btDiscreteDynamicsWorld plain(&of.dispatcher, &of.broadphase, &solver, &of.configuration);
   const Cable there = playCable(plain);
   MtWorld mt(rotating(4));
@@ -393,7 +393,7 @@ TEST(ExactSolverMt, HoldsACableAsInAPlainWorld) {
 TEST(ExactSolverMt, ForgetsWhatIsGone) {
   const std::vector<btConstraintSolver*> all = solvers(3);
   MtWorld of(std::make_unique<Rotating>(all));
-  auto& any = *static_cast<pintle::PassiveJointSolver*>(all[1]);
+  auto& any = *static_cast<pintle::ExactJointSolver*>(all[1]);
   Bodies bodies(of.world);
   for (int i = 0; i < 3; ++i) bodies.addChain(40, vec(0, 3 * i, 0));
   const auto step = [&] {
@@ -414,7 +414,7 @@ TEST(ExactSolverMt, ForgetsWhatIsGone) {
 TEST(UsesExactSolver, PlainWorlds) {
   Bullet of;
   btSequentialImpulseConstraintSolver stock;
-  pintle::PassiveJointSolver exact;
+  pintle::ExactJointSolver exact;
   pintle::ExactMultiBodyJointSolver multi_body;
   btDiscreteDynamicsWorld world(&of.dispatcher, &of.broadphase, &stock, &of.configuration);
   EXPECT_FALSE(pintle::usesExactSolver(world));
@@ -430,7 +430,7 @@ TEST(UsesExactSolver, PlainWorlds) {
 TEST(UsesExactSolver, WorldsOfMultibodies) {
   Bullet of;
   btMultiBodyConstraintSolver stock;
-  pintle::PassiveJointSolver exact;
+  pintle::ExactJointSolver exact;
   pintle::ExactMultiBodyJointSolver multi_body;
   btMultiBodyDynamicsWorld world(&of.dispatcher, &of.broadphase, &stock, &of.configuration);
   EXPECT_FALSE(pintle::usesExactSolver(world));

@@ -289,8 +289,9 @@ TEST(DropInFixed, BreaksInTheStepInWhichStocksDoes) {
         const int stock = stepOfBreaking(Rig<Stock>(static_a), force, torque);
         const int ours = stepOfBreaking(Rig<FixedJoint>(static_a), force, torque);
         EXPECT_GT(stock, 0);
-        // Two free bodies tumble under the load, and stock's joint is stretched by then.
-        EXPECT_NEAR(ours, stock, static_a ? 1 : 2);
+        // Two free bodies tumble under the load, and stock's joint is stretched by then. (The exact solver's is not. Of 30 N that the
+        // spin asks for, steps on both sides of the peak have 29.9 along x; the row along z has them three steps later.)
+        EXPECT_NEAR(ours, stock, static_a ? 1 : onExactSolver() ? 3 : 2);
       }
     }
   }
@@ -391,7 +392,7 @@ TEST(FixedJointPhysics, APairSpinsAsOneBody) {
 }
 
 TEST(FixedJointPhysics, AViolatedPairKeepsItsAngularMomentum) {
-  PINTLE_SKIP_ON_PASSIVE_SOLVER(
+  PINTLE_SKIP_ON_EXACT_SOLVER(
       "bodies that move against each other are brought together by their poses");
   scenes::SpinSettings settings;
   settings.lock = true;

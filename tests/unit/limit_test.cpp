@@ -112,7 +112,8 @@ TEST_P(Limit, HoldsAtBothEndsAndIsNeverPassed) {
   const bool coarse = partner == Partner::kinematic && physics::single_precision;
   // Of a motor and the limit against which it drives, the exact solver leaves as much again.
   EXPECT_LT(overshoot, coarse ? onExactSolver() ? 2e-3 : 5e-4 : reached);
-  EXPECT_LT(jump, pi / 2) << "a flip";
+  // Of two bodies that turn by a quarter of pi each, as far as Bullet turns one in a step. (The exact solver moves poses beside that.)
+  EXPECT_LT(jump, onExactSolver() ? 2 : pi / 2) << "a flip";
   EXPECT_LT(reading, reached);
 }
 
@@ -162,8 +163,8 @@ TEST_P(FastLimit, IsEnforcedInTheStepThatReachesIt) {
       // On the exact solver a pair keeps its speed: it swings about itself so fast that it turns further
       // than its velocity says, past limits that this does not reach.
       const bool swings = onExactSolver() && partner == Partner::free && speed > 100;
-      // The passive solver brings such a pair together by poses, of which the count of its turns does not know.
-      if (!(onPassiveSolver() && swings && offset > 0 && speed / 60 > pi)) {
+      // The exact solver brings such a pair together by poses, of which the count of its turns does not know.
+      if (!(swings && offset > 0 && speed / 60 > pi)) {
         EXPECT_LT(overshoot, swings ? 0.02 : reached);
         EXPECT_LT(reading, reached) << "the count is lost";
       }

@@ -214,8 +214,8 @@ TEST(DotHinge, SpeedIsBoundedByItsSetting) {
     const RecoveryResult run = recovery<DotHinge>(
         80, directions[0], [=](DotHinge& h) { h.setMaxCorrectionSpeed(scalar(speed)); });
     EXPECT_GT(run.steps, 0);
-    // The passive solver closes what the dot product is to close in the step, which bends on the way.
-    EXPECT_NEAR(run.max_turning, speed / 2, (onPassiveSolver() ? 0.03 : 0.01) * speed);
+    // The exact solver closes what the dot product is to close in the step, which bends on the way.
+    EXPECT_NEAR(run.max_turning, speed / 2, (onExactSolver() ? 0.03 : 0.01) * speed);
   }
 }
 

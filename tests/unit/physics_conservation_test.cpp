@@ -152,8 +152,8 @@ TEST_P(Conservation, OfMomentaIsExactAndOfEnergyWithinOnePercent) {
     const Drift ours = GetParam().ours(cubes, 1 / rate), stock = GetParam().stock(cubes, 1 / rate);
     // One rounding a step, if they all go one way.
     const double rounding_error = 10 * rate * double(SIMD_EPSILON);
-    // The passive solver leaves the joint open by less than 1e-9 m, and its impulses that far apart.
-    const double gap = onPassiveSolver() ? physics::rounding(1e-5, 1e-7) : 0;
+    // The exact solver leaves the joint open by less than 1e-9 m, and its impulses that far apart.
+    const double gap = onExactSolver() ? physics::rounding(1e-5, 1e-7) : 0;
     EXPECT_LT(ours.linear, rounding_error);
     EXPECT_LT(ours.angular, rounding_error + gap);
     EXPECT_GT(stock.angular, rounding_error) << "the pair does not show what a joint does";
@@ -215,7 +215,7 @@ constexpr auto document = [](auto& joint) {
 };
 
 TEST(ViolatedJoint, ConservesAngularMomentumInEachStep) {
-  PINTLE_SKIP_ON_PASSIVE_SOLVER(
+  PINTLE_SKIP_ON_EXACT_SOLVER(
       "bodies that move against each other are brought together by their poses");
   const double solver_rounding = 4 * double(SIMD_EPSILON);
   EXPECT_LT(largest_injection<pintle::BallJoint>(scenes::AsConstructed()), solver_rounding);

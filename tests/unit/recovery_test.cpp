@@ -62,7 +62,7 @@ TEST_P(Recovery, IsSoonAndGentleAndForGood) {
   ASSERT_NEAR(ours.start_axis_angle, start.angle, physics::rounding(1e-3, 1e-7));
   ASSERT_GT(stock.steps, 0);
   EXPECT_GT(ours.steps, 0) << "never";
-  EXPECT_LE(ours.steps, onPassiveSolver() ? 44 : 40);
+  EXPECT_LE(ours.steps, onExactSolver() ? 44 : 40);
   EXPECT_LE(ours.steps, stock.steps + 4);
   EXPECT_LE(ours.max_turning, 12);
 }

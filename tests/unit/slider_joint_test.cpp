@@ -676,7 +676,7 @@ TEST(Slider, ALockedAngleIsReachedThroughAllTheTurnsThatItIsOff) {
       rig.joint->setAccumulatedAngularPos(scalar(locked + off));
       double turned = 0, fastest = 0;
       for (int i = 0; i < 600; ++i) {
-        // By poses: the passive solver closes it without velocities.
+        // By poses: the exact solver closes it without velocities.
         const double before = double(rig.joint->getAngularPos());
         rig.step();
         const double by = std::remainder(double(rig.joint->getAngularPos()) - before, 2 * pi);
@@ -822,11 +822,11 @@ Correction correct(pintle::Formulation formulation, bool block, bool turns, bool
            double(body->getLocalInertia().x()) * scenes::to_eigen(body->getAngularVelocity());
       P += v;
     }
-    // Of the passive solver poses say it, which closes it without velocities.
+    // Of the exact solver poses say it, which closes it without velocities.
     const double turn =
         Eigen::AngleAxisd(Eigen::Matrix3d(scenes::rotation(*rig.b) * last.transpose())).angle();
     result.spin = std::max(
-        result.spin, onPassiveSolver() ? turn * 60 : double(rig.b->getAngularVelocity().length()));
+        result.spin, onExactSolver() ? turn * 60 : double(rig.b->getAngularVelocity().length()));
     result.angular = std::max(result.angular, L.norm());
     result.momentum = std::max(result.momentum, P.norm());
   }
@@ -855,7 +855,7 @@ TEST(Slider, CorrectsWithTorqueAndConservesAngularMomentum) {
         const Correction other = correct(formulation, block, turns, false);
         EXPECT_LT(other.left, 0.01);
         EXPECT_LT(other.momentum, nothing);
-        if (document && !turns && !onPassiveSolver()) {
+        if (document && !turns && !onExactSolver()) {
           EXPECT_GT(other.angular, 10 * nothing);
         } else {
           EXPECT_LT(other.angular, nothing);

@@ -1,9 +1,8 @@
-// With PINTLE_TEST_SOLVER=exact, or passive, the tests' worlds have that solver, unless they name another one.
+// With PINTLE_TEST_SOLVER=exact the tests' worlds have that solver, unless they name another one.
 #include "solver_of_tests.h"
 
 #include <pintle/joints/joint.h>
 #include <pintle/solver/exact_joint_solver.h>
-#include <pintle/solver/passive_joint_solver.h>
 #include <scenes/world.h>
 
 #include <algorithm>
@@ -38,14 +37,7 @@ class SolverOfTests : public testing::Environment {
     const char* const name = std::getenv(variable);
     ASSERT_TRUE(name == nullptr || onExactSolver()) << variable << "=" << name;
     if (!onExactSolver()) return;
-    if (std::string(name) == "exact")
-      scenes::default_solver() = [] {
-        return std::make_unique<ForOurs<pintle::ExactJointSolver>>();
-      };
-    else
-      scenes::default_solver() = [] {
-        return std::make_unique<ForOurs<pintle::PassiveJointSolver>>();
-      };
+    scenes::default_solver() = [] { return std::make_unique<ForOurs<pintle::ExactJointSolver>>(); };
   }
 };
 [[maybe_unused]] const auto* const environment =
@@ -55,10 +47,5 @@ class SolverOfTests : public testing::Environment {
 
 bool onExactSolver() {
   const char* const name = std::getenv(variable);
-  return onPassiveSolver() || (name != nullptr && std::string(name) == "exact");
-}
-
-bool onPassiveSolver() {
-  const char* const name = std::getenv(variable);
-  return name != nullptr && std::string(name) == "passive";
+  return name != nullptr && std::string(name) == "exact";
 }

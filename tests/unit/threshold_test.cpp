@@ -78,7 +78,7 @@ TEST(Threshold, IsExceededByTheLoadAsOfStockJoints) {
   }
 }
 
-// What a blow may give through a joint that breaks by it is the threshold, as with stock's. The passive solver takes the step without
+// What a blow may give through a joint that breaks by it is the threshold, as with stock's. The exact solver takes the step without
 // such a joint.
 TEST(Threshold, IsAllThatAJointThatBreaksGives) {
   constexpr double threshold = 2, speed = 10;
@@ -90,7 +90,7 @@ TEST(Threshold, IsAllThatAJointThatBreaksGives) {
   body.setLinearVelocity(vec(speed, 0, 0));
   world.step(dt);
   EXPECT_FALSE(joint.isEnabled());
-  const double given = onPassiveSolver() ? 0 : threshold;
+  const double given = onExactSolver() ? 0 : threshold;
   EXPECT_NEAR(double(body.getLinearVelocity().x()), speed - given, 1e-3);
 }
 

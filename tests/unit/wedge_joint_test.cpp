@@ -366,8 +366,10 @@ TEST(WedgeJoint, TheExtraPlaneCarriesAnAcuteCorner) {
   rest(arm);
   // All of the weight's moment, m g r sin(40 deg), and none in the sides.
   const double moment = standard_gravity * Arm::length * std::sin(radians(40)) * dt;
-  EXPECT_NEAR(double(arm.joint.getCornerImpulse()), moment, 0.02 * moment);
-  EXPECT_LT(std::abs(double(arm.joint.getLimitImpulse())), 0.02 * moment);
+  // (Of three stops in a plane, all at once, rounding leaves some to the sides.)
+  const double part = onExactSolver() && !support::is_double ? 0.05 : 0.02;
+  EXPECT_NEAR(double(arm.joint.getCornerImpulse()), moment, part * moment);
+  EXPECT_LT(std::abs(double(arm.joint.getLimitImpulse())), part * moment);
   // The planes alone would need 1 / (2 sin 5 deg) of it each, against each other.
 }
 

@@ -2,5 +2,3 @@
 # is protected, which is for joints of one's own, is not shown.
 /namespace PINTLE_PRECISION/s/.*//
 s/^ protected:/ private:/
-/^  int getPositionIterations() const/i\
-  /// What setPositionIterations set.

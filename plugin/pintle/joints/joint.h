@@ -17,9 +17,6 @@ inline namespace PINTLE_PRECISION {
 
 class Block;
 class BodyPair;
-class EndOfStep;
-class ExactJointSolver;
-class JointSystem;
 struct JointAccess;
 class PosePair;
 class Rows;
@@ -172,9 +169,6 @@ class Joint : public btTypedConstraint {
                        const char* force_field = "friction max torque") const;
 
  private:
-  friend class EndOfStep;
-  friend class ExactJointSolver;
-  friend class JointSystem;
   friend struct JointAccess;
   struct Step;
 

@@ -23,22 +23,35 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
 
 void ActiveSet::choose(const IslandRow& row, size_t r, size_t at) {
   const double lambda = m_work.y[at] / row.root_K;
-  m_work.pieces[r] = row.law.meet(m_work.u[r] - row.K * lambda, row.K);
-  if (!m_work.pieces[r].acts) m_work.y[at] = m_work.pieces[r].impulse * row.root_K;
+  set(row, r, at, row.law.meet(m_work.u[r] - row.K * lambda, row.K));
+}
+
+void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece) {
+  m_work.pieces[r] = piece;
+  if (!piece.acts) m_work.y[at] = piece.impulse * row.root_K;
 }
 
 void ActiveSet::choose() {
   forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) { choose(row, r, at); });
 }
 
-bool ActiveSet::chooseAgain() {
+// From one stop to the other by what lies between: a set that is wrong leads far beyond both.
+bool ActiveSet::change(const Place& of) {
+  const LawPiece before = m_work.pieces[of.r];
+  choose(*of.row, of.r, of.at);
+  const LawPiece& now = m_work.pieces[of.r];
+  const bool moves = before.target != now.target;
+  if (moves && before.acts && now.acts && !(before.softness > 0) && !(now.softness > 0))
+    set(*of.row, of.r, of.at, {false, 0, 0, of.row->law.at((before.target + now.target) / 2)});
+  return moves || before.acts != now.acts || before.softness != now.softness ||
+         before.impulse != now.impulse;
+}
+
+bool ActiveSet::chooseAgain(bool one) {
   bool changed = false;
   for (const Place& of : m_work.bounded) {
-    const LawPiece before = m_work.pieces[of.r];
-    choose(*of.row, of.r, of.at);
-    const LawPiece& now = m_work.pieces[of.r];
-    changed = changed || before.acts != now.acts || before.softness != now.softness ||
-              before.impulse != now.impulse || before.target != now.target;
+    changed = change(of) || changed;
+    if (changed && one) break;
   }
   return changed;
 }

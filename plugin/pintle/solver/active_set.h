@@ -18,8 +18,9 @@ class ActiveSet {
 
   /// Puts every row on the piece that it comes to at velocities work.u and impulses work.y.
   void choose();
-  /// The same of those with bounds. Returns whether one has come to another piece.
-  bool chooseAgain();
+  /// The same of those with bounds. Returns whether one has come to another piece. `one`: the first that does, alone. Then no set
+  /// comes twice, where the others do not change (Murty 1974).
+  bool chooseAgain(bool one = false);
   using Place = Workspace::Place;
   const std::vector<Place>& bounded() const { return m_work.bounded; }
   const std::vector<Place>& all();
@@ -45,7 +46,9 @@ class ActiveSet {
   }
 
  private:
+  void set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece);
   void choose(const IslandRow& row, size_t r, size_t at);
+  bool change(const Place& of);
 
   const Island& m_island;
   const Component& m_component;

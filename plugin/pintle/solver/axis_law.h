@@ -112,6 +112,12 @@ class AxisLaw {
     return false;
   }
 
+  /// Lambda at a velocity that is none of its rigid targets.
+  double at(double u) const {
+    double sum = 0;
+    for (int i = 0; i < m_parts; ++i) sum += m_part[i].at(u);
+    return sum;
+  }
   /// The piece on which u = free + K Lambda and Lambda(u) meet.
   LawPiece meet(double free, double K) const;
   /// How the impulse of the whole is made of its parts' at that velocity.

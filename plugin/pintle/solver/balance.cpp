@@ -100,7 +100,13 @@ bool actsByArcs(const Island& island, const Component& component, const Workspac
     if (!RotationOfStep::follows(v.tail<3>(), island.dt)) return false;
   bool by_stops = false;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    by_stops = by_stops || (!row.law.isEquality() && end.lambda[r] != 0);
+    if (row.law.isEquality() || end.lambda[r] == 0) return;
+    const double lambda = end.lambda[r];
+    double impulse[AxisLaw::max_parts];
+    row.law.split(end.pieces[r].velocityAt(end.u[r], lambda), lambda, impulse);
+    for (int k = 0; k < row.law.parts(); ++k)
+      by_stops = by_stops || (row.law.part(k).role == Axis::limit &&
+                              std::abs(impulse[k]) > 1e-9 * std::abs(lambda));
   });
   return !by_stops;
 }
@@ -144,7 +150,8 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   }
   if (!(a > 0)) return 0;
   const double root2 = b * b + 4 * a * (a + b - 2 * std::fmax(energy, -a / 2));
-  const double part = std::clamp((std::sqrt(std::fmax(root2, 0)) - b) / (2 * a), 0., std::sqrt(2.));
+  const double root = std::copysign(std::sqrt(std::fmax(root2, 0)), 2 * a + b);  // s = 1 for none
+  const double part = std::clamp((root - b) / (2 * a), 0., std::sqrt(2.));
   double done = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
     const Vector6d next = stays[i] + part * (v[i] - stays[i]);

@@ -26,8 +26,11 @@ void addStiffness(const Island& island, const BlockOfJoints& of,
 /// The joints of a component.
 class BlockSolver {
  public:
-  BlockSolver(const Island& island, const BlockOfJoints& of, const SolverOptions& options)
-      : m_island(island),
+  /// `alone`: no contacts change what its impulses lead to.
+  BlockSolver(const Island& island, const BlockOfJoints& of, const SolverOptions& options,
+              bool alone)
+      : m_alone(alone),
+        m_island(island),
         m_of(of),
         m_options(options),
         m_work(*of.work),
@@ -64,11 +67,16 @@ class BlockSolver {
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
     m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
   }
+  bool factorise() {
+    const int each_twice = m_alone ? 2 * int(m_set.bounded().size()) : 0;
+    return m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
+  }
   void measure(const std::vector<Vector6d>& velocities) {
     measureAtStart(m_island, *m_of.component, velocities.data() + m_of.component->first_body,
                    m_work.u);
   }
 
+  const bool m_alone;
   const Island& m_island;
   const BlockOfJoints& m_of;
   const SolverOptions& m_options;
@@ -90,7 +98,7 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
     m_set.setRows();
     return;
   }
-  m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+  factorise();
   respond(m_work.y, velocities);
 }
 
@@ -109,8 +117,8 @@ BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
   bool changes = false;
   if (m_swept == nullptr && !m_set.bounded().empty()) {
     m_work.y_before_choice = y;
-    changes = m_set.chooseAgain();
-    if (changes) m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors);
+    changes = m_set.chooseAgain(m_alone && m_set.factors() >= m_options.max_set_factors);
+    if (changes) factorise();
     if (y != m_work.y_before_choice) {  // those that came to a bound
       for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - m_work.y_before_choice[k];
       respond(x, velocities);
@@ -241,7 +249,7 @@ class Passes {
     m_blocks.clear();
     m_blocks.reserve(of.size());
     for (const BlockOfJoints& part : of) {
-      m_blocks.emplace_back(island, part, options);
+      m_blocks.emplace_back(island, part, options, contacts.empty());
       m_blocks.back().begin(sweep, velocities);
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;

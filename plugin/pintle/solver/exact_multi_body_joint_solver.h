@@ -23,6 +23,7 @@ class ExactMultiBodyJointSolver : public JointSolver<btMultiBodyConstraintSolver
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
+  /// Bullet's world calls it.
   void solveMultiBodyGroup(btCollisionObject** bodies, int numBodies,
                            btPersistentManifold** manifolds, int numManifolds,
                            btTypedConstraint** constraints, int numConstraints,

@@ -13,10 +13,16 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
+// Less than a rounding error of a rounding error is nothing: its products would be denormal numbers, with which a processor is slow.
+Vector3d rounded(const Vector3d& change, double of) {
+  const double error = double(SIMD_EPSILON), least = error * error * of;
+  return (change.array().abs() < least).select(0, change);
+}
+
 void move(btRigidBody& body, const PoseChange& by) {
-  const Eigen::Quaterniond q(turnBy(by.tail<3>()));
+  const Eigen::Quaterniond q(turnBy(rounded(by.tail<3>(), 1)));
   btTransform to = body.getWorldTransform();
-  to.setOrigin(to.getOrigin() + toBullet(by.head<3>()));
+  to.setOrigin(to.getOrigin() + toBullet(rounded(by.head<3>(), to.getOrigin().length())));
   to.setRotation(
       (btQuaternion(Scalar(q.x()), Scalar(q.y()), Scalar(q.z()), Scalar(q.w())) * to.getRotation())
           .normalized());
@@ -85,9 +91,9 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
 void IslandSolver::writeVelocities(SolverBodies& bodies) const {
   for (size_t i = 0; i < m_island.bodies.size(); ++i) {
     btSolverBody& to = bodies[m_island.bodies[i].solver_body];
-    const Vector6d change = m_velocities[i] - freeVelocity(to);
-    to.m_deltaLinearVelocity = toBullet(change.head<3>());
-    to.m_deltaAngularVelocity = toBullet(change.tail<3>());
+    const Vector6d &v = m_velocities[i], change = v - freeVelocity(to);
+    to.m_deltaLinearVelocity = toBullet(rounded(change.head<3>(), v.head<3>().norm()));
+    to.m_deltaAngularVelocity = toBullet(rounded(change.tail<3>(), v.tail<3>().norm()));
   }
 }
 

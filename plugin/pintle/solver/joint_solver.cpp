@@ -28,6 +28,10 @@ template <class BulletSolver>
 int JointSolver<BulletSolver>::getNumRemembered() const {
   return m_islands->memory().size();
 }
+template <class BulletSolver>
+size_t JointSolver<BulletSolver>::getMemory() const {
+  return m_islands->bytes();
+}
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::prepareSolve(int, int) {

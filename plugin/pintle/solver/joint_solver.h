@@ -7,6 +7,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 
@@ -15,6 +16,7 @@ inline namespace PINTLE_PRECISION {
 
 class IslandSolver;
 
+/// What ExactJointSolver and ExactMultiBodyJointSolver have in common.
 template <class BulletSolver>
 class JointSolver : public BulletSolver {
  public:
@@ -23,15 +25,20 @@ class JointSolver : public BulletSolver {
   JointSolver(const JointSolver&) = delete;
   JointSolver& operator=(const JointSolver&) = delete;
 
-  /// From the next island on. Throws std::invalid_argument, with the field, its value and what is wrong.
+  /// From the next step on. Throws std::invalid_argument, with the field, its value and what is wrong.
   void setOptions(const SolverOptions& options);
+  /// What setOptions set.
   const SolverOptions& options() const;
-  /// Of the world: where several solvers share it, of all of them.
+  /// What was done in the last step of the world: where several solvers share it, by all of them.
   StepReport lastStep() const;
   /// Components of which something is kept for the next step.
   int getNumRemembered() const;
+  /// The memory that is kept from step to step, bytes: of the world, and what the solver works with.
+  size_t getMemory() const;
 
+  /// Bullet's world calls it.
   void prepareSolve(int numBodies, int numManifolds) override;
+  /// Bullet's world calls it for each island.
   btScalar solveGroup(btCollisionObject** bodies, int numBodies, btPersistentManifold** manifolds,
                       int numManifolds, btTypedConstraint** constraints, int numConstraints,
                       const btContactSolverInfo& info, btIDebugDraw* drawer,

@@ -3,30 +3,42 @@
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
 
+#include <Eigen/Cholesky>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Along `row`, what rows of the end are together. Returns false if they hardly are.
+// What rows of the end are together, as near to `row` as they can be: by kinetic energy, J M^-1 J^T. Returns false if they hardly are.
 template <class IsOfThem>
-bool findAlong(const Row& row, const Rows& end, int first, int last, const IsOfThem& isOne,
-               Row& found) {
+bool findAlong(const Island& island, const IslandJoint& joint, const Row& row, const Rows& end,
+               int first, int last, const IsOfThem& isOne, Row& found) {
+  constexpr int most = max_joint_rows;
+  int those[most], n = 0;
+  for (int i = first; i < last; ++i)
+    if (end[i].angular == row.angular && isOne(end[i])) those[n++] = i;
+  const RowJacobian J = jacobianOf(row, 1);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most> K(n, n);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> part(n);
+  for (int i = 0; i < n; ++i) {
+    const RowJacobian J_i = jacobianOf(end[those[i]], 1);
+    part[i] = island.inverseMass(joint, J_i, J);
+    for (int k = 0; k <= i; ++k)
+      K(i, k) = K(k, i) = island.inverseMass(joint, J_i, jacobianOf(end[those[k]], 1));
+  }
+  part = K.ldlt().solve(part).eval();
   found = row;
   found.L = found.A_a = found.A_b = Vec3::Zero();
   found.position = 0;
   bool any = false;
-  for (int i = first; i < last; ++i) {
-    const Row& other = end[i];
-    if (other.angular != row.angular || !isOne(other)) continue;
-    const Vec3 &mine = row.angular ? row.A_b : row.L, &its = row.angular ? other.A_b : other.L;
-    const Scalar size2 = its.dot(its);
-    if (!(size2 > 0)) continue;
-    const Scalar part = mine.dot(its) / size2;
-    found.L += part * other.L;
-    found.A_a += part * other.A_a;
-    found.A_b += part * other.A_b;
-    found.position += part * other.position;
-    any = any || btFabs(part) > Scalar(0.1);
+  for (int i = 0; i < n; ++i) {
+    const Row& of = end[those[i]];
+    const auto by = Scalar(part[i]);
+    found.L += by * of.L;
+    found.A_a += by * of.A_a;
+    found.A_b += by * of.A_b;
+    found.position += by * of.position;
+    any = any || btFabs(by) > Scalar(0.1);
   }
   return any;
 }
@@ -43,8 +55,8 @@ int findAxis(const Row& start, const Rows& end) {
 // chosen anew at each pose, and the axes of a motor about all of them: such rows are then taken along those of the start. So are
 // rows along axes of the world: along what `carry` makes of them.
 template <class Carry>
-bool findAtEnd(const Row& start, int index, Rows& end, int equalities_at_start, const Carry& carry,
-               Row& found) {
+bool findAtEnd(const Island& island, const IslandJoint& joint, const Row& start, int index,
+               Rows& end, const Carry& carry, Row& found) {
   if (start.axis >= 0) {
     const Axis* const axis = end.axis(start.axis).axis;
     const auto isOne = [&](const Row& other) {
@@ -57,18 +69,18 @@ bool findAtEnd(const Row& start, int index, Rows& end, int equalities_at_start, 
     }
     if (at < 0) return false;
     if (!start.limit && same > 1)
-      return findAlong(start, end, end.equalities(), end.size(), isOne, found);
+      return findAlong(island, joint, start, end, end.equalities(), end.size(), isOne, found);
     found = end[at];
     return isSameRow(start, found);
   }
-  if (end.equalities() != equalities_at_start) return false;
+  if (end.equalities() != joint.equalities) return false;
   found = end[index];
   const bool of_world = start.angular && start.A_b == found.A_b;
   const Row along = of_world ? carry(start) : start;
   if (isSameRow(start, found) && along.A_b == start.A_b) return true;
   return findAlong(
-      along, end, 0, end.equalities(), [&](const Row& other) { return other.group == start.group; },
-      found);
+      island, joint, along, end, 0, end.equalities(),
+      [&](const Row& other) { return other.group == start.group; }, found);
 }
 
 // The two bodies of a joint at the end of the step, and what its rows are there.
@@ -76,14 +88,15 @@ class JointAtEnd {
  public:
   JointAtEnd(const Island& island, const IslandJoint& joint, const Component& component,
              const std::vector<MovedBody>& moved, Rows& rows)
-      : m_joint(joint),
+      : m_island(island),
+        m_joint(joint),
         m_dt(island.dt),
         m_a(bodyOf(island, component, moved, 0)),
         m_b(bodyOf(island, component, moved, 1)),
         m_rows(rows) {}
   JointAtEnd(const Island& island, const IslandJoint& joint, const MovedBody& a, const MovedBody& b,
              Rows& rows)
-      : m_joint(joint), m_dt(island.dt), m_a(a), m_b(b), m_rows(rows) {}
+      : m_island(island), m_joint(joint), m_dt(island.dt), m_a(a), m_b(b), m_rows(rows) {}
 
   double velocityAtStart(const IslandRow& row) const { return row.J.along(m_a.v, m_b.v); }
   double velocity(const IslandRow& row) {
@@ -141,7 +154,7 @@ class JointAtEnd {
       if (size > 0) to.A_a = to.A_b = (from.norm() / size * mean).cast<Scalar>();
       return to;
     };
-    return findAtEnd(row.start, row.index, m_rows, m_joint.equalities, carry, found);
+    return findAtEnd(m_island, m_joint, row.start, row.index, m_rows, carry, found);
   }
 
   // rad: the whole turns that the bodies make in the step beside `change`.
@@ -199,6 +212,7 @@ class JointAtEnd {
     return {-n, -cross(m_end_a, n), n, cross(m_end_b, n)};
   }
 
+  const Island& m_island;
   const IslandJoint& m_joint;
   const double m_dt;
   const MovedBody &m_a, &m_b;

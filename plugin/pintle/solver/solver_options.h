@@ -6,6 +6,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// Numbers of the exact solver. `check` says what each may be.
 struct SolverOptions {
   /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates
   /// does not depend on it.
@@ -19,17 +20,19 @@ struct SolverOptions {
   /// Whether a step of the first tier may be longer than the last one. In single precision, where bodies turn far alone: else rounding
   /// leads a taut cable astray.
   bool may_wander = sizeof(Scalar) > 4;
-  /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one; and in it, rows with
-  /// bounds are solved one by one.
+  /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one. In it, without contacts
+  /// rows come to another piece one at a time from then on; with contacts, those with bounds are solved one by one.
   int max_set_factors = 4;
-  /// Factors of the correction of poses, each where the last one has led. One is kept while a step with it leaves less than this part
-  /// open. Steps with a new one are halved down to the least part.
+  /// Factors of the correction of poses, each where the last one has led.
   int max_pose_factors = 20;
+  /// Such a factor is kept while a step with it leaves less than this part open.
   double contraction = 0.3;
+  /// Steps with a new one are halved down to this part.
   double least_part = 1. / 64;
-  /// m and rad: what a pass over contacts may still change, and the passes of rows that are solved one by one without contacts.
-  /// Among contacts there are as many as the world's number of iterations.
+  /// m and rad: what a pass over contacts or rows with bounds may still change.
   double contact_tolerance = 1e-5;
+  /// Passes over rows that are solved one by one without contacts. Among contacts there are as many as the world's number of
+  /// iterations.
   int max_sweeps = 100;
   /// Softness of the joints of loops, relative to their own 1 / K, while they bear nothing: rows that repeat each other share their
   /// impulse, and those that contradict each other give way. Under a load by a tenth of the tolerance.

@@ -31,6 +31,7 @@ struct StepReport {
       0;  ///< J: `work` of all steps so far, of which the oldest is forgotten where it is below -`ledger_limit`
   double ledger_limit = 0;  ///< J: what `ledger` may be (SolverOptions::ledger_share)
 
+  /// Of several components, or islands.
   StepReport& operator+=(const StepReport& of) {
     components += of.components;
     newton_steps += of.newton_steps;

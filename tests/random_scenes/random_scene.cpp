@@ -13,7 +13,7 @@
 #include <pintle/joints/wedge_joint.h>
 #include <pintle/body_pair.h>
 #include <pintle/rows/row.h>
-#include <pintle/solver/passive_joint_solver.h>
+#include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
@@ -29,7 +29,7 @@
 #include "../unit/kinetic_energy.h"
 #include "../unit/support.h"
 
-namespace passive {
+namespace random_scenes {
 namespace {
 
 using support::Random;
@@ -230,7 +230,7 @@ class World {
   btDefaultCollisionConfiguration m_configuration;
   btCollisionDispatcher m_dispatcher{&m_configuration};
   btDbvtBroadphase m_broadphase;
-  pintle::PassiveJointSolver m_solver;
+  pintle::ExactJointSolver m_solver;
   std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
   std::vector<std::unique_ptr<btRigidBody>> m_bodies;
   std::vector<Joint> m_joints;
@@ -494,4 +494,4 @@ std::string describe(const Scene& s) {
 
 Outcome play(const Scene& scene, std::ostream* log) { return World(scene).play(log); }
 
-}  // namespace passive
+}  // namespace random_scenes

@@ -4,7 +4,7 @@
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/rows/row.h>
-#include <pintle/solver/passive_joint_solver.h>
+#include <pintle/solver/exact_joint_solver.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
@@ -20,7 +20,7 @@
 #include "physics_support.h"
 #include "support.h"
 
-namespace passive {
+namespace exact_energy_test {
 namespace {
 
 using physics::rounding;
@@ -31,7 +31,7 @@ using support::vec;
 struct World {
   World() { world.getSolverInfo().m_minimumSolverBatchSize = 1; }
 
-  pintle::PassiveJointSolver solver;
+  pintle::ExactJointSolver solver;
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
@@ -80,16 +80,16 @@ double largestError(const pintle::Joint& joint) {
   return largest;
 }
 
-// Joints of which rows repeat or contradict each other, lose their grip, or jump: they need not hold, only be passive.
+// Joints of which rows repeat or contradict each other, lose their grip, or jump: they need not hold, only gain nothing.
 bool worksAgainstItself(const kinds::Kind& kind) {
   for (const char* const name : {"TwoPointHinge", "CrossProduct", "SingleRowLock"})
     if (kind.name.rfind(name, 0) == 0) return true;
   return kind.name == "ConstantVelocityJointDocument";
 }
 
-class PassiveChain : public testing::TestWithParam<kinds::Kind> {};
+class EnergyOfChain : public testing::TestWithParam<kinds::Kind> {};
 
-TEST_P(PassiveChain, HoldsAndGainsNothing) {
+TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
   constexpr int runs = 12;
   double mean = 0;
   for (int run = 0; run < runs; ++run) {
@@ -135,7 +135,7 @@ TEST_P(PassiveChain, HoldsAndGainsNothing) {
       << GetParam();
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PassiveChain, testing::ValuesIn(kinds::all()),
+INSTANTIATE_TEST_SUITE_P(All, EnergyOfChain, testing::ValuesIn(kinds::all()),
                          [](const testing::TestParamInfo<kinds::Kind>& kind) {
                            return kind.param.name;
                          });
@@ -169,7 +169,7 @@ std::unique_ptr<Books> cable(int links, double slack, double hz, double load) {
   return books;
 }
 
-TEST(Passive, CablesGainNothing) {
+TEST(ExactEnergy, CablesGainNothing) {
   struct Case {
     int links;
     double slack, hz, load;
@@ -212,7 +212,7 @@ double swingChain(Books& books, double load, double cfm = 0) {
   return gap;
 }
 
-TEST(Passive, HoldsAMillionTimesItsMass) {
+TEST(ExactEnergy, HoldsAMillionTimesItsMass) {
   for (const double ratio : {1., 1e2, 1e3, 1e6}) {
     Books books(60);
     EXPECT_LE(swingChain(books, ratio), rounding(1e-3, 1e-8)) << ratio;
@@ -284,7 +284,7 @@ void expectCalmBridges(double most, double most_gap) {
 // Stock's joints on stock's solver gain 600 J a bridge.
 // A load of 100 planks' mass lies on a bridge of 40. Contacts push it off the planks, and
 // not the planks from under it.
-TEST(Passive, AHeavyLoadLiesOnABridgeOfLightPlanks) {
+TEST(ExactEnergy, AHeavyLoadLiesOnABridgeOfLightPlanks) {
   Books books(60);
   btRigidBody& bank = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
   constexpr int planks = 40;
@@ -319,7 +319,7 @@ TEST(Passive, AHeavyLoadLiesOnABridgeOfLightPlanks) {
 
 // From 170 degrees the period is 2.43 times that of small swings, and depends on the energy most of all: what steps resolve is as
 // exact as they are.
-TEST(Passive, AWidePendulumKeepsItsPeriod) {
+TEST(ExactEnergy, AWidePendulumKeepsItsPeriod) {
   Books books(60);
   const btQuaternion turn(vec(0, 1, 0), scalar(physics::radians(170)));
   btRigidBody& rod =
@@ -344,7 +344,7 @@ TEST(Passive, AWidePendulumKeepsItsPeriod) {
 }
 
 // Its owner turns the post; the arm hangs on it and keeps to its limit.
-TEST(Passive, ALimitHoldsAgainstABodyThatItsOwnerMoves) {
+TEST(ExactEnergy, ALimitHoldsAgainstABodyThatItsOwnerMoves) {
   Books books(60);
   btRigidBody& post = books.add(0, vec(0.1, 0.1, 1), at(vec(0, 0, 0)));
   post.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
@@ -367,7 +367,7 @@ TEST(Passive, ALimitHoldsAgainstABodyThatItsOwnerMoves) {
 }
 
 // A kinematic body may have a mass: its owner moves it all the same, and nobody else does.
-TEST(Passive, AKinematicBodyWithAMassIsMovedByItsOwnerAlone) {
+TEST(ExactEnergy, AKinematicBodyWithAMassIsMovedByItsOwnerAlone) {
   Books books(60);
   btRigidBody& post = books.add(1, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
   post.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
@@ -403,13 +403,13 @@ double angleLeft(double frequency) {
 }
 
 // What a step resolves swings on as it should; an implicit step would leave 4e-5 of it. What it does not comes to rest.
-TEST(Passive, SpringsKeepTheirEnergyWhereStepsResolveThem) {
+TEST(ExactEnergy, SpringsKeepTheirEnergyWhereStepsResolveThem) {
   EXPECT_NEAR(angleLeft(2), 1, 0.02);
   EXPECT_LT(angleLeft(200), 1e-6);
 }
 
 // Bodies of a game in a plane: rows across it, that they follow by rounding alone, do nothing.
-TEST(Passive, RowsThatNothingFollowsDoNothing) {
+TEST(ExactEnergy, RowsThatNothingFollowsDoNothing) {
   Books books(60);
   btRigidBody* bodies[2];
   for (int i = 0; i < 2; ++i) {
@@ -430,7 +430,7 @@ TEST(Passive, RowsThatNothingFollowsDoNothing) {
 }
 
 // It stores what it was given, and nothing once it is gone.
-TEST(Passive, ASoftJointThatBreaksIsSolvedAsAnyOther) {
+TEST(ExactEnergy, ASoftJointThatBreaksIsSolvedAsAnyOther) {
   Books books(60);
   btRigidBody& hung = books.add(5, vec(0.1, 0.1, 0.5), at(vec(0, 0, -0.5)));
   auto ball = std::make_unique<pintle::BallJoint>(hung, vec(0, 0, 0.5));
@@ -444,7 +444,7 @@ TEST(Passive, ASoftJointThatBreaksIsSolvedAsAnyOther) {
 }
 
 // Two limits, a motor and a spring about and along three axes: no joint of Bullet's has more rows.
-TEST(Passive, AStockJointOf24RowsIsSolved) {
+TEST(ExactEnergy, AStockJointOf24RowsIsSolved) {
   Books books(60);
   btRigidBody& arm = books.add(1, vec(0.5, 0.1, 0.1), at(vec(0.5, 0, 0)));
   auto made = std::make_unique<btGeneric6DofSpring2Constraint>(arm, at(vec(-0.5, 0, 0)));
@@ -466,7 +466,7 @@ TEST(Passive, AStockJointOf24RowsIsSolved) {
 
 // A double pendulum falls from level and whirls, by up to 0.27 rad a step, along chords of its arcs. What these give and take is
 // balanced: after a quarter of an hour it has what it fell with. It varies by what a step's velocity is ahead of its pose.
-TEST(Passive, WhatWhirlsKeepsItsEnergy) {
+TEST(ExactEnergy, WhatWhirlsKeepsItsEnergy) {
   Books books(60);
   btRigidBody& upper = books.add(1, vec(0.5, 0.1, 0.1), at(vec(0.5, 0, 0)));
   btRigidBody& lower = books.add(1, vec(0.5, 0.1, 0.1), at(vec(1.5, 0, 0)));
@@ -484,7 +484,7 @@ TEST(Passive, WhatWhirlsKeepsItsEnergy) {
 }
 
 // Of joints that are gone nothing is kept.
-TEST(Passive, WhatIsGoneIsForgotten) {
+TEST(ExactEnergy, WhatIsGoneIsForgotten) {
   Books books(60);
   btRigidBody& first = books.add(1, vec(0.1, 0.1, 0.5), at(vec(0, 0, -0.5)));
   for (int i = 0; i < 100; ++i) {
@@ -496,10 +496,10 @@ TEST(Passive, WhatIsGoneIsForgotten) {
   }
 }
 
-TEST(Passive, BridgesWithCratesGainNothing) {
+TEST(ExactEnergy, BridgesWithCratesGainNothing) {
   expectCalmBridges<pintle::QuaternionHinge>(10, rounding(1e-4, 1e-6));
 }
-TEST(Passive, BridgesOfStockHingesGainLittle) {
+TEST(ExactEnergy, BridgesOfStockHingesGainLittle) {
   if (!support::is_double) GTEST_SKIP() << "axes drift, and one crate of thirty falls off";
   expectCalmBridges<btHingeConstraint>(30, 0.01);
 }
@@ -529,7 +529,7 @@ void addBlock(Books& books, const std::array<int, 3>& n, const btVector3& corner
       }
 }
 
-TEST(Passive, ABlockOfFixedBoxesThatFallsGainsNothing) {
+TEST(ExactEnergy, ABlockOfFixedBoxesThatFallsGainsNothing) {
   Books books(60);
   books.add(0, vec(50, 50, 1), at(vec(0, 0, -1)), true);
   addBlock(books, {2, 2, 2}, vec(0, 0, 4), 10, double(SIMD_INFINITY));
@@ -539,7 +539,7 @@ TEST(Passive, ABlockOfFixedBoxesThatFallsGainsNothing) {
   EXPECT_LE(books.kinetic(), 0.01 * books.peak);
 }
 
-TEST(Passive, AWallThatBreaksGainsNothing) {
+TEST(ExactEnergy, AWallThatBreaksGainsNothing) {
   Books books(60);
   books.add(0, vec(50, 50, 1), at(vec(0, 0, -1)), true);
   addBlock(books, {1, 4, 4}, vec(0, -2, 0), 2, 5);
@@ -554,7 +554,7 @@ TEST(Passive, AWallThatBreaksGainsNothing) {
 }
 
 // 0.98 N s: a body of 6 kg at 60 Hz.
-TEST(Passive, AThresholdIsComparedWithTheLoad) {
+TEST(ExactEnergy, AThresholdIsComparedWithTheLoad) {
   for (const double part : {0.9, 1.1}) {
     for (const double hz : {60., 240.}) {
       Books books(hz);
@@ -570,7 +570,7 @@ TEST(Passive, AThresholdIsComparedWithTheLoad) {
 }
 
 // A load on a bridge of 0.2 % slack hangs on a multiple of its weight. Joints hold at 1.1 times what the first one bears at rest.
-TEST(Passive, AThresholdOfATautBridgeIsThatOfRest) {
+TEST(ExactEnergy, AThresholdOfATautBridgeIsThatOfRest) {
   const auto books = cable(10, 0.002, 60, 5);
   for (const auto& body : books->bodies) body->setDamping(scalar(0.5), scalar(0.5));
   for (int i = 0; i < 1200; ++i) books->step();
@@ -586,13 +586,13 @@ TEST(Passive, AThresholdOfATautBridgeIsThatOfRest) {
   books->joints[0]->setJointFeedback(nullptr);
 }
 
-TEST(Passive, LittleSoftnessIsAsNone) {
+TEST(ExactEnergy, LittleSoftnessIsAsNone) {
   Books rigid(60), soft(60);
   EXPECT_LE(swingChain(soft, 100, 1e-9), swingChain(rigid, 100) + 1e-5);
 }
 
 // By 0.5 m a frame, as a mouse does: stock's lags by 2 m.
-TEST(Passive, ABodyThatIsDraggedFollows) {
+TEST(ExactEnergy, ABodyThatIsDraggedFollows) {
   Books books(60);
   btRigidBody& body = books.add(1, vec(0.3, 0.3, 0.3), at(vec(0, 0, 0)));
   auto ball = std::make_unique<pintle::BallJoint>(body, vec(0, 0, 0));
@@ -610,7 +610,7 @@ TEST(Passive, ABodyThatIsDraggedFollows) {
   EXPECT_LE(spin, rounding(1e-3, 1e-9));
 }
 
-TEST(Passive, ABodyThatOnlyTurnsIsHeld) {
+TEST(ExactEnergy, ABodyThatOnlyTurnsIsHeld) {
   Books books(60);
   btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
   btRigidBody& wheel = books.add(1, vec(0.3, 0.3, 0.1), at(vec(0, 0, 0)));
@@ -625,7 +625,7 @@ TEST(Passive, ABodyThatOnlyTurnsIsHeld) {
 }
 
 // Its joint has no row: it is in no component.
-TEST(Passive, ABodyWhoseJointHoldsNothingIsFree) {
+TEST(ExactEnergy, ABodyWhoseJointHoldsNothingIsFree) {
   Books books(60);
   btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
   btRigidBody& held = books.add(1, vec(0.1, 0.1, 0.1), at(vec(0.5, 0, 0)));
@@ -642,7 +642,7 @@ TEST(Passive, ABodyWhoseJointHoldsNothingIsFree) {
 }
 
 // A stock joint is asked for its rows at the start alone; three of them are a ball, whose end is known.
-TEST(Passive, StockHingesHoldTheirPivots) {
+TEST(ExactEnergy, StockHingesHoldTheirPivots) {
   Books books(60);
   btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), at(vec(0, 0, 0)));
   btRigidBody* last = &post;
@@ -661,7 +661,7 @@ TEST(Passive, StockHingesHoldTheirPivots) {
   EXPECT_LE(gap, rounding(1e-5, 1e-8));
 }
 
-TEST(Passive, TheSameStepsGiveTheSameBits) {
+TEST(ExactEnergy, TheSameStepsGiveTheSameBits) {
   const auto first = cable(10, 0.1, 60, 5), second = cable(10, 0.1, 60, 5);
   for (int i = 0; i < 300; ++i) {
     first->step();
@@ -671,4 +671,4 @@ TEST(Passive, TheSameStepsGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace passive
+}  // namespace exact_energy_test

@@ -1,6 +1,6 @@
 // Plays random scenes, and prints those of which joints feed energy, or that do not hold.
-// Usage: passive COUNT [FIRST [all]]  scenes FIRST (1 unless given) to FIRST + COUNT - 1; all: prints every one
-//        passive show SEED        one scene, step by step
+// Usage: random_scenes COUNT [FIRST [all]]  scenes FIRST (1 unless given) to FIRST + COUNT - 1; all: prints every one
+//        random_scenes show SEED        one scene, step by step
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
@@ -9,13 +9,13 @@
 
 int main(int argc, char** argv) {
   if (argc == 3 && std::strcmp(argv[1], "show") == 0) {
-    const passive::Scene scene = passive::makeScene(unsigned(std::atol(argv[2])));
-    std::cout << passive::describe(scene) << '\n';
-    passive::play(scene, &std::cout);
+    const random_scenes::Scene scene = random_scenes::makeScene(unsigned(std::atol(argv[2])));
+    std::cout << random_scenes::describe(scene) << '\n';
+    random_scenes::play(scene, &std::cout);
     return 0;
   }
   if (argc < 2 || argc > 4) {
-    std::cerr << "usage: passive COUNT [FIRST [all]] | passive show SEED\n";
+    std::cerr << "usage: random_scenes COUNT [FIRST [all]] | random_scenes show SEED\n";
     return 2;
   }
   const unsigned count = unsigned(std::atol(argv[1])),
@@ -24,8 +24,8 @@ int main(int argc, char** argv) {
   long steps = 0, not_converged = 0;
   double worst = 0;
   for (unsigned seed = first; seed < first + count; ++seed) {
-    const passive::Scene scene = passive::makeScene(seed);
-    const passive::Outcome out = passive::play(scene);
+    const random_scenes::Scene scene = random_scenes::makeScene(seed);
+    const random_scenes::Outcome out = random_scenes::play(scene);
     steps += out.steps;
     not_converged += out.not_converged;
     const double gain = out.gain / out.peak;
@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     if (out.finite) worst = std::max(worst, gain);
     failed += gains;
     if (gains || argc > 3) {
-      std::cout << passive::describe(scene) << "\n    ";
+      std::cout << random_scenes::describe(scene) << "\n    ";
       if (out.finite)
         std::cout << "gains " << 100 * gain << " % of " << out.peak << " J";
       else

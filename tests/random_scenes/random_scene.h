@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <string>
 
-namespace passive {
+namespace random_scenes {
 
 enum class Shape { chain, tree, loop, cable, net, star };
 
@@ -40,4 +40,4 @@ struct Outcome {
 /// Two seconds of it, at most 300 steps. `log`: a line a step, of energies and of what the solver did.
 Outcome play(const Scene& scene, std::ostream* log = nullptr);
 
-}  // namespace passive
+}  // namespace random_scenes

@@ -13,5 +13,5 @@ fi
 source tests/setup.sh
 pintle_install_packages
 cmake --preset release >&2
-cmake --build --preset release --parallel "$(nproc)" --target "pintle_passive_$precision" >&2
-exec "$(find build/release -name "pintle_passive_$precision" -type f | head -n 1)" "$@"
+cmake --build --preset release --parallel "$(nproc)" --target "pintle_random_scenes_$precision" >&2
+exec "$(find build/release -name "pintle_random_scenes_$precision" -type f | head -n 1)" "$@"

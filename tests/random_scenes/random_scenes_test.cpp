@@ -3,12 +3,12 @@
 
 #include "random_scene.h"
 
-namespace passive {
+namespace random_scenes {
 namespace {
 
 constexpr unsigned count = 300;
 
-void expectPassive(unsigned seed) {
+void expectNoGain(unsigned seed) {
   const Scene scene = makeScene(seed);
   const Outcome out = play(scene);
   EXPECT_TRUE(out.finite) << describe(scene);
@@ -16,15 +16,15 @@ void expectPassive(unsigned seed) {
   EXPECT_LE(out.jump, 10) << describe(scene);  // where joints contradict each other
 }
 
-TEST(PassiveScenes, GainNothing) {
-  for (unsigned seed = 1; seed <= count; ++seed) expectPassive(seed);
+TEST(RandomScenes, GainNothing) {
+  for (unsigned seed = 1; seed <= count; ++seed) expectNoGain(seed);
 }
 
 // Each of them once was solved with a wrong factor, wrong bounds, or impulses that grew from step to step.
-TEST(PassiveScenes, ThatOnceGained) {
+TEST(RandomScenes, ThatOnceGained) {
   for (const unsigned seed : {370, 1013, 1015, 1017, 1236, 1376, 2038, 2250, 2261, 3073, 3079})
-    expectPassive(seed);
+    expectNoGain(seed);
 }
 
 }  // namespace
-}  // namespace passive
+}  // namespace random_scenes
