@@ -3,74 +3,152 @@
 #include <pintle/solver/exact_joint_solver.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <vector>
 
 #include "../progress.h"
 #include "outcome.h"
 
+namespace {
+
+using extreme::Case;
+using extreme::Outcome;
+using extreme::Result;
+
+struct Contender {
+  std::string name, in_words;
+  engines::MakeJoint make_joint;
+  scenes::SolverFactory make_solver;  // empty: Bullet's
+};
+
+std::vector<Contender> contenders() {
+  return {{"stock", "", engines::make_stock_joint, {}},
+          {"document", "", engines::make_document_joint, {}},
+          {"pintle", "Pintle", engines::make_conditioned_joint, {}},
+          {"exact", "Pintle on ExactJointSolver", engines::make_conditioned_joint,
+           [] { return std::make_unique<pintle::ExactJointSolver>(); }}};
+}
+
+// Of one contender against stock's joints.
+struct Against {
+  int worse = 0, better = 0, lost = 0;
+  std::string ours_worse, both_diverge;
+
+  void count(const Case& one, Outcome stock, Outcome ours) {
+    better += ours < stock;
+    worse += ours > stock;
+    lost += ours == Outcome::non_finite;
+    if (ours > stock) ours_worse += "- " + one.name() + "\n";
+    if (stock >= Outcome::diverges && ours >= Outcome::diverges)
+      both_diverge += "- " + one.name() + "\n";
+  }
+  void print(const std::string& name, size_t cases) const {
+    std::printf("\nOf %d cases the outcome of %s is better in %d, worse in %d; not finite in %d.\n",
+                int(cases), name.c_str(), better, worse, lost);
+    std::printf("\nWorse:\n%s\nBoth diverge:\n%s", ours_worse.c_str(), both_diverge.c_str());
+  }
+};
+
+// An array of objects. JSON has no infinity and no NaN.
+class JsonFile {
+ public:
+  bool open(const std::string& path) {
+    m_file.open(path);
+    m_file.precision(3);
+    m_file << '[';
+    return bool(m_file);
+  }
+  void write(const Case& one, const std::string& who, const Result& result) {
+    if (!m_file.is_open()) return;
+    m_file << (m_is_first ? "\n" : ",\n") << R"({"precision": ")" << engines::precision()
+           << R"(", "joint": ")" << one.joint << R"(", "case": ")" << one.what << R"(", "who": ")"
+           << who << R"(", "outcome": ")" << name(result.outcome) << R"(", "error": )";
+    if (std::isfinite(result.error))
+      m_file << result.error << '}';
+    else
+      m_file << "null}";
+    m_is_first = false;
+  }
+  bool close() {
+    if (!m_file.is_open()) return true;
+    m_file << "\n]\n";
+    m_file.close();
+    return bool(m_file);
+  }
+
+ private:
+  std::ofstream m_file;
+  bool m_is_first = true;
+};
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using extreme::Outcome;
-  using extreme::Result;
   bool all = false, list = false;
-  std::string text;
+  std::string text, json;
+  std::vector<std::string> who, names;
+  for (const Contender& contender : contenders()) names.push_back(contender.name);
   CLI::App app("Prints what becomes of joints under extreme conditions.");
   app.add_flag("--all", all, "Also the cases of 10^6 steps");
   app.add_option("--case", text, "Only those with this in their name")->take_last();
+  app.add_option("--contender", who, "Only this contender; may be given more than once")
+      ->check(CLI::IsMember(names))
+      ->allow_extra_args(false);
+  app.add_option("--json", json, "Also write them as an array of objects to this file")
+      ->take_last();
   app.add_flag("--list", list, "Name the cases, and run nothing");
   CLI11_PARSE(app, argc, argv);
-  std::vector<extreme::Case> cases;
-  for (const extreme::Case& one : extreme::cases()) {
+  std::vector<Case> cases;
+  for (const Case& one : extreme::cases()) {
     if ((all || !one.is_long) && one.name().find(text) != std::string::npos) cases.push_back(one);
   }
   if (list) {
-    for (const extreme::Case& one : cases) std::printf("%s\n", one.name().c_str());
-    return 0;
+    for (const Case& one : cases) std::printf("%s\n", one.name().c_str());
+    return EXIT_SUCCESS;
   }
-  std::printf(
-      "## %s precision\n\n| joint | extreme | stock | document | pintle | exact |\n"
-      "|---|---|---|---|---|---|\n",
-      engines::precision());
-  struct Against {
-    explicit Against(const char* what) : name(what) {}
-    const char* name;
-    int worse = 0, better = 0, lost = 0;
-    std::string ours_worse, both_diverge;
-    void count(const extreme::Case& one, Outcome stock, Outcome ours) {
-      better += ours < stock;
-      worse += ours > stock;
-      lost += ours == Outcome::non_finite;
-      if (ours > stock) ours_worse += "- " + one.name() + "\n";
-      if (stock >= Outcome::diverges && ours >= Outcome::diverges)
-        both_diverge += "- " + one.name() + "\n";
-    }
-  };
-  Against pintle("Pintle"), exact("Pintle on ExactJointSolver");
+  JsonFile file;
+  if (!json.empty() && !file.open(json)) {
+    std::fprintf(stderr, "--json: cannot write %s\n", json.c_str());
+    return EXIT_FAILURE;
+  }
+  std::vector<Contender> those;
+  for (const Contender& contender : contenders())
+    if (who.empty() || std::count(who.begin(), who.end(), contender.name) > 0)
+      those.push_back(contender);
+  const bool has_stock = those.front().name == "stock";
+  std::printf("## %s precision\n\n| joint | extreme |", engines::precision());
+  for (const Contender& contender : those) std::printf(" %s |", contender.name.c_str());
+  std::printf("\n|---|---|");
+  for (size_t i = 0; i < those.size(); ++i) std::printf("---|");
+  std::printf("\n");
+  std::vector<Against> against(those.size());
   Progress progress(double(cases.size()));
-  for (const extreme::Case& one : cases) {
-    const Result of_stock = run(one, engines::make_stock_joint),
-                 of_document = run(one, engines::make_document_joint),
-                 of_pintle = run(one, engines::make_conditioned_joint),
-                 of_exact = run(one, engines::make_conditioned_joint,
-                                [] { return std::make_unique<pintle::ExactJointSolver>(); });
-    const Outcome stock = of_stock.outcome;
+  for (const Case& one : cases) {
+    std::vector<Result> results;
+    for (const Contender& contender : those)
+      results.push_back(run(one, contender.make_joint, contender.make_solver));
     progress.clear();
-    std::printf("| %s | %s | %s %.1g | %s %.1g |", one.joint.c_str(), one.what.c_str(), name(stock),
-                of_stock.error, name(of_document.outcome), of_document.error);
-    for (const Result& ours : {of_pintle, of_exact}) {
-      const char* const mark = ours.outcome > stock ? "**" : "";
-      std::printf(" %s%s%s %.1g |", mark, name(ours.outcome), mark, ours.error);
+    std::printf("| %s | %s |", one.joint.c_str(), one.what.c_str());
+    for (size_t i = 0; i < those.size(); ++i) {
+      const bool counts = has_stock && !those[i].in_words.empty();
+      const Outcome stock = results.front().outcome, ours = results[i].outcome;
+      const char* const mark = counts && ours > stock ? "**" : "";
+      std::printf(" %s%s%s %.1g |", mark, name(ours), mark, results[i].error);
+      if (counts) against[i].count(one, stock, ours);
+      file.write(one, those[i].name, results[i]);
     }
     std::printf("\n");
     std::fflush(stdout);
-    pintle.count(one, stock, of_pintle.outcome);
-    exact.count(one, stock, of_exact.outcome);
     progress.advance(1, one.name());
   }
   progress.clear();
-  for (const Against& of : {pintle, exact}) {
-    std::printf("\nOf %d cases the outcome of %s is better in %d, worse in %d; not finite in %d.\n",
-                int(cases.size()), of.name, of.better, of.worse, of.lost);
-    std::printf("\nWorse:\n%s\nBoth diverge:\n%s", of.ours_worse.c_str(), of.both_diverge.c_str());
-  }
+  for (size_t i = 0; i < those.size(); ++i)
+    if (has_stock && !those[i].in_words.empty()) against[i].print(those[i].in_words, cases.size());
+  if (file.close()) return EXIT_SUCCESS;
+  std::fprintf(stderr, "--json: %s could not be written to its end\n", json.c_str());
+  return EXIT_FAILURE;
 }

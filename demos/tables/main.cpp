@@ -1,4 +1,5 @@
-// Runs every scene with Bullet's joints and with Pintle's, and prints what was measured.
+// Runs scenes with Bullet's joints and with Pintle's, and prints what was measured: those with a table of their own, or any that are
+// asked for.
 //
 // The ratios are Pintle's number over the stock joint's: below 1 Pintle is better, above 1 worse.
 // Errors repeat exactly on one machine, and each run is repeated here to see that they do. Times do
@@ -20,27 +21,28 @@ using tables::NumberFile;
 using tables::Output;
 using tables::Plan;
 
-std::vector<std::string> scene_names() {
+std::vector<std::string> names(const std::vector<Entry>& of) {
   std::vector<std::string> names;
-  for (const Entry& entry : tables::all_tables) names.push_back(entry.name);
+  for (const Entry& entry : of) names.push_back(entry.name);
   return names;
 }
 
 // Without a run.
-Plan plan_of(const std::vector<const Entry*>& entries) {
+Plan plan_of(const std::vector<Entry>& entries) {
   Plan plan;
   Output out;
   out.plan = &plan;
-  for (const Entry* entry : entries) entry->run(out);
+  for (const Entry& entry : entries) entry.run(out);
   return plan;
 }
 
-void print_list(const std::vector<const Entry*>& entries) {
-  for (const Entry* entry : entries) {
+void print_list(const std::vector<Entry>& entries) {
+  for (const Entry& entry : entries) {
     const Plan plan = plan_of({entry});
     for (const std::string& title : plan.titles)
-      std::printf("%-14s%s\n", &title == &plan.titles.front() ? entry->name : "", title.c_str());
-    std::printf("%-14s  contenders:", "");
+      std::printf("%-17s %s\n", &title == &plan.titles.front() ? entry.name.c_str() : "",
+                  title.c_str());
+    std::printf("%-17s   contenders:", "");
     for (const std::string& who : plan.contenders)
       std::printf("%s %s", who == *plan.contenders.begin() ? "" : ",", who.c_str());
     std::printf("\n");
@@ -70,12 +72,17 @@ bool open(NumberFile& file, const char* option, const std::string& path, NumberF
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::vector<Entry> of_their_own = tables::tables_of_their_own();
+  std::vector<Entry> all = of_their_own;
+  for (const Entry& entry : tables::tables_of_errors()) all.push_back(entry);
   std::vector<std::string> scenes, contenders;
   std::string csv, json, brief;
   bool list = false;
   CLI::App app("Runs the scenes with Bullet's joints and with Pintle's, and compares them.");
-  app.add_option("--scene", scenes, "Only this scene; may be given more than once")
-      ->check(CLI::IsMember(scene_names()))
+  app.add_option("--scene", scenes,
+                 "Only this scene, as --list names it; may be given more than once\n"
+                 "(without it: those with a table of their own)")
+      ->check(CLI::IsMember(names(all)))
       ->allow_extra_args(false);
   app.add_option("--contender", contenders,
                  "Only this contender, as --list names it; may be given more than once")
@@ -92,10 +99,10 @@ int main(int argc, char** argv) {
   app.add_flag("--list", list, "Name the scenes and their contenders, and run nothing");
   CLI11_PARSE(app, argc, argv);
 
-  std::vector<const Entry*> chosen;
-  for (const std::string& name : scenes.empty() ? scene_names() : scenes) {
-    for (const Entry& entry : tables::all_tables)
-      if (entry.name == name) chosen.push_back(&entry);
+  std::vector<Entry> chosen;
+  for (const std::string& name : scenes.empty() ? names(list ? all : of_their_own) : scenes) {
+    for (const Entry& entry : all)
+      if (entry.name == name) chosen.push_back(entry);
   }
   if (list) {
     print_list(chosen);
@@ -117,7 +124,7 @@ int main(int argc, char** argv) {
   Progress progress(plan.cases);
   out.progress = &progress;
   print_legend();
-  for (const Entry* entry : chosen) entry->run(out);
+  for (const Entry& entry : chosen) entry.run(out);
   progress.clear();
   if (!out.csv.close() || !out.json.close()) {
     std::fprintf(stderr, "--csv, --json: a file could not be written to its end\n");
