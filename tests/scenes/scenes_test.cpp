@@ -167,8 +167,10 @@ TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
                                 scene, *engines::find_contender("exact")->make(scene, 10), dt),
                             steps = measures::run(scene, *reference::make_bullet_steps(scene), dt);
     EXPECT_LT(steps[measures::Error::gap], 1e-9);
-    for (const measures::Error error : {measures::Error::trajectory, measures::Error::energy})
-      EXPECT_NEAR(exact[error], steps[error], 0.06 * steps[error]) << name(error);
+    for (const measures::Error error : {measures::Error::trajectory, measures::Error::energy}) {
+      EXPECT_LE(exact[error], 1.06 * steps[error]) << name(error);
+      EXPECT_GE(exact[error], 0.9 * steps[error]) << name(error);
+    }
   }
 }
 
