@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Builds the demos and runs them, in double precision unless another one is asked for.
-#   run.sh                                  every scene's table, beside the stock joints', and the page that plays them
+#   run.sh                                  tables beside the stock joints', and the page that plays the scenes
 #   run.sh [options]                        tables alone: --list, --scene, --contender, --csv, --json (--help says more).
 #                                           Any scene of the catalog has one, if it is asked for
 #   run.sh single|both [options]            tables in single precision, or in single and then in double
-#   run.sh --publish                        every scene's table, of which plugin/docs/benchmarks.md gets a few numbers
+#   run.sh --publish                        the tables, of which plugin/docs/benchmarks.md gets a few numbers
 #   run.sh page [options]                   the page alone: --list, --scene, --contender
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [options]                what becomes of joints under extreme conditions (--help says more)

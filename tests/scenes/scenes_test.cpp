@@ -156,7 +156,7 @@ TEST(Steps, GainTheChainMoreEnergyThanTheExactSolver) {
   EXPECT_LT(exact[measures::Error::energy], steps[measures::Error::energy] / 2);
 }
 
-/// Joints that hold leave the errors of Bullet's steps, and no more: in the redundant loop of the
+/// Joints that hold leave the errors of Bullet's steps, and no more (or a little less: what chords of arcs give is balanced): in the redundant loop of the
 /// linkage, too, where rounding makes rows that ought to say the same contradict each other.
 TEST(Steps, AreAllThatPintlesJointsOnTheExactSolverLeave) {
   for (const Scene& scene : {scenes::pendulum_scene(), scenes::four_bar_scene(),

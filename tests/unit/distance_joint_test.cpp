@@ -299,7 +299,7 @@ TEST(DistanceJoint, AStrutCarriesAndDoesNotPull) {
   EXPECT_EQ(h.joint.getUpperLimit(), infinite);
   h.cube.setLinearFactor(vec(0, 0, 1));  // it stands
   h.steps(60);
-  // The exact solver makes joints of bodies with factors softer than nothing: by a part of 3e-8.
+  // The exact solver's joints of loops are softer than nothing, by a part of 1e-8.
   const double near = rounding(1e-5, onExactSolver() ? 1e-8 : 1e-12);
   EXPECT_NEAR(h.distance(), 1, near);
   EXPECT_NEAR(double(h.joint.getLimitImpulse()), 2 * standard_gravity * dt, near);

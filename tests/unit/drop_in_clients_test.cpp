@@ -287,7 +287,7 @@ TYPED_TEST(DropInClient, ASubclassThatCallsItsBaseIsTheSameJoint) {
                 EXPECT_EQ(joint.infos_1, 60);
                 EXPECT_GE(joint.infos_2,
                           59);  // some of Bullet's have no row while they hold exactly
-                // The exact solver does so only where it iterates.
+                // The exact solver asks no joint to solve itself.
                 if (!onExactSolver()) {
                   EXPECT_GE(joint.solves, 60);
                 }

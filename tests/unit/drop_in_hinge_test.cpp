@@ -942,7 +942,7 @@ TYPED_TEST(DropInHinge, ADisabledJointLetsGoAndHoldsAgainAsStocks) {
 // --- parameters ----------------------------------------------------------------------------------
 
 TYPED_TEST(DropInHinge, ErpTakesAwayThePartOfTheErrorThatStocksDoes) {
-  PINTLE_SKIP_ON_EXACT_SOLVER("errors of up to 1 m/s and 1 rad/s are closed at once");
+  PINTLE_SKIP_ON_EXACT_SOLVER("what is open closes by poses, which velocities tell nothing of");
   for (const double erp : {0.0, 0.3, 0.8}) {
     const auto run = [erp](auto&& rig) {
       rig.hinge().setParam(BT_CONSTRAINT_ERP, scalar(erp));

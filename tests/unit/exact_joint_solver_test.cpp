@@ -349,8 +349,7 @@ TEST(ExactJointSolver, ViolentMotionStaysBounded) {
   }
 }
 
-// A pair that whirls further in a step than Bullet turns bodies, as it flies. It is slowed down to what can be
-// held; how it flies is not its joint's business.
+// A pair that whirls further in a step than Bullet turns bodies, as it flies. It may lose speed, and flies on.
 TEST(ExactJointSolver, WhatTurnsTooFarToBeHeldIsSlowedDown) {
   for (const double speed : {40., 100., 1000.}) {
     World world(0, 10, exact);
@@ -432,8 +431,8 @@ TEST(ExactJointSolver, AWeakMotorGivesItsTorque) {
   }
 }
 
-// Its bounds then take all rows of the AngularLimit out of the system. (A step turns by a sixth of a rad: the closed
-// form is that of short steps.)
+// Its bounds then take all rows of the AngularLimit out of the system. (A step turns by a sixth of a rad, and its chord is
+// short by half a percent: the closed form is that of short steps.)
 TEST(ExactJointSolver, AMotorAtItsBoundBesideAHingeThatSpinsGivesItsImpulse) {
   constexpr double radius = 0.5, speed = 10, impulse = 0.02;
   World world(0, 10, exact);

@@ -102,7 +102,7 @@ TEST_P(FixedRecovery, IsSoonAndGentleAndForGood) {
   EXPECT_LE(ours.max_turning, 12);
   EXPECT_LE(ours.max_gap, 0.005);
   if (stock.finite) {
-    // The exact solver closes at once what is as slow to close as 1 rad/s.
+    // The exact solver closes it by poses, by the last part at once.
     const double free = onExactSolver() ? 0.55 : 0.1, more = onExactSolver() ? 1.05 : 1.01;
     EXPECT_LE(ours.max_turning, std::max(more * stock.max_angular_speed, free));
   }
@@ -289,8 +289,8 @@ TEST(DropInFixed, BreaksInTheStepInWhichStocksDoes) {
         const int stock = stepOfBreaking(Rig<Stock>(static_a), force, torque);
         const int ours = stepOfBreaking(Rig<FixedJoint>(static_a), force, torque);
         EXPECT_GT(stock, 0);
-        // Two free bodies tumble under the load, and stock's joint is stretched by then. (The exact solver's is not. Of 30 N that the
-        // spin asks for, steps on both sides of the peak have 29.9 along x; the row along z has them three steps later.)
+        // Two free bodies tumble under the load, and stock's joint is stretched by then. (The exact solver's is not. Its force along x
+        // has a peak just below the threshold, which it misses, and that along z comes there three steps later.)
         EXPECT_NEAR(ours, stock, static_a ? 1 : onExactSolver() ? 3 : 2);
       }
     }

@@ -223,7 +223,7 @@ TEST(ViolatedJoint, ConservesAngularMomentumInEachStep) {
 }
 
 TEST(ViolatedJoint, InjectsAngularMomentumInTheDocumentsForm) {
-  PINTLE_SKIP_ON_EXACT_SOLVER("gaps close within the step, and turn in it");
+  PINTLE_SKIP_ON_EXACT_SOLVER("what is open closes by poses, which have no momentum");
   // As stock does, which has the same rows: some percent in the first steps.
   const double ball = largest_injection<btPoint2PointConstraint>(scenes::AsConstructed());
   EXPECT_GT(ball, 0.01);

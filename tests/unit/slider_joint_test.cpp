@@ -476,7 +476,7 @@ Left errorAfterAStep(int which) {
 }
 
 TEST(Slider, SoftnessesAndErpsDoWhatTheyDoInStock) {
-  PINTLE_SKIP_ON_EXACT_SOLVER("errors of up to 1 m/s and 1 rad/s are closed at once");
+  PINTLE_SKIP_ON_EXACT_SOLVER("what is open closes by poses, which velocities tell nothing of");
   const Left as_is = {0.8, 0.8, 0.8, 0.8};
   std::vector<Left> expected(10, as_is);
   expected[1].across = 0.9;
@@ -848,7 +848,7 @@ TEST(Slider, CorrectsWithTorqueAndConservesAngularMomentum) {
         EXPECT_LT(example.left, 0.01);
         EXPECT_GT(example.spin, 1);
         EXPECT_LT(example.momentum, nothing);
-        // (On the exact solver the gap closes within the step, and turns in it.)
+        // (On the exact solver poses close it, which turn their levers with them.)
         EXPECT_LT(example.angular, document && !turns && onExactSolver() ? 1e-2 : nothing);
         // Off the centres the force is not along the gap. The document's levers meet half-way along
         // the axis, but each on its own side of the gap: there it turns the pair out of nothing.

@@ -18,8 +18,8 @@ class ActiveSet {
 
   /// Puts every row on the piece that it comes to at velocities work.u and impulses work.y.
   void choose();
-  /// The same of those with bounds. Returns whether one has come to another piece. `one`: the first that does, alone. Then no set
-  /// comes twice, where the others do not change (Murty 1974).
+  /// The same of those with bounds. Returns whether one has come to another piece. `one`: only the first of those that would. So no
+  /// set comes twice (Murty 1974), where nothing else changes.
   bool chooseAgain(bool one = false);
   using Place = Workspace::Place;
   const std::vector<Place>& bounded() const { return m_work.bounded; }

@@ -112,10 +112,15 @@ class AxisLaw {
     return false;
   }
 
-  /// Lambda at a velocity that is none of its rigid targets.
+  /// Lambda. At the target of a rigid part, of which it may be any: as little as can be.
   double at(double u) const {
     double sum = 0;
-    for (int i = 0; i < m_parts; ++i) sum += m_part[i].at(u);
+    for (int i = 0; i < m_parts; ++i) {
+      const LawPart& part = m_part[i];
+      sum += !(part.softness > 0) && u == part.target
+                 ? std::fmin(std::fmax(0, part.lower), part.upper)
+                 : part.at(u);
+    }
     return sum;
   }
   /// The piece on which u = free + K Lambda and Lambda(u) meet.

@@ -150,7 +150,8 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   }
   if (!(a > 0)) return 0;
   const double root2 = b * b + 4 * a * (a + b - 2 * std::fmax(energy, -a / 2));
-  const double root = std::copysign(std::sqrt(std::fmax(root2, 0)), 2 * a + b);  // s = 1 for none
+  // Of two roots the one that leads to s = 1 where the energy is none.
+  const double root = std::copysign(std::sqrt(std::fmax(root2, 0)), 2 * a + b);
   const double part = std::clamp((root - b) / (2 * a), 0., std::sqrt(2.));
   double done = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {

@@ -67,9 +67,10 @@ class BlockSolver {
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
     m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
   }
-  bool factorise() {
+  // One row at a time: each may come to a piece and leave it.
+  void factorise() {
     const int each_twice = m_alone ? 2 * int(m_set.bounded().size()) : 0;
-    return m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
+    m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
   }
   void measure(const std::vector<Vector6d>& velocities) {
     measureAtStart(m_island, *m_of.component, velocities.data() + m_of.component->first_body,

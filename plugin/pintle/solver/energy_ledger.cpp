@@ -2,7 +2,6 @@
 
 #include <pintle/solver/row_velocities.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace pintle {

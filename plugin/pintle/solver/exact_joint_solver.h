@@ -13,8 +13,8 @@ inline namespace PINTLE_PRECISION {
 ///     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 ///
 /// All joints that hang together, of Pintle's and of Bullet's, are solved at once, by a sparse factorisation in double, in time and
-/// memory that are linear in the joints of a tree. An island without joints is solved by Bullet's own code, to the same bits. Every
-/// number that the solver chooses is one of SolverOptions; what it did in a step is in lastStep(), and a StepLog writes it down.
+/// memory that are linear in the joints of a tree. An island without joints is solved by Bullet's own code, to the same bits. Its
+/// tolerances and bounds are SolverOptions; what it did in a step is in lastStep(), and a StepLog writes it down.
 ///
 /// **Joints hold.** At the end of a step that converges, every joint and limit is where it should be to 1e-9 m or rad (1e-6 in single
 /// precision), whatever its load: SolverOptions::pose_tolerance. Velocities are those with which rows are met at the END of the
@@ -22,7 +22,7 @@ inline namespace PINTLE_PRECISION {
 /// by its ERP, by poses alone: that gives no velocity. Bullet's joints tell no errors at other poses than that of the start: those
 /// that hold a point are held there, too; others drift by what a step bends, and return by their ERP.
 ///
-/// **Joints do no work.** What joints, limits and friction have given a component in sum never exceeds 1 % of its largest recent
+/// **Joints do no work.** What joints and limits have given a component in sum never exceeds 1 % of its largest recent
 /// kinetic energy (SolverOptions::ledger_share). Motors, servos, springs, and bodies that their owners move may do work. Linear and
 /// angular momentum stay, but for the angular momentum of poses that are moved.
 ///
@@ -35,7 +35,8 @@ inline namespace PINTLE_PRECISION {
 /// **Contacts** of jointed bodies are iterated as Bullet does it, for the world's number of iterations, each with what joints make of
 /// it. Joints hold whatever contacts do; contacts are met as far as the iterations lead, and go on from there in the next step.
 ///
-/// **Memory.** A step allocates only while islands grow or form anew, or take more iterations than ever before. What is kept of a
+/// **Memory.** A step allocates only where islands grow or form anew, where a joint has more or less rows than before, or where more
+/// iterations are taken than ever. What is at rest or swings on allocates nothing. What is kept of a
 /// component is forgotten when a step does not solve it. The same calls give the same bits.
 ///
 /// **Threads.** An instance is used from one thread at a time. `btConstraintSolverPoolMt` takes several, which share what they keep of

@@ -317,6 +317,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
     LawPart part{-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower};
+    if (part.isLowerStop() || part.isUpperStop()) part.role = Axis::limit;
     part.drives = !part.isLowerStop() && !part.isUpperStop() &&
                   (from.m_rhs != 0 || (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded));
     row.law.add(part);

@@ -3,13 +3,14 @@
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// What rows of the end are together, as near to `row` as they can be: by kinetic energy, J M^-1 J^T. Returns false if they hardly are.
+// The sum of rows of the end, each by a factor, that is nearest to `row` in the metric of the masses, J M^-1 J^T. Returns false if all
+// factors are small.
 template <class IsOfThem>
 bool findAlong(const Island& island, const IslandJoint& joint, const Row& row, const Rows& end,
                int first, int last, const IsOfThem& isOne, Row& found) {
@@ -26,7 +27,8 @@ bool findAlong(const Island& island, const IslandJoint& joint, const Row& row, c
     for (int k = 0; k <= i; ++k)
       K(i, k) = K(k, i) = island.inverseMass(joint, J_i, jacobianOf(end[those[k]], 1));
   }
-  part = K.ldlt().solve(part).eval();
+  // The least one: rows that repeat each other share it, and such as nobody can move have none.
+  part = K.completeOrthogonalDecomposition().solve(part).eval();
   found = row;
   found.L = found.A_a = found.A_b = Vec3::Zero();
   found.position = 0;

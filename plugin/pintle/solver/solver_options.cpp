@@ -11,7 +11,7 @@ namespace {
 void require(bool fits, const char* field, double value, const char* range) {
   if (fits) return;
   std::ostringstream message;
-  message << "pintle::ExactJointSolver: " << field << " = " << value << ": must be " << range;
+  message << "pintle::SolverOptions: " << field << " = " << value << ": must be " << range;
   throw std::invalid_argument(message.str());
 }
 void requirePositive(const char* field, double value) {

@@ -1,4 +1,4 @@
-// Purpose: every number that the exact solver chooses, with its unit, its default, and what it is for.
+// Purpose: tolerances and bounds of the exact solver, each with its unit, its default, and what it is for.
 #pragma once
 
 #include <pintle/precision.h>
@@ -6,7 +6,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Numbers of the exact solver. `check` says what each may be.
+/// Tolerances and bounds of the exact solver. `check` says what each may be.
 struct SolverOptions {
   /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates
   /// does not depend on it.
@@ -21,7 +21,8 @@ struct SolverOptions {
   /// leads a taut cable astray.
   bool may_wander = sizeof(Scalar) > 4;
   /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one. In it, without contacts
-  /// rows come to another piece one at a time from then on; with contacts, those with bounds are solved one by one.
+  /// rows come to another piece one at a time from then on, each twice at most; then, and with contacts, those with bounds are solved
+  /// one by one.
   int max_set_factors = 4;
   /// Factors of the correction of poses, each where the last one has led.
   int max_pose_factors = 20;

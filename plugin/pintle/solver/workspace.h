@@ -70,8 +70,8 @@ struct Workspace {
   std::vector<Matrix3d> last_stiffness;
   Broyden broyden;
 
-  /// For any solve of a component of this size: no step allocates because it is the first one that takes another way. (Broyden's
-  /// method does, for more steps than ever before.)
+  /// For any solve of a component of this size: hardly a step allocates because it is the first one that takes another way. (The
+  /// first contact does, and Broyden's method for more steps than ever before.)
   void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
                     other.v);
