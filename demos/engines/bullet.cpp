@@ -22,7 +22,7 @@ bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
 }
 
 void BulletEngine::drive(double time, double dt) {
-  for (const Motor& motor : motors_) motor.set(motor.speed(time), dt);
+  for (const Motor& motor : motors_) motor.set(motor.speed ? motor.speed(time) : 0, dt);
   for (const Push& push : pushes_) push.body->applyTorque(push.torque);
 }
 

@@ -9,7 +9,7 @@ namespace engines {
 
 struct BulletJoint {
   std::unique_ptr<btTypedConstraint> constraint;
-  // Sets a motor's speed (rad/s); empty: it has none.
+  // Before each step: sets a motor's speed (rad/s; 0: the scene has none). Empty: nothing to set.
   std::function<void(double speed, double dt)> drive = {};
 };
 

@@ -54,12 +54,14 @@ inline int row_count(scenes::Kind kind) {
     case scenes::Kind::hinge:
     case scenes::Kind::slider: return 5;
     case scenes::Kind::fixed: return 6;
+    case scenes::Kind::distance: return 0;  // it is a spring
     default: throw std::invalid_argument("reference: a joint of this kind is not solved");
   }
 }
 
 // C(q) of the joint, each entry 0 where it holds.
 inline void constraints(scenes::Kind kind, const Frame& a, const Frame& b, Taylor* C) {
+  if (row_count(kind) == 0) return;
   const Vector apart = b.origin - a.origin;
   if (kind == scenes::Kind::slider) {
     *C++ = dot(apart, a.y);

@@ -31,7 +31,9 @@ class System {
                          body.angular_velocity});
     }
     for (const Joint& joint : scene.joints) {
-      if (joint.range.limited() || joint.motor.speed)
+      const bool distance = joint.kind == scenes::Kind::distance,
+                 strut = distance && joint.spring.frequency > 0;
+      if (joint.range.limited() != strut || (distance && !strut) || joint.motor.speed)
         throw std::invalid_argument("reference: limits and motors are not solved");
       rows_ += row_count(joint.kind);
     }
@@ -249,7 +251,7 @@ class System {
     return k;
   }
 
-  // Along the slider's axis, through both bodies' centres: the scenes have no others.
+  // Along a slider's axis, or between the points of a distance.
   void add_springs(VectorXd& a) const {
     for (const Joint& joint : scene_.joints) {
       if (joint.spring.frequency == 0) continue;
@@ -259,14 +261,21 @@ class System {
       const double mass = 1 / (inverse_mass(joint.a) + inverse_mass(joint.b));
       const double w = 2 * scenes::pi * joint.spring.frequency;
       const Coordinates &A = bodies_[size_t(joint.a)], &B = bodies_[size_t(joint.b)];
-      const Vector3d axis = A.q * joint.in_a.linear().col(0);
-      const double position =
-          (B.x + B.q * joint.in_b.translation() - A.x - A.q * joint.in_a.translation()).dot(axis);
-      const double speed = (B.v - A.v).dot(axis);
+      const Vector3d arm_a = A.q * joint.in_a.translation(), arm_b = B.q * joint.in_b.translation();
+      const Vector3d apart = B.x + arm_b - A.x - arm_a;
+      const bool strut = joint.kind == scenes::Kind::distance;
+      const Vector3d axis = strut ? apart.normalized() : Vector3d(A.q * joint.in_a.linear().col(0));
+      const double position = apart.dot(axis) - (strut ? joint.range.low : 0);
+      const double speed = (B.v + B.w.cross(arm_b) - A.v - A.w.cross(arm_a)).dot(axis);
       const Vector3d force =
           -mass * (w * w * position + 2 * joint.spring.damping_ratio * w * speed) * axis;
-      a.segment<3>(6 * joint.a) -= inverse_mass(joint.a) * force;
-      a.segment<3>(6 * joint.b) += inverse_mass(joint.b) * force;
+      const auto push = [&](int body, const Vector3d& arm, const Vector3d& by) {
+        if (body == 0) return;
+        a.segment<3>(6 * body) += inverse_mass(body) * by;
+        a.segment<3>(6 * body + 3) += inverse_inertia(size_t(body)) * arm.cross(by);
+      };
+      push(joint.a, arm_a, -force);
+      push(joint.b, arm_b, force);
     }
   }
 

@@ -19,8 +19,8 @@ struct Solution {
   double gap = 0;                       // m or rad, the largest violation of a constraint
 };
 
-// Smooth scenes only: balls, hinges, sliders and fixed joints, springs, no limits, motors,
-// contacts or damping. Throws std::invalid_argument for others.
+// Smooth scenes only: balls, hinges, sliders and fixed joints, springs of sliders and distances, no
+// limits, motors, contacts or damping. Throws std::invalid_argument for others.
 Solution solve(const scenes::Scene& scene, double dt, double interval);
 
 // Bullet's own steps with joints that leave nothing: velocities first and positions by them, the

@@ -27,6 +27,8 @@ std::vector<Scene> catalog() {
       drive_shaft_scene(Kind::constant_velocity),
       slider_crank_scene(),
       four_bar_scene(),
+      PINTLE_SCENE(bricard_scene),
+      PINTLE_SCENE(governor_scene),
       wedge_elbow_scene(radians(60)),
       wedge_elbow_scene(radians(270)),
       cone_shoulder_scene(),

@@ -67,8 +67,8 @@ struct Spans {
   double about_z, about_y, twist;
 };
 
-// Holds a slider at its position 0, as its two bodies would swing if they could not turn; gives a hinge's
-// limits, beyond which the bodies swing so about its axis.
+// Holds a slider at its position 0, or a distance at its range's one length, as the two bodies would swing if
+// they could not turn; gives a hinge's limits, beyond which the bodies swing so about its axis.
 struct Spring {
   double frequency = 0;  // Hz; 0: none
   double damping_ratio = 0;
