@@ -28,7 +28,8 @@ Scene bricard_scene() {
   scene.gravity = 9.81;
   scene.seconds = 10;
   scene.errors = {Error::energy, Error::trajectory, Error::gap};
-  scene.energy_scale = 1;
+  // The largest kinetic energy: the rods' middles fall by 2 sqrt(3) - 3 m in all.
+  scene.energy_scale = mass * scene.gravity * (2 * std::sqrt(3.) - 3);
   scene.probe_body = 2;  // the library's P3
   scene.probe = {0, 0, -0.5};
   scene.horizon = scene.seconds;
