@@ -1,6 +1,6 @@
-// Bricard's mechanism falls from rest: five rods and six hinges in a loop through the ground. It has
-// as many constraints as freedoms, and moves all the same: one of them is redundant. Problem A04 of
-// the IFToMM library of multibody benchmarks, whose y is z here.
+// Bricard's mechanism falls from rest: five rods and six hinges in a loop through the ground. By
+// the count of its constraints it could not move, but one of them is redundant. Problem A04 of the
+// IFToMM library of multibody benchmarks, whose y is z here.
 
 #include "catalog.h"
 

@@ -1,6 +1,6 @@
 // A flyball governor swings while it turns: two rods on a shaft, a weight at the end of each, and a
-// slider that hangs on their middles by stiff springs with dampers. Problem A05 of the IFToMM library
-// of multibody benchmarks.
+// slider that hangs on their middles by stiff springs with dampers. Problem A05 of the IFToMM
+// library of multibody benchmarks.
 
 #include "catalog.h"
 

@@ -1,6 +1,6 @@
-// Two problems of the IFToMM library of multibody benchmarks on the exact solver: Bricard's mechanism
-// (A04) and the stiff flyball governor (A05). What is left of their errors is of Bullet's steps: its
-// gyroscopic term, which takes energy away, and velocities that belong to the middle of a step.
+// Two problems of the IFToMM library of multibody benchmarks on the exact solver: Bricard's
+// mechanism (A04) and the stiff flyball governor (A05). What is left of their errors is of Bullet's
+// steps: its gyroscopic term, which takes energy away, and velocities of the middle of a step.
 #include <engines/bullet.h>
 #include <gtest/gtest.h>
 #include <measures/run.h>
@@ -118,7 +118,7 @@ EnergyChange energy_change(const Scene& scene, double hz, Gyroscopic gyroscopic)
   return {change.as_it_stands / scene.energy_scale, change.in_step / scene.energy_scale};
 }
 
-/// Of what five bodies of six freedoms may do, the six hinges leave one motion, though they have thirty rows.
+/// Five bodies have thirty freedoms, and six hinges thirty rows: one motion is left.
 TEST(Bricard, ClosesAndMovesInItsOneFreedom) {
   const Scene scene = problem("bricard");
   Course run(scene, 1. / 60);
@@ -153,9 +153,10 @@ TEST(Bricard, ClosesAndMovesInItsOneFreedom) {
   EXPECT_NEAR(least, -1, 0.02);  // to the other side
 }
 
-/// Wanted: 1e-2 at 60 Hz, 1e-3 at 1000 Hz. As it stands it is 2.6e-2, 5.6e-3 (240 Hz) and 1.3e-3; in step
-/// 2.1e-2, 4.1e-3 and 0.99e-3, all of it lost to Bullet's gyroscopic term, as with joints that leave nothing
-/// (make_bullet_steps: 1.6e-2, 4.1e-3, 0.99e-3). With a term of second order the solver keeps both bounds.
+/// Wanted: 1e-2 at 60 Hz, 1e-3 at 1000 Hz. As it stands it is 2.6e-2, 5.6e-3 (240 Hz) and 1.3e-3;
+/// in step 2.1e-2, 4.1e-3 and 0.99e-3. That is lost to Bullet's gyroscopic term, and by joints that
+/// leave nothing almost as much (make_bullet_steps: 1.6e-2, 4.1e-3, 0.99e-3). With a term of second
+/// order the solver keeps both bounds: 3.5e-3, 1.8e-5 and 1.1e-6.
 TEST(Bricard, KeepsItsEnergyInStep) {
   if (!is_double) GTEST_SKIP() << "the bounds are for double precision";
   const Scene scene = problem("bricard");
@@ -164,9 +165,9 @@ TEST(Bricard, KeepsItsEnergyInStep) {
   const EnergyChange fine = energy_change(scene, 1000, Gyroscopic::bullets);
   EXPECT_LT(fine.in_step, 1e-3);
   EXPECT_LT(fine.as_it_stands, 1.4e-3);
-  EXPECT_LT(energy_change(scene, 60, Gyroscopic::of_the_middle).in_step, 1e-2);    // 3.5e-3
-  EXPECT_LT(energy_change(scene, 240, Gyroscopic::of_the_middle).in_step, 1e-4);   // 1.8e-5
-  EXPECT_LT(energy_change(scene, 1000, Gyroscopic::of_the_middle).in_step, 1e-5);  // 1.1e-6
+  EXPECT_LT(energy_change(scene, 60, Gyroscopic::of_the_middle).in_step, 1e-2);
+  EXPECT_LT(energy_change(scene, 240, Gyroscopic::of_the_middle).in_step, 1e-4);
+  EXPECT_LT(energy_change(scene, 1000, Gyroscopic::of_the_middle).in_step, 1e-5);
 }
 
 /// The largest distance of P3 from the stored solution.
@@ -188,8 +189,8 @@ TEST(Bricard, FollowsTheReference) {
   EXPECT_LT(distance(1000), 8e-4);
 }
 
-// The governor by two coordinates: the rods' angle below the horizontal, and the slider's height. The
-// shaft turns by the angular momentum, which stays.
+// The governor by two coordinates: the rods' angle below the horizontal, and the slider's height.
+// The shaft turns by the angular momentum, which stays.
 class Governor {
  public:
   static constexpr double step = 1e-5;  // s
@@ -263,9 +264,10 @@ TEST(Governor, IsSolvedAlikeByTwoMethods) {
   }
 }
 
-/// Wanted: 1e-3 m at 60 Hz. It is 1.2e-2, 3.4e-3 (240 Hz) and 8.3e-4 (1000 Hz) as it stands: most of it is time,
-/// for the slider is 0.84 to 0.94 steps late. Bullet takes the velocities of the start for those of half a step
-/// before it. Beside that it errs by 2.0e-3, 5.2e-4 and 1.3e-4.
+/// Wanted: 1e-3 m at 60 Hz. As it stands it is 1.2e-2, 3.4e-3 (240 Hz) and 8.3e-4 (1000 Hz). Most
+/// of that is time: Bullet takes the velocities of the start for those of half a step before it, and
+/// the slider is 0.84 to 0.94 steps late. Beside that it errs by 2.0e-3, 5.2e-4 and 1.3e-4. (With
+/// velocities of half a step before the start it errs by 2.6e-3, 7.9e-4 and 2.3e-4.)
 TEST(Governor, LiftsItsSliderLikeTheReference) {
   const Scene scene = problem("governor");
   const std::vector<double> heights = Governor().heights(scene.seconds);
@@ -282,9 +284,9 @@ TEST(Governor, LiftsItsSliderLikeTheReference) {
     }
     return most;
   };
-  EXPECT_LT(distance(60, 0), 1.3e-2);
-  EXPECT_LT(distance(60, 0.84), 2.5e-3);
+  EXPECT_LT(distance(60, 0), is_double ? 1.3e-2 : 2e-2);
   if (!is_double) return;
+  EXPECT_LT(distance(60, 0.84), 2.5e-3);
   EXPECT_LT(distance(240, 0), 3.6e-3);
   EXPECT_LT(distance(1000, 0), 9e-4);
   EXPECT_LT(distance(1000, 0.94), 2e-4);
