@@ -93,17 +93,18 @@ BulletJoint distance(const Joint& joint, btRigidBody& a, btRigidBody& b, const b
   if (joint.spring.frequency == 0) return {std::move(distance)};
   // The joint's spring is that of bodies that can turn, by which the same stiffness and damping are
   // another frequency and ratio, step by step.
-  pintle::DistanceJoint* const strut = distance.get();
-  return {std::move(distance), [strut, &a, &b, in_a, in_b, spring = joint.spring](double, double) {
-            const btVector3 at_a = a.getWorldTransform() * in_a.getOrigin(),
-                            at_b = b.getWorldTransform() * in_b.getOrigin(),
-                            along = (at_b - at_a).normalized();
-            const btScalar mobility =
-                a.computeImpulseDenominator(at_a, along) + b.computeImpulseDenominator(at_b, along);
-            const double stretch = std::sqrt(double(mobility / (a.getInvMass() + b.getInvMass())));
-            strut->setLimitSpring(btScalar(spring.frequency * stretch),
-                                  btScalar(spring.damping_ratio * stretch));
-          }};
+  const auto set = [strut = distance.get(), &a, &b, in_a, in_b, spring = joint.spring] {
+    const btVector3 at_a = a.getCenterOfMassTransform() * in_a.getOrigin(),
+                    at_b = b.getCenterOfMassTransform() * in_b.getOrigin(),
+                    along = (at_b - at_a).normalized();
+    const btScalar mobility =
+        a.computeImpulseDenominator(at_a, along) + b.computeImpulseDenominator(at_b, along);
+    const double stretch = std::sqrt(double(mobility / (a.getInvMass() + b.getInvMass())));
+    strut->setLimitSpring(btScalar(spring.frequency * stretch),
+                          btScalar(spring.damping_ratio * stretch));
+  };
+  set();
+  return {std::move(distance), [set](double, double) { set(); }};
 }
 
 BulletJoint contact(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,

@@ -265,9 +265,9 @@ TEST(Governor, IsSolvedAlikeByTwoMethods) {
 }
 
 /// Wanted: 1e-3 m at 60 Hz. As it stands it is 1.2e-2, 3.4e-3 (240 Hz) and 8.3e-4 (1000 Hz). Most
-/// of that is time: Bullet takes the velocities of the start for those of half a step before it, and
-/// the slider is 0.84 to 0.94 steps late. Beside that it errs by 2.0e-3, 5.2e-4 and 1.3e-4. (With
-/// velocities of half a step before the start it errs by 2.6e-3, 7.9e-4 and 2.3e-4.)
+/// of that is time: Bullet takes the velocities of the start for those of half a step before it,
+/// and the slider is 0.84 to 0.94 steps late. Beside that it errs by 2.0e-3, 5.2e-4 and 1.3e-4.
+/// (With velocities of half a step before the start it errs by 2.6e-3, 7.9e-4 and 2.3e-4.)
 TEST(Governor, LiftsItsSliderLikeTheReference) {
   const Scene scene = problem("governor");
   const std::vector<double> heights = Governor().heights(scene.seconds);
