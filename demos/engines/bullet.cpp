@@ -16,6 +16,7 @@ BulletEngine::BulletEngine(const Scene& scene, int iterations,
 bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
   BulletJoint joint = make_joint(from, body(from.a), body(from.b));
   if (!joint.constraint) return false;
+  if (from.breaks_at > 0) joint.constraint->setBreakingImpulseThreshold(btScalar(from.breaks_at));
   if (joint.drive) motors_.push_back({from.motor.speed, joint.drive});
   joints_.push_back(&world_.take_joint(std::move(joint.constraint)));
   return true;

@@ -9,7 +9,7 @@ namespace engines {
 
 struct BulletJoint {
   std::unique_ptr<btTypedConstraint> constraint;
-  // Before each step: sets a motor's speed (rad/s; 0: the scene has none). Empty: nothing to set.
+  // Before each step: sets a motor's speed (rad/s, m/s; 0: the scene has none). Empty: nothing to set.
   std::function<void(double speed, double dt)> drive = {};
 };
 
@@ -32,6 +32,7 @@ class BulletEngine : public Engine {
   void step(double dt) override { world_.step(dt); }
   State state(int body) const override;
   int rows() const override;
+  bool broken(int joint) const override { return !joints_[size_t(joint)]->isEnabled(); }
   btDynamicsWorld* bullet_world() override { return &world_.bullet(); }
 
   btDiscreteDynamicsWorld& world() { return world_.bullet(); }

@@ -29,6 +29,8 @@ class Engine {
   virtual State state(int body) const = 0;
   // Rows of all joints as they stand; 0: not known.
   virtual int rows() const { return 0; }
+  // Whether a joint of the scene has broken: it holds nothing any more.
+  virtual bool broken(int) const { return false; }
   // For who looks at all that is in it, and draws it; null: it is none of Bullet's.
   virtual btDynamicsWorld* bullet_world() { return nullptr; }
 };

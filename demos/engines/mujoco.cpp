@@ -98,12 +98,9 @@ class Xml {
       if (joint.range.limited())
         out_ << " limited=\"true\" range=\"" << joint.range.low << ' ' << joint.range.high << '"';
       out_ << "/>";
-      if (!joint.motor.speed) return;
-      motors_ << "<velocity joint=\"j" << index << "\" kv=\"" << velocity_gain
-              << "\" forcelimited=\"true\" forcerange=\"" << -joint.motor.max_torque << ' '
-              << joint.motor.max_torque << "\"/>";
+      motor(joint, index);
     } else if (joint.kind == Kind::slider) {
-      out_ << "<joint type=\"slide\" " << at << axis(0);
+      out_ << "<joint name=\"j" << index << "\" type=\"slide\" " << at << axis(0);
       if (joint.spring.frequency > 0) {
         const auto inverse = [&](int body) {
           return body == 0 ? 0 : 1 / scene_.bodies[size_t(body)].mass;
@@ -114,10 +111,18 @@ class Xml {
              << 2 * joint.spring.damping_ratio * mass * w << '"';
       }
       out_ << "/>";
+      motor(joint, index);
     } else if (joint.kind == Kind::universal) {  // about z of a, then about y of b
       out_ << "<joint type=\"hinge\" " << at << axis(2) << "/><joint type=\"hinge\" " << at
            << axis(1) << "/>";
     }  // fixed: no joint
+  }
+
+  void motor(const Joint& joint, int index) {
+    if (!joint.motor.speed) return;
+    motors_ << "<velocity joint=\"j" << index << "\" kv=\"" << velocity_gain
+            << "\" forcelimited=\"true\" forcerange=\"" << -joint.motor.max_torque << ' '
+            << joint.motor.max_torque << "\"/>";
   }
 
   // A hinge by two points of its axis.

@@ -37,7 +37,7 @@ std::vector<int> links_of(const Scene& scene) {
     const bool turns = joint.kind == Kind::hinge, slides = joint.kind == Kind::slider,
                holds = joint.kind == Kind::ball || joint.kind == Kind::fixed;
     if (!turns && !slides && !holds) return {};
-    if (joint.spring.frequency > 0 || (joint.motor.speed && !turns) ||
+    if (joint.spring.frequency > 0 || (joint.motor.speed && holds) || joint.breaks_at > 0 ||
         (joint.range.limited() && holds) || joint.restitution > 0)
       return {};
     int& link = links[size_t(joint.b)];

@@ -26,7 +26,10 @@ class OdeEngine : public Engine {
   void drive(double time, double dt) override {
     for (size_t i = 0; i < joints_.size(); ++i) {
       const Joint& joint = scene_.joints[i];
-      if (joint.motor.speed) {
+      if (joint.motor.speed && joint.kind == Kind::slider) {
+        dJointSetSliderParam(joints_[i], dParamVel, joint.motor.speed(time));
+        dJointSetSliderParam(joints_[i], dParamFMax, joint.motor.max_torque);
+      } else if (joint.motor.speed) {
         // ODE's angle is that of its first body against its second one.
         dJointSetHingeParam(joints_[i], dParamVel, joint.motor.speed(time));
         dJointSetHingeParam(joints_[i], dParamFMax, joint.motor.max_torque);

@@ -46,7 +46,13 @@ BulletJoint slider(const Joint& joint, btRigidBody& a, btRigidBody& b, const btT
     slider->setLinMotorServo(0, btScalar(joint.spring.frequency),
                              btScalar(joint.spring.damping_ratio), SIMD_INFINITY);
   }
-  return {std::move(slider)};
+  if (!joint.motor.speed) return {std::move(slider)};
+  slider->setMaxLinMotorForce(btScalar(joint.motor.max_torque));
+  pintle::SliderJoint* const driven = slider.get();
+  return {std::move(slider), [driven](double speed, double) {
+            driven->setPoweredLinMotor(true);
+            driven->setTargetLinMotorVelocity(btScalar(speed));
+          }};
 }
 
 BulletJoint universal(const Joint& joint, btRigidBody& a, btRigidBody& b, const btTransform& in_a,

@@ -38,7 +38,13 @@ BulletJoint slider(const Joint& joint, btRigidBody& a, btRigidBody& b, const btT
       slider->setUpperLinLimit(btScalar(joint.range.high));
     }
     if (joint.restitution > 0) slider->setDampingLimLin(btScalar(1 - joint.restitution));
-    return {std::move(slider)};
+    if (!joint.motor.speed) return {std::move(slider)};
+    slider->setMaxLinMotorForce(btScalar(joint.motor.max_torque));
+    btSliderConstraint* const driven = slider.get();
+    return {std::move(slider), [driven](double speed, double) {
+              driven->setPoweredLinMotor(true);
+              driven->setTargetLinMotorVelocity(btScalar(speed));
+            }};
   }
   // btSliderConstraint has no spring.
   const double mass = 1 / double(a.getInvMass() + b.getInvMass());

@@ -41,6 +41,7 @@ class Recorded : public Engine {
   }
   engines::State state(int body) const override { return engine_->state(body); }
   int rows() const override { return engine_->rows(); }
+  bool broken(int joint) const override { return engine_->broken(joint); }
   pintle::Recorder& recorder() { return recorder_; }
 
  private:

@@ -42,10 +42,11 @@ class Observer {
     if (scene.has(Error::trajectory)) wanted_ = reference(scene);
   }
 
-  void observe(double time, const std::vector<State>& now) {
+  void observe(double time, const std::vector<State>& now, const Engine& engine) {
     double gap = 0, axis = 0;
     for (size_t i = 0; i < scene_.joints.size(); ++i) {
       const scenes::Joint& joint = scene_.joints[i];
+      if (joint.breaks_at > 0 && engine.broken(int(i))) continue;
       const State &a = now[joint.a], &b = now[joint.b];
       const JointErrors left = joint_errors(joint, a, b);
       gap = larger(gap, left.gap);
@@ -164,7 +165,7 @@ Outcome run(const Scene& scene, Engine& engine, double dt, const Watch& watch) {
       outcome.finite = outcome.finite && state.pose.matrix().allFinite() &&
                        state.velocity.allFinite() && state.angular_velocity.allFinite();
     }
-    observer.observe(step * dt, outcome.end);
+    observer.observe(step * dt, outcome.end, engine);
     if (step % interval == 0) observer.sample(size_t(step / interval) - 1, outcome.end);
     if (watch) watch(step * dt, outcome.end);
   }

@@ -74,10 +74,10 @@ struct Spring {
   double damping_ratio = 0;
 };
 
-// Turns b against a about a hinge's axis.
+// Turns b against a about a hinge's axis, or moves it along a slider's.
 struct Motor {
-  std::function<double(double time)> speed;  // rad/s; empty: none
-  double max_torque = 0;                     // N m
+  std::function<double(double time)> speed;  // rad/s, of a slider m/s; empty: none
+  double max_torque = 0;                     // N m, of a slider N
 };
 
 struct Joint {
@@ -90,6 +90,7 @@ struct Joint {
   Motor motor = {};
   double restitution = 0;  // of a contact, or of a slider's limits
   double ratio = 1;        // of a gear: turns of a for one of b
+  double breaks_at = 0;    // N s in a step, beyond which it breaks; 0: never
 };
 
 enum class Error {
