@@ -18,7 +18,8 @@ bool BulletEngine::add(const scenes::Joint& from, MakeJoint make_joint) {
   if (!joint.constraint) return false;
   if (from.breaks_at > 0) joint.constraint->setBreakingImpulseThreshold(btScalar(from.breaks_at));
   if (joint.drive) motors_.push_back({from.motor.speed, joint.drive});
-  joints_.push_back(&world_.take_joint(std::move(joint.constraint)));
+  // What a joint keeps from colliding stays so when it breaks.
+  joints_.push_back(&world_.take_joint(std::move(joint.constraint), from.breaks_at > 0));
   return true;
 }
 

@@ -30,7 +30,7 @@ Scene heavy_crane_scene() {
   for (const double y : {-0.45, 0.45})
     scene.add(box(0, {0.14, 0.12, height / 2}, {-2.2, y, height / 2 - 0.12}));
   const int trolley = scene.add(box(300, {0.4, 0.6, 0.12}, {0, 0, height + 0.24}));
-  const int hoist = scene.add(box(200, {0.15, 0.25, 0.15}, {0, 0, height - 2.4}));
+  const int hoist = scene.add(box(2000, {0.25, 0.35, 0.25}, {0, 0, height - 2.4}));
   drive(scene.connect(Kind::slider, 0, trolley, with_x({0, 0, height + 0.24}, Vector3d::UnitX())),
         way, lifting, carrying, 1e5);
   const Vector3d drum(0, 0, height - 2.4), down(0, 0, -1);

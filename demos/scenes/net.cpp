@@ -13,7 +13,7 @@ Scene net_in_frame_scene() {
   Scene scene{"net", "50 kg fall into a net of 64 knots"};
   scene.show(
       Group::known, "Net",
-      "A ball of 50 kg falls into a net of 64 knots of 200 g. All of its loops pull at once.");
+      "A ball of 50 kg falls into a net of 64 knots of 500 g. All of its loops pull at once.");
   for (const double side : {-1., 1.}) {
     scene.add(box(0, {half + 2 * beam, beam, beam}, {0, side * (half + beam), height}));
     scene.add(box(0, {beam, half + 2 * beam, beam}, {side * (half + beam), 0, height}));
@@ -35,7 +35,7 @@ Scene net_in_frame_scene() {
   };
   for (int i = 1; i <= knots; ++i) {
     for (int j = 1; j <= knots; ++j)
-      index[i][j] = scene.add(solid(box(0.2, {0.1, 0.1, 0.03}, place(i, j))));
+      index[i][j] = scene.add(solid(box(0.5, {0.13, 0.13, 0.03}, place(i, j))));
   }
   for (int i = 1; i <= knots + 1; ++i) {
     for (int j = 1; j <= knots; ++j) {

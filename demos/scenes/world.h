@@ -123,10 +123,10 @@ class World {
                             std::forward<Arguments>(more)...);
   }
   template <class Joint>
-  Joint& take_joint(std::unique_ptr<Joint> joint) {
+  Joint& take_joint(std::unique_ptr<Joint> joint, bool bodies_collide = false) {
     Joint& reference = *joint;
     joints_.push_back(std::move(joint));
-    world_.addConstraint(&reference, true);
+    world_.addConstraint(&reference, !bodies_collide);
     return reference;
   }
 
