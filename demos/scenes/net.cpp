@@ -14,6 +14,7 @@ Scene net_in_frame_scene() {
   scene.show(
       Group::known, "Net",
       "A ball of 50 kg falls into a net of 64 knots of 500 g. All of its loops pull at once.");
+  scene.bodies[0] = solid(box(0, {10, 10, 1}, {0, 0, -1}));
   for (const double side : {-1., 1.}) {
     scene.add(box(0, {half + 2 * beam, beam, beam}, {0, side * (half + beam), height}));
     scene.add(box(0, {beam, half + 2 * beam, beam}, {side * (half + beam), 0, height}));

@@ -1,0 +1,151 @@
+// Machines that one knows do on the exact solver what their words say, and hold no worse than on stock's.
+#include <gtest/gtest.h>
+#include <measures/run.h>
+#include <scenes/catalog.h>
+
+#include <algorithm>
+#include <string>
+
+namespace {
+
+using engines::State;
+using measures::Error;
+using scenes::Scene;
+
+bool is_single() { return engines::precision() == std::string("single"); }
+
+struct Played {
+  Scene scene;
+  std::unique_ptr<engines::Engine> engine;
+  measures::Outcome outcome;
+  std::vector<std::vector<State>> steps;
+
+  // Of a body, below 0 from the last; at a time, s.
+  const State& at(double time, int body) const {
+    const std::vector<State>& states = steps[size_t(std::lround(60 * time)) - 1];
+    return states[body < 0 ? states.size() - size_t(-body) : size_t(body)];
+  }
+  scenes::Vector3d place(double time, int body) const { return at(time, body).pose.translation(); }
+  int broken() const {
+    int count = 0;
+    for (size_t i = 0; i < scene.joints.size(); ++i) count += engine->broken(int(i)) ? 1 : 0;
+    return count;
+  }
+  // The most of a number over all steps from a time on, and all bodies that move.
+  template <class Number>
+  double most(double from, const Number& number) const {
+    double most = 0;
+    for (size_t step = size_t(std::lround(60 * from)); step < steps.size(); ++step) {
+      for (size_t i = 1; i < scene.bodies.size(); ++i)
+        if (scene.bodies[i].mass > 0) most = std::max(most, number(steps[step][i]));
+    }
+    return most;
+  }
+};
+
+Played play(const std::string& name, const char* contender) {
+  const std::vector<Scene> all = scenes::catalog();
+  Played played;
+  played.scene =
+      *std::find_if(all.begin(), all.end(), [&](const Scene& one) { return one.name == name; });
+  played.engine = engines::find_contender(contender)->make(played.scene, 10);
+  if (!played.engine) return played;
+  played.outcome = measures::run(
+      played.scene, *played.engine, 1. / 60,
+      [&](double, const std::vector<State>& states) { played.steps.push_back(states); });
+  return played;
+}
+
+struct Bounds {
+  double gap, single_gap;
+  double axis = 0, single_axis = 0;
+};
+
+Played held(const std::string& name, const Bounds& bounds) {
+  Played exact = play(name, "exact");
+  EXPECT_TRUE(exact.outcome.finite);
+  EXPECT_LT(exact.outcome[Error::gap], is_single() ? bounds.single_gap : bounds.gap);
+  EXPECT_LE(exact.outcome[Error::axis], is_single() ? bounds.single_axis : bounds.axis);
+  EXPECT_LT(exact.outcome[Error::gained], is_single() ? 0.02 : 0.01);
+  const Played stock = play(name, "stock");
+  const Error first = exact.scene.errors[0];
+  if (stock.engine) {
+    EXPECT_LT(exact.outcome[first], stock.outcome[first]);
+  }
+  return exact;
+}
+
+TEST(RealScenes, ANetCatchesTheBallAndComesToRest) {
+  const Played net = held("net", {7e-5, 3e-4});
+  for (const double time : {1., 2., 3., 4., 5.}) {
+    EXPECT_NEAR(net.place(time, -1).x(), 0.1, 0.2);
+    EXPECT_NEAR(net.place(time, -1).y(), -0.15, 0.2);
+    EXPECT_NEAR(net.place(time, -1).z(), 2.3, 0.05);
+  }
+  const auto speed = [](const State& state) { return state.velocity.norm(); };
+  EXPECT_LT(net.most(3, speed), 0.05);
+}
+
+TEST(RealScenes, ACraneLiftsTenThousandTimesItsRope) {
+  const Played crane = held("heavy_crane", {4e-10, 1e-5, 1e-9, 1e-5});
+  const double start = crane.scene.bodies.back().pose.translation().z();
+  EXPECT_NEAR(crane.place(4, -1).z(), start + 2, 1e-3);
+  EXPECT_NEAR(crane.place(10, -1).x(), 3, 1);  // it swings
+  const auto turning = [](const State& state) { return state.angular_velocity.norm(); };
+  EXPECT_LT(crane.most(0, turning), 1.5) << "its rope does not shake";
+}
+
+TEST(RealScenes, AnExcavatorMovesItsBucketThereAndBack) {
+  const Played excavator = held("excavator", {1.5e-9, 1e-5, 1e-9, 1e-5});
+  const int stick = 5, bucket = 6;
+  const auto angle = [&](double time) {
+    const auto x = [&](int body) { return excavator.at(time, body).pose.linear().col(0); };
+    return std::acos(std::clamp<double>(x(stick).dot(x(bucket)), -1, 1));
+  };
+  EXPECT_GT(std::abs(angle(2) - angle(4)), 0.5);
+  EXPECT_LT(excavator.place(2, bucket).z(), excavator.place(4, bucket).z() - 0.4);
+  EXPECT_GT(excavator.place(4, bucket).y(), 4) << "its house turns";
+  EXPECT_NEAR(excavator.place(8, bucket).y(), 0, 0.02);
+  EXPECT_NEAR(excavator.place(8, bucket).z(), excavator.place(4, bucket).z(), 0.02);
+  const auto speed = [](const State& state) { return state.velocity.norm(); };
+  EXPECT_LT(excavator.most(0, speed), 5);
+}
+
+TEST(RealScenes, AConvoyCrossesTheSuspensionBridge) {
+  const Played bridge = held("suspension_bridge", {1.5e-5, 1e-4, 1e-7, 1e-5});
+  EXPECT_LT(bridge.outcome[Error::overshoot], 0.003);
+  for (const int cart : {-20, -15, -10, -5}) {  // of five bodies each
+    const scenes::Isometry3d& end = bridge.at(9, cart).pose;
+    EXPECT_GT(end.translation().x(), 7);
+    EXPECT_NEAR(end.translation().y(), 0, 0.5);
+    EXPECT_NEAR(end.translation().z(), 1.85, 0.05);
+  }
+  const auto below = [](const State& state) { return 1.3 - state.pose.translation().z(); };
+  EXPECT_LE(bridge.most(0, below), 0) << "the deck stays up";
+}
+
+TEST(RealScenes, ATrebuchetThrowsItsStone) {
+  const Played trebuchet = held("trebuchet", {1.5e-9, 1e-5, 1e-9, 1e-5});
+  EXPECT_EQ(trebuchet.broken(), 1);
+  EXPECT_GT(trebuchet.place(4.5, -1).x(), 40);
+  EXPECT_GT(trebuchet.most(0, [](const State& state) { return state.pose.translation().z(); }), 15);
+}
+
+TEST(RealScenes, AHexapodWalksStraightAndUpright) {
+  const Played hexapod = held("hexapod", {5e-8, 1e-5, 1e-8, 1e-5});
+  EXPECT_GT(hexapod.place(8, 1).x(), 2.2);
+  for (double time = 0.5; time < 8; time += 0.25) {
+    EXPECT_NEAR(hexapod.place(time, 1).y(), 0, 0.1);
+    EXPECT_NEAR(hexapod.place(time, 1).z(), 0.445, 0.02);
+    EXPECT_GT(hexapod.at(time, 1).pose.linear()(2, 2), 0.995);
+  }
+}
+
+TEST(RealScenes, AWallBreaksWhereTheBallStrikesIt) {
+  const Played wall = held("brick_wall", {1e-6, 1e-4, 1e-8, 1e-5});
+  EXPECT_GT(wall.broken(), 30);
+  EXPECT_LT(wall.broken(), int(wall.scene.joints.size()));
+  EXPECT_GT(wall.place(2, -1).y(), 5) << "it goes through";
+}
+
+}  // namespace
