@@ -29,7 +29,7 @@ Scene suspension_bridge_scene() {
   for (int i = 0; i < planks; ++i) {
     const Vector3d start((i * length) - half, 0, deck - 0.05);
     deck_of[i] =
-        scene.add(solid(box(40, {0.48 * length, half_width, 0.05}, start + length / 2 * x)));
+        scene.add(solid(box(80, {0.48 * length, half_width, 0.05}, start + length / 2 * x)));
     scene.connect(Kind::hinge, last, deck_of[i], with_z(start, y));
     last = deck_of[i];
   }
@@ -64,7 +64,7 @@ Scene suspension_bridge_scene() {
     for (const double front : {-1., 1.}) {
       for (const double side : {-1., 1.}) {
         const Vector3d hub = middle + Vector3d(0.32 * front, 0.56 * side, -0.2);
-        Body tyre = solid(cylinder(10, 0.2, 0.06, hub, turn_between(z, y)));
+        Body tyre = solid(cylinder(10, 0.2, 0.12, hub, turn_between(z, y)));
         tyre.friction = 0.9;
         scene.connect(Kind::hinge, cart, scene.add(tyre), with_z(hub, y)).motor = {
             [](double time) { return 12.5 * std::min(1., time / 2); }, 40};

@@ -35,14 +35,14 @@ Scene trebuchet_scene() {
   Vector3d end = low;
   for (int i = 0; i < links; ++i) {
     // It lies along the ground, under the arm.
-    const int link = scene.add(box(1, {length / 2, 0.05, 0.05}, end + length / 2 * x));
+    const int link = scene.add(box(1, {length / 2, 0.1, 0.1}, end + length / 2 * x));
     scene.connect(Kind::ball, last, link, at(end));
     end += length * x;
     last = link;
   }
   Body stone = solid(sphere(stone_mass, 0.25, end + 0.25 * x));
   stone.friction = 0;
-  scene.connect(Kind::ball, last, scene.add(stone), at(end)).breaks_at = 100;  // N s in a step
+  scene.connect(Kind::ball, last, scene.add(stone), at(end)).breaks_at = 90;  // N s in a step
   scene.seconds = 5.5;
   scene.errors = {Error::gap, Error::axis, Error::gained};
   scene.energy_scale = weight_mass * standard_gravity * 2 * short_arm;
