@@ -24,8 +24,10 @@ using scenes::Scene;
 
 constexpr double dt = 1. / 60;
 // Of a run: a page of all scenes is to stay small.
-constexpr double max_poses = 40e3;  // bytes
+constexpr double max_poses = 16e3;  // bytes
 constexpr double max_frames = 200;
+// Bodies of a scene that is run with more iterations, too.
+constexpr double max_moving = 30;
 
 // Records the engine that it drives.
 class Recorded : public Engine {
@@ -82,16 +84,20 @@ Words words(scenes::Error error) {
   return {"", ""};
 }
 
+double moving(const Scene& scene) {
+  double count = 0;
+  for (const scenes::Body& body : scene.bodies) count += body.mass > 0 ? 1 : 0;
+  return count;
+}
+
 // A rate at which the poses of what moves have room.
-double frame_rate(const scenes::Scene& scene) {
-  double moving = 0;
-  for (const scenes::Body& body : scene.bodies) moving += body.mass > 0 ? 1 : 0;
-  const double frames = std::min(max_frames, max_poses / (28 * moving));
+double frame_rate(const Scene& scene) {
+  const double frames = std::min(max_frames, max_poses / (28 * moving(scene)));
   const double wanted = frames / scene.seconds;
-  for (const double rate : {60., 30., 20.}) {
+  for (const double rate : {60., 30., 20., 15., 12.}) {
     if (wanted >= rate) return rate;
   }
-  return 15;
+  return 10;
 }
 
 std::string headline(const Scene& scene) {
@@ -102,9 +108,9 @@ using Runs = std::vector<std::unique_ptr<Recorded>>;
 
 void record(const Scene& scene, const Kind& kind, Runs& runs) {
   const engines::Contender& contender = *engines::find_contender(kind.contender);
-  // Where more work would lessen its errors, or to play with it.
-  const bool more =
-      contender.iterates_in(scene) && (scene.in_report || scene.group == scenes::Group::known);
+  // Where more work would lessen its errors, or to play with it; but for what is large.
+  const bool more = contender.iterates_in(scene) && moving(scene) <= max_moving &&
+                    (scene.in_report || scene.group == scenes::Group::known);
   if (kind.iterations != 10 && !more) return;
   std::unique_ptr<Engine> engine = contender.make(scene, kind.iterations);
   if (!engine || engine->bullet_world() == nullptr) return;

@@ -38,7 +38,7 @@ Scene brick_wall_scene() {
   Body ball = solid(sphere(300, 0.4, {0.2, -5, 1.3}));
   ball.velocity = {0, 12, 2};
   scene.add(ball);
-  scene.seconds = 4;
+  scene.seconds = 2.5;
   scene.errors = {Error::gap, Error::axis, Error::gained};
   scene.energy_scale = 0.5 * 300 * 148;
   scene.in_report = false;

@@ -46,7 +46,7 @@ Scene hexapod_scene() {
                   },
                   300};
   }
-  scene.seconds = 8;
+  scene.seconds = 6;
   scene.errors = {Error::gap, Error::axis};
   scene.in_report = false;
   return scene;

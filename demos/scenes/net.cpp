@@ -45,7 +45,7 @@ Scene net_in_frame_scene() {
     }
   }
   scene.add(solid(sphere(ball_mass, radius, {0.1, -0.15, height + above})));
-  scene.seconds = 5;
+  scene.seconds = 3.5;
   scene.errors = {Error::gap, Error::gained};
   scene.energy_scale = ball_mass * standard_gravity * (above + sag);
   scene.in_report = true;

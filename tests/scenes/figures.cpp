@@ -24,7 +24,7 @@ Figures measure() {
   for (scenes::Scene scene : scenes::catalog()) {
     // Where bodies strike each other, or the solver is far from its solution, rounding soon decides
     // what follows.
-    const bool chaotic = scene.contacts() || scene.name == "crane";
+    const bool chaotic = scene.contacts() || scene.name == "crane" || scene.name == "heavy_crane";
     scene.seconds = std::min(scene.seconds, chaotic ? 0.4 : 1.);
     scene.horizon = std::min(scene.horizon, scene.seconds);
     for (const char* who : {"document", "pintle", "exact"}) {
