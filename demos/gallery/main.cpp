@@ -24,10 +24,10 @@ using scenes::Scene;
 
 constexpr double dt = 1. / 60;
 // Of a run: a page of all scenes is to stay small.
-constexpr double max_poses = 16e3;  // bytes
+constexpr double max_poses = 14e3;  // bytes
 constexpr double max_frames = 200;
 // Bodies of a scene that is run with more iterations, too.
-constexpr double max_moving = 30;
+constexpr double max_moving = 40;
 
 // Records the engine that it drives.
 class Recorded : public Engine {
