@@ -261,18 +261,21 @@ void Observer::lookForMoves() {
 }
 
 void Observer::lookForConstraints(bool bodies_changed) {
-  const int count = m_world.getNumConstraints();
+  // One that has broken, or was disabled, is gone.
+  std::vector<btTypedConstraint*> now;
+  for (int i = 0; i < m_world.getNumConstraints(); ++i) {
+    btTypedConstraint* const constraint = m_world.getConstraint(i);
+    if (constraint->isEnabled()) now.push_back(constraint);
+  }
   // Settings that a program makes after the recorder belong to the first step.
-  bool same = std::size_t(count) == m_constraints.size() && !bodies_changed && m_next_number != 1;
-  for (int i = 0; same && i < count; ++i)
-    same = m_constraints[std::size_t(i)].constraint == m_world.getConstraint(i);
+  bool same = now.size() == m_constraints.size() && !bodies_changed && m_next_number != 1;
+  for (std::size_t i = 0; same && i < now.size(); ++i) same = m_constraints[i].constraint == now[i];
   if (same) return;
 
   std::unordered_map<const btTypedConstraint*, int> before;
   for (const Seen& seen : m_constraints) before[seen.constraint] = seen.index;
   m_constraints.clear();
-  for (int i = 0; i < count; ++i) {
-    btTypedConstraint* const constraint = m_world.getConstraint(i);
+  for (btTypedConstraint* const constraint : now) {
     const int a = bodyOf(&constraint->getRigidBodyA()), b = bodyOf(&constraint->getRigidBodyB());
     const auto found = before.find(constraint);
     int index = found != before.end() ? found->second : -1;
