@@ -15,7 +15,7 @@ Scene trebuchet_scene() {
   scene.show(Group::known, "Trebuchet",
              "1500 kg fall, and a sling of four links throws a stone of 40 kg. Its last joint "
              "breaks by its load: it lets go.");
-  scene.bodies[0] = solid(box(0, {130, 20, 1}, {60, 0, -1}));
+  scene.bodies[0] = solid(box(0, {150, 150, 1}, {0, 0, -1}));
   for (const double side : {-1., 1.}) {
     const Vector3d foot(0, 1.1 * side, 0);
     scene.add(box(0, {0.15, 0.12, pivot / 2 + 0.1}, foot + pivot / 2 * z));
