@@ -24,10 +24,10 @@ using scenes::Scene;
 
 constexpr double dt = 1. / 60;
 // Of a run: a page of all scenes is to stay small.
-constexpr double max_poses = 14e3;  // bytes
+constexpr double max_poses = 20e3;  // bytes
 constexpr double max_frames = 200;
 // Bodies of a scene that is run with more iterations, too.
-constexpr double max_moving = 40;
+constexpr double max_moving = 18;
 
 // Records the engine that it drives.
 class Recorded : public Engine {
@@ -94,10 +94,10 @@ double moving(const Scene& scene) {
 double frame_rate(const Scene& scene) {
   const double frames = std::min(max_frames, max_poses / (28 * moving(scene)));
   const double wanted = frames / scene.seconds;
-  for (const double rate : {60., 30., 20., 15., 12.}) {
+  for (const double rate : {60., 30., 20.}) {
     if (wanted >= rate) return rate;
   }
-  return 10;
+  return 15;
 }
 
 std::string headline(const Scene& scene) {
@@ -153,7 +153,7 @@ struct Options {
 
 void write(const Options& options, std::vector<Scene> scenes) {
   const auto is_left_out = [&](const Scene& scene) {
-    return !Options::has(options.scenes, scene.name);
+    return options.scenes.empty() ? !scene.in_gallery : !Options::has(options.scenes, scene.name);
   };
   scenes.erase(std::remove_if(scenes.begin(), scenes.end(), is_left_out), scenes.end());
   Progress progress(double(scenes.size()));
@@ -184,7 +184,9 @@ int main(int argc, char** argv) {
   app.add_option("page", options.page, "The file that is written");
   app.add_option("--template", options.form, "The page without recordings, as it is built")
       ->check(CLI::ExistingFile);
-  app.add_option("--scene", options.scenes, "Only this scene; may be given more than once")
+  app.add_option("--scene", options.scenes,
+                 "Only this scene; may be given more than once\n"
+                 "(without it: all but some large ones)")
       ->check(CLI::IsMember(names))
       ->allow_extra_args(false);
   app.add_option("--contender", options.contenders,

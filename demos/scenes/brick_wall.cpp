@@ -42,6 +42,7 @@ Scene brick_wall_scene() {
   scene.errors = {Error::gap, Error::axis, Error::gained};
   scene.energy_scale = 0.5 * 300 * 148;
   scene.in_report = false;
+  scene.in_gallery = false;
   return scene;
 }
 

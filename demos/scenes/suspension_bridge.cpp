@@ -74,6 +74,7 @@ Scene suspension_bridge_scene() {
   scene.seconds = 9;
   scene.errors = {Error::gap, Error::axis, Error::overshoot};
   scene.in_report = false;
+  scene.in_gallery = false;
   return scene;
 }
 
