@@ -160,9 +160,11 @@ double PoseCorrection::iterate(double open) {
       m_first = m_work.moved;
     }
     if (open <= m_tolerance / 2) break;
+    // With rows that contradict each other by rounding no other factor would close the last digits.
+    const bool is_rounding = is_fresh && open <= m_options.loose_pose_tolerance;
     is_fresh = is_fresh && !closes;
     if (is_fast) continue;
-    if (is_fresh || factors++ >= m_options.max_pose_factors) break;
+    if (is_rounding || is_fresh || factors++ >= m_options.max_pose_factors) break;
     if (!closes) m_work.moved = m_nearest;
     if (!factorise(true)) break;
     measure();
@@ -232,7 +234,8 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   m_work.broyden.begin();
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
-  if (!(left <= m_tolerance / 2) && straighten()) {
+  const double met = m_options.loose_pose_tolerance;  // but for rounding
+  if (!(left <= met) && straighten()) {
     m_work.moved = m_nearest = m_work.start;
     m_first.clear();
     if (!factorise(false)) return open;
@@ -242,7 +245,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   // Where an angle is far from what its row says, the first step is what can be had.
   if (!(left < open) && !m_first.empty()) m_nearest = m_first;
   findChanges(changes);
-  if (!(left <= m_tolerance / 2)) shorten(changes);
+  if (!(left <= met)) shorten(changes);
   return left;
 }
 

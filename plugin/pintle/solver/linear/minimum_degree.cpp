@@ -29,6 +29,19 @@ std::vector<int> MinimumDegree::reach(int node) {
   return found;
 }
 
+// m_outside, of cliques of these nodes. One that is all within them says nothing more.
+void MinimumDegree::findOutside(const std::vector<int>& coupled) {
+  m_outside.resize(m_cliques.size());
+  for (const int i : coupled)
+    for (const int clique : m_cliques_of[size_t(i)])
+      m_outside[size_t(clique)] = int(m_cliques[size_t(clique)].size());
+  for (const int i : coupled)
+    for (const int clique : m_cliques_of[size_t(i)]) --m_outside[size_t(clique)];
+  for (const int i : coupled)
+    for (const int clique : m_cliques_of[size_t(i)])
+      if (m_outside[size_t(clique)] <= 0) m_cliques[size_t(clique)].clear();
+}
+
 std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& nodes) {
   std::vector<Column> columns;
   // Degree, since when, and node: paths in the elimination tree stay short.
@@ -48,6 +61,7 @@ std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& 
     columns.push_back({node, coupled});
     m_gone[size_t(node)] = true;
     for (const int clique : m_cliques_of[size_t(node)]) m_cliques[size_t(clique)].clear();
+    findOutside(coupled);
     for (const int i : coupled) {
       if (m_frees[size_t(node)]) m_waits[size_t(i)] = false;
       auto& mine = m_cliques_of[size_t(i)];
@@ -56,8 +70,7 @@ std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& 
                  mine.end());
       mine.push_back(int(m_cliques.size()));
       int bound = 0;
-      for (size_t c = 0; c + 1 < mine.size(); ++c)
-        bound += int(m_cliques[size_t(mine[c])].size()) - 1;
+      for (size_t c = 0; c + 1 < mine.size(); ++c) bound += m_outside[size_t(mine[c])];
       m_degree[size_t(i)] = bound + int(coupled.size()) - 1;
       queue.push({m_degree[size_t(i)], int(columns.size()), i});
     }

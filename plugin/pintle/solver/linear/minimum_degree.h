@@ -1,4 +1,5 @@
-// Purpose: the order of elimination of a sparse symmetric matrix: minimum degree on a quotient graph (George and Liu 1989).
+// Purpose: the order of elimination of a sparse symmetric matrix: approximate minimum degree on a quotient graph (Amestoy, Davis and
+// Duff 1996).
 #pragma once
 
 #include <pintle/precision.h>
@@ -33,12 +34,15 @@ class MinimumDegree {
 
  private:
   std::vector<int> reach(int node);
+  void findOutside(const std::vector<int>& coupled);
 
   std::vector<std::vector<int>> m_cliques, m_cliques_of;
   std::vector<int> m_degree;
   std::vector<char> m_gone, m_waits, m_frees;
   std::vector<int> m_mark;  ///< the last search that has found each
   int m_search = -1;
+  std::vector<int>
+      m_outside;  ///< of each clique that members of the new one have: its members that are not
 };
 
 }  // namespace PINTLE_PRECISION
