@@ -260,22 +260,27 @@ void Observer::lookForMoves() {
   }
 }
 
+// One that has broken, or was disabled, is gone.
+template <class Visit>
+static void forEachEnabled(btDynamicsWorld& world, const Visit& visit) {
+  for (int i = 0; i < world.getNumConstraints(); ++i)
+    if (btTypedConstraint* const one = world.getConstraint(i); one->isEnabled()) visit(one);
+}
+
 void Observer::lookForConstraints(bool bodies_changed) {
-  // One that has broken, or was disabled, is gone.
-  std::vector<btTypedConstraint*> now;
-  for (int i = 0; i < m_world.getNumConstraints(); ++i) {
-    btTypedConstraint* const constraint = m_world.getConstraint(i);
-    if (constraint->isEnabled()) now.push_back(constraint);
-  }
   // Settings that a program makes after the recorder belong to the first step.
-  bool same = now.size() == m_constraints.size() && !bodies_changed && m_next_number != 1;
-  for (std::size_t i = 0; same && i < now.size(); ++i) same = m_constraints[i].constraint == now[i];
-  if (same) return;
+  bool same = !bodies_changed && m_next_number != 1;
+  std::size_t seen = 0;
+  forEachEnabled(m_world, [&](btTypedConstraint* constraint) {
+    same = same && seen < m_constraints.size() && m_constraints[seen].constraint == constraint;
+    ++seen;
+  });
+  if (same && seen == m_constraints.size()) return;
 
   std::unordered_map<const btTypedConstraint*, int> before;
-  for (const Seen& seen : m_constraints) before[seen.constraint] = seen.index;
+  for (const Seen& of : m_constraints) before[of.constraint] = of.index;
   m_constraints.clear();
-  for (btTypedConstraint* const constraint : now) {
+  forEachEnabled(m_world, [&](btTypedConstraint* constraint) {
     const int a = bodyOf(&constraint->getRigidBodyA()), b = bodyOf(&constraint->getRigidBodyB());
     const auto found = before.find(constraint);
     int index = found != before.end() ? found->second : -1;
@@ -291,7 +296,7 @@ void Observer::lookForConstraints(bool bodies_changed) {
       feed(*constraint);
     }
     m_constraints.push_back({constraint, index});
-  }
+  });
   for (const auto& gone : before)
     m_recording.constraints[std::size_t(gone.second)].lifetime.end(m_next_number);
 }
