@@ -1,5 +1,7 @@
 #include "catalog.h"
 
+#include <algorithm>
+
 namespace scenes {
 
 // One that only this list names.
@@ -63,6 +65,11 @@ std::vector<Scene> catalog() {
       PINTLE_SCENE(bend_rim_scene),
       PINTLE_SCENE(hinge_turns_scene),
   };
+}
+
+Scene named(const std::string& name) {
+  const std::vector<Scene> all = catalog();
+  return *std::find_if(all.begin(), all.end(), [&](const Scene& one) { return one.name == name; });
 }
 
 }  // namespace scenes

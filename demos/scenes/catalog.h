@@ -35,5 +35,7 @@ Scene tilt_scene(double tilt = radians(60));  // rad, between x and the plane of
 
 // What tests, regression figures and page go over, and the report where a scene is in_report.
 std::vector<Scene> catalog();
+// The one of that name, which is to be there.
+Scene named(const std::string& name);
 
 }  // namespace scenes

@@ -24,12 +24,6 @@ using scenes::Vector3d;
 
 constexpr bool is_double = sizeof(btScalar) == sizeof(double);
 
-Scene problem(const std::string& name) {
-  const std::vector<Scene> catalog = scenes::catalog();
-  return *std::find_if(catalog.begin(), catalog.end(),
-                       [&](const Scene& one) { return one.name == name; });
-}
-
 // Whose gyroscopic term the bodies have.
 enum class Gyroscopic {
   bullets,       // implicit, of first order: what turns loses energy
@@ -120,7 +114,7 @@ EnergyChange energy_change(const Scene& scene, double hz, Gyroscopic gyroscopic)
 
 /// Five bodies have thirty freedoms, and six hinges thirty rows: one motion is left.
 TEST(Bricard, ClosesAndMovesInItsOneFreedom) {
-  const Scene scene = problem("bricard");
+  const Scene scene = scenes::named("bricard");
   Course run(scene, 1. / 60);
   double least = 1;
   const double gap = is_double ? 1e-8 : 1e-4;
@@ -159,7 +153,7 @@ TEST(Bricard, ClosesAndMovesInItsOneFreedom) {
 /// order the solver keeps both bounds: 3.5e-3, 1.8e-5 and 1.1e-6.
 TEST(Bricard, KeepsItsEnergyInStep) {
   if (!is_double) GTEST_SKIP() << "the bounds are for double precision";
-  const Scene scene = problem("bricard");
+  const Scene scene = scenes::named("bricard");
   EXPECT_LT(energy_change(scene, 60, Gyroscopic::bullets).in_step, 2.2e-2);
   EXPECT_LT(energy_change(scene, 240, Gyroscopic::bullets).in_step, 4.3e-3);
   const EnergyChange fine = energy_change(scene, 1000, Gyroscopic::bullets);
@@ -172,7 +166,7 @@ TEST(Bricard, KeepsItsEnergyInStep) {
 
 /// The largest distance of P3 from the stored solution.
 TEST(Bricard, FollowsTheReference) {
-  const Scene scene = problem("bricard");
+  const Scene scene = scenes::named("bricard");
   const std::vector<Vector3d> wanted = measures::reference(scene);
   const auto distance = [&](double hz) {
     Course run(scene, 1 / hz);
@@ -254,7 +248,7 @@ class Governor {
 
 /// The stored solution and that by two coordinates share nothing but the problem.
 TEST(Governor, IsSolvedAlikeByTwoMethods) {
-  const Scene scene = problem("governor");
+  const Scene scene = scenes::named("governor");
   const std::vector<Vector3d> stored = measures::reference(scene);
   const std::vector<double> heights = Governor().heights(scene.seconds);
   const long every = std::lround(measures::sample_interval / Governor::step);
@@ -269,7 +263,7 @@ TEST(Governor, IsSolvedAlikeByTwoMethods) {
 /// and the slider is 0.84 to 0.94 steps late. Beside that it errs by 2.0e-3, 5.2e-4 and 1.3e-4.
 /// (With velocities of half a step before the start it errs by 2.6e-3, 7.9e-4 and 2.3e-4.)
 TEST(Governor, LiftsItsSliderLikeTheReference) {
-  const Scene scene = problem("governor");
+  const Scene scene = scenes::named("governor");
   const std::vector<double> heights = Governor().heights(scene.seconds);
   // Of the slider, if it is late by so many steps.
   const auto distance = [&](double hz, double late) {

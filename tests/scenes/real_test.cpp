@@ -44,10 +44,8 @@ struct Played {
 };
 
 Played play(const std::string& name, const char* contender) {
-  const std::vector<Scene> all = scenes::catalog();
   Played played;
-  played.scene =
-      *std::find_if(all.begin(), all.end(), [&](const Scene& one) { return one.name == name; });
+  played.scene = scenes::named(name);
   played.engine = engines::find_contender(contender)->make(played.scene, 10);
   if (!played.engine) return played;
   played.outcome = measures::run(

@@ -21,12 +21,6 @@ std::vector<engines::State> start(const Scene& scene, const engines::Engine& eng
   return states;
 }
 
-Scene named(const std::string& name) {
-  const std::vector<Scene> catalog = scenes::catalog();
-  return *std::find_if(catalog.begin(), catalog.end(),
-                       [&](const Scene& one) { return one.name == name; });
-}
-
 TEST_P(Scenes, JointsHoldAtTheStart) {
   const Scene& scene = GetParam();
   if (scene.has(scenes::Error::recovery)) return;  // they come to hold
@@ -119,7 +113,7 @@ TEST(ClosedForms, AreApproachedByShorterSteps) {
 TEST(ExactLimits, HoldWithoutIterations) {
   for (const char* name : {"wedge_acute", "wedge_wide", "cone_shoulder"}) {
     SCOPED_TRACE(name);
-    const Scene scene = named(name);
+    const Scene scene = scenes::named(name);
     const auto overshoot = [&](const char* contender) {
       const auto engine = engines::find_contender(contender)->make(scene, 4);
       return measures::run(scene, *engine, 1. / 60)[measures::Error::overshoot];
@@ -133,7 +127,7 @@ TEST(ExactLimits, HoldWithoutIterations) {
 /// A stop whose direction turns over in a step, as at the tip of a flat cone, holds; and springs neither gain nor lose.
 TEST(ExactJointSolver, LeavesLittleAtTipsAndSprings) {
   const auto left = [](const char* name, measures::Error error) {
-    const Scene scene = named(name);
+    const Scene scene = scenes::named(name);
     const auto engine = engines::make_bullet(scene, 10, engines::make_conditioned_joint, [] {
       return std::make_unique<pintle::ExactJointSolver>();
     });
