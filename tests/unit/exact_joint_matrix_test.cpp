@@ -33,7 +33,7 @@ TEST(SymmetricFactor, SolvesAnyQuasiDefiniteMatrix) {
     SymmetricFactor factor;
     factor.analyse(coupled);
     ASSERT_EQ(factor.unknowns(), 3 * n);
-    factor.clear();
+    factor.set(std::vector<double>(factor.numbers(), 0.));
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     std::vector<double> sign;
     for (int k = 0; k < n; ++k) sign.push_back(below(random, 2) ? 1 : -1);
@@ -115,7 +115,8 @@ struct Problem {
           J.block<1, 3>(r, 6 * b) = row.L(side).transpose() / root_K;
           J.block<1, 3>(r, 6 * b + 3) = row.A(side).transpose() / root_K;
         }
-        matrix.setRow(int(c), i, row, root_K, softness[r], acts[c].back());
+        matrix.setRow(int(c), i, row, root_K);
+        matrix.setActing(int(c), i, acts[c].back(), softness[r]);
       }
     }
     acting = J;

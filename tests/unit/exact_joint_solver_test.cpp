@@ -711,7 +711,6 @@ TEST(ExactJointSolver, AllocatesNothingOnceItHasSeenAnIsland) {
       world.add_joint<QuaternionHinge>(*links[size_t(i) - 1], *links[size_t(i)], vec(0.5, 0, 0),
                                        vec(-0.5, 0, 0), vec(0, 1, 0), vec(0, 1, 0));
   }
-  // (Broyden's method does, for more steps than ever before.)
   for (int i = 0; i < 180; ++i) world.step(1. / 60);
   const long before = allocations;
   for (int i = 0; i < 180; ++i) world.step(1. / 60);

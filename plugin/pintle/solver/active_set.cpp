@@ -14,16 +14,13 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   work.softness.assign(rows, 0.);
   work.y.assign(K.unknowns(), 0.);
   work.x.assign(K.unknowns(), 0.);
+  work.aim.assign(K.unknowns(), 0.);
   work.bounded.clear();
-  forEachRow([&](int c, int, const IslandRow& row, size_t r, size_t at) {
+  forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
     work.y[at] = work.lambda[r] * row.root_K;
     if (!row.law.isEquality()) work.bounded.push_back({&row, c, r, at});
+    K.setRow(c, i, row.J, row.root_K);
   });
-}
-
-void ActiveSet::choose(const IslandRow& row, size_t r, size_t at) {
-  const double lambda = m_work.y[at] / row.root_K;
-  set(row, r, at, row.law.meet(m_work.u[r] - row.K * lambda, row.K));
 }
 
 void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece) {
@@ -32,19 +29,34 @@ void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& p
 }
 
 void ActiveSet::choose() {
-  forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) { choose(row, r, at); });
+  forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {
+    set(row, r, at, pieceOf(row, r, at));
+  });
 }
+
+namespace {
+
+bool areDifferent(const LawPiece& a, const LawPiece& b) {
+  return a.target != b.target || a.acts != b.acts || a.softness != b.softness ||
+         a.impulse != b.impulse;
+}
+
+}  // namespace
 
 // From one stop to the other by what lies between: a set that is wrong leads far beyond both.
 bool ActiveSet::change(const Place& of) {
-  const LawPiece before = m_work.pieces[of.r];
-  choose(*of.row, of.r, of.at);
-  const LawPiece& now = m_work.pieces[of.r];
-  const bool moves = before.target != now.target;
-  if (moves && before.acts && now.acts && !(before.softness > 0) && !(now.softness > 0))
-    set(*of.row, of.r, of.at, {false, 0, 0, of.row->law.at((before.target + now.target) / 2)});
-  return moves || before.acts != now.acts || before.softness != now.softness ||
-         before.impulse != now.impulse;
+  const LawPiece before = m_work.pieces[of.r], now = pieceOf(*of.row, of.r, of.at);
+  const bool jumps = before.target != now.target && before.acts && now.acts &&
+                     !(before.softness > 0) && !(now.softness > 0);
+  set(*of.row, of.r, of.at,
+      jumps ? LawPiece{false, 0, 0, of.row->law.at((before.target + now.target) / 2)} : now);
+  return areDifferent(before, now);
+}
+
+bool ActiveSet::wouldChange() const {
+  for (const Place& of : m_work.bounded)
+    if (areDifferent(m_work.pieces[of.r], pieceOf(*of.row, of.r, of.at))) return true;
+  return false;
 }
 
 bool ActiveSet::chooseAgain(bool one) {
@@ -54,6 +66,16 @@ bool ActiveSet::chooseAgain(bool one) {
     if (changed && one) break;
   }
   return changed;
+}
+
+void ActiveSet::measureBounded(const Vector6d* v) {
+  for (const Place& of : m_work.bounded) {
+    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + of.joint)];
+    const auto velocity = [&](int body) -> const Vector6d& {
+      return body < 0 ? m_island.unmovedBody(body).v : v[body - m_component.first_body];
+    };
+    m_work.u[of.r] = of.row->J.along(velocity(joint.body[0]), velocity(joint.body[1]));
+  }
 }
 
 const std::vector<ActiveSet::Place>& ActiveSet::all() {
@@ -70,10 +92,19 @@ void ActiveSet::release(const std::vector<Place>& rows) {
 }
 
 void ActiveSet::setRows() {
-  forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t) {
+  const bool any_moves = m_island.unmoved_bodies.size() > 1;
+  forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
     const LawPiece& piece = m_work.pieces[r];
     m_work.softness[r] = std::fmax(piece.softness / row.K, m_work.of_loop[size_t(c)]);
-    m_K.setRow(c, i, row.J, row.root_K, m_work.softness[r], piece.acts);
+    m_K.setActing(c, i, piece.acts, m_work.softness[r]);
+    double aim = piece.target;
+    if (any_moves) {
+      const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
+      for (int side = 0; side < 2; ++side)
+        if (joint.body[size_t(side)] < 0)
+          aim -= row.J.along(side, m_island.unmovedBody(joint.body[size_t(side)]).v);
+    }
+    m_work.aim[at] = aim / row.root_K;
   });
 }
 
@@ -94,6 +125,19 @@ double ActiveSet::findResidual() {
     m_work.x[at] = -left / row.root_K;
     largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
   });
+  return largest * m_island.dt;
+}
+
+double ActiveSet::findResidual(const Vector6d* v) {
+  std::vector<double>& x = m_work.x;
+  for (size_t at = 0; at < x.size(); ++at)
+    x[at] = m_K.acts(at) ? m_work.aim[at] - m_K.softness(at) * m_work.y[at] : 0;
+  m_K.subtractVelocities(v, x.data());
+  double largest = 0;
+  for (size_t at = 0; at < x.size(); ++at) {
+    const double left = std::abs(x[at]) * m_K.rootK(at);
+    largest = left <= largest ? largest : left;  // and not finite if one is
+  }
   return largest * m_island.dt;
 }
 

@@ -21,19 +21,23 @@ class ActiveSet {
   /// The same of those with bounds. Returns whether one has come to another piece. `one`: only the first of those that would. So no
   /// set comes twice (Murty 1974), where nothing else changes.
   bool chooseAgain(bool one = false);
+  /// Whether one of those would.
+  bool wouldChange() const;
   using Place = Workspace::Place;
   const std::vector<Place>& bounded() const { return m_work.bounded; }
   const std::vector<Place>& all();
+  /// work.u of those with bounds, as rows of the start, where bodies move with `v` (those of the component).
+  void measureBounded(const Vector6d* v);
   /// From now on these rows have the impulses that they are given: they are no unknowns.
   void release(const std::vector<Place>& rows);
 
   /// K of the rows that act. Returns false if there is none, or it has been factorised often enough.
   bool factorise(int most);
-  /// K without a factor, for who asks for no solution.
-  void setRows();
   int factors() const { return m_factors; }
   /// work.x = what work.u is off of rows that act, in the units of K. Returns the most, m or rad.
   double findResidual();
+  /// The same of rows of the start, where bodies move with `v` (those of the component).
+  double findResidual(const Vector6d* v);
   /// work.lambda from work.y.
   void keepImpulses();
 
@@ -46,8 +50,11 @@ class ActiveSet {
   }
 
  private:
+  void setRows();
   void set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece);
-  void choose(const IslandRow& row, size_t r, size_t at);
+  LawPiece pieceOf(const IslandRow& row, size_t r, size_t at) const {
+    return row.law.meet(m_work.u[r] - row.K * m_work.y[at] / row.root_K, row.K);
+  }
   bool change(const Place& of);
 
   const Island& m_island;

@@ -86,10 +86,11 @@ LawPiece AxisLaw::meet(double free, double K) const {
 
 void AxisLaw::split(double u, double impulse, double (&of)[max_parts]) const {
   double rest = impulse;
-  bool open[max_parts];  // on its vertical piece: its impulse is not given by u
+  bool open[max_parts];  // on its vertical piece, or beyond a stop: its impulse is not given by u
   for (int i = 0; i < m_parts; ++i) {
     const LawPart& part = m_part[i];
-    open[i] = !(part.softness > 0) && std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u));
+    open[i] = !(part.softness > 0) && (std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u)) ||
+                                       std::abs(part.at(u)) >= unbounded);
     of[i] = open[i] ? std::clamp(0., part.lower, part.upper) : part.at(u);
     rest -= of[i];
   }

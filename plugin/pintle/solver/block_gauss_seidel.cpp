@@ -40,17 +40,29 @@ class BlockSolver {
   void begin(Sweep sweep, std::vector<Vector6d>& velocities);
   /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
-  /// To the last digits: those that are solved at once.
-  void finish(std::vector<Vector6d>& velocities);
+  /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are.
+  void finish(std::vector<Vector6d>& velocities, std::vector<ContactRow>& bounds);
   /// Whether rows are solved one by one.
   bool isSwept() const { return m_swept != nullptr; }
+  /// Its rows with bounds go on as contacts do: each part of their laws is added to them.
+  void addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
+  /// Finds which rows act, while contacts have the impulses with which they begin.
+  void settle(std::vector<Vector6d>& velocities) {
+    do sweep(velocities);
+    while (m_changes && m_solvable && !m_is_unsettled);
+  }
+  /// Whether contacts change which of its rows act.
+  bool isUnsettled() const { return m_is_unsettled; }
   /// Whether there is a factor where one is needed.
   bool isSolvable() const { return m_solvable; }
   int factors() const { return m_set.factors(); }
   /// Whether the last pass did.
   bool changesSet() const { return m_changes; }
   /// Its impulses before a pass, and back to a part of the way from there.
-  void beginPass() { m_work.y_before_pass = m_work.y; }
+  void beginPass() {
+    ++m_passes;
+    m_work.y_before_pass = m_work.y;
+  }
   void goBack(double part) {
     std::vector<double>& y = m_work.y;
     for (size_t k = 0; k < y.size(); ++k)
@@ -58,6 +70,7 @@ class BlockSolver {
   }
 
  private:
+  void takeBounds(const std::vector<ContactRow>& from);
   struct Pass {
     double error;      ///< m or rad, before it
     bool changes_set;  ///< of rows that act
@@ -72,9 +85,11 @@ class BlockSolver {
     const int each_twice = m_alone ? 2 * int(m_set.bounded().size()) : 0;
     m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
   }
+  const Vector6d* own(const std::vector<Vector6d>& velocities) const {
+    return velocities.data() + m_of.component->first_body;
+  }
   void measure(const std::vector<Vector6d>& velocities) {
-    measureAtStart(m_island, *m_of.component, velocities.data() + m_of.component->first_body,
-                   m_work.u);
+    measureAtStart(m_island, *m_of.component, own(velocities), m_work.u);
   }
 
   const bool m_alone;
@@ -85,6 +100,9 @@ class BlockSolver {
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
   bool m_has_factor = false, m_solvable = true, m_changes = false;
+  bool m_is_unsettled = false, m_has_bounds = false;
+  size_t m_first_bound = 0;  ///< where those of its rows begin
+  int m_passes = 0;
 };
 
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
@@ -95,10 +113,7 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
     m_swept = sweep == Sweep::one_by_one ? &m_set.all() : &m_set.bounded();
     m_set.release(*m_swept);
   }
-  if (sweep == Sweep::one_by_one) {
-    m_set.setRows();
-    return;
-  }
+  if (sweep == Sweep::one_by_one) return;
   factorise();
   respond(m_work.y, velocities);
 }
@@ -114,20 +129,21 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
 // All rows at once, with one factor.
 BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
   std::vector<double>&x = m_work.x, &y = m_work.y;
-  measure(velocities);
   bool changes = false;
-  if (m_swept == nullptr && !m_set.bounded().empty()) {
+  if (m_swept == nullptr && !m_has_bounds && !m_set.bounded().empty()) {
     m_work.y_before_choice = y;
+    m_set.measureBounded(own(velocities));
+    m_is_unsettled = !m_alone && (m_passes > 0 || m_set.factors() >= m_options.max_set_factors) &&
+                     m_set.wouldChange();
+    if (m_is_unsettled) return {infinity, true};
     changes = m_set.chooseAgain(m_alone && m_set.factors() >= m_options.max_set_factors);
-    if (changes) factorise();
     if (y != m_work.y_before_choice) {  // those that came to a bound
       for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - m_work.y_before_choice[k];
       respond(x, velocities);
-      measure(velocities);
     }
+    if (changes) factorise();
   }
-  std::fill(x.begin(), x.end(), 0.);  // of bodies that are unknowns, too
-  const double error = m_set.findResidual();
+  const double error = m_set.findResidual(own(velocities));
   if (error <= m_options.newton_tolerance || !m_has_factor) return {error, changes};
   m_of.K->solve(x.data());
   respond(x, velocities);
@@ -135,17 +151,72 @@ BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
   return {error, changes};
 }
 
-void BlockSolver::finish(std::vector<Vector6d>& velocities) {
+void BlockSolver::finish(std::vector<Vector6d>& velocities, std::vector<ContactRow>& bounds) {
   for (double last = infinity; m_has_factor;) {
     const Pass pass = solve(velocities);
+    if (m_is_unsettled) addBounds(bounds, velocities);
     if (!pass.changes_set && !(pass.error > m_options.newton_tolerance && pass.error < last / 2))
       break;
     last = pass.changes_set ? infinity : pass.error;
   }
+  // A factor that rounding has spoilt leads elsewhere.
+  if (m_has_factor && !(m_set.findResidual(own(velocities)) <=
+                        std::fmax(m_options.contact_tolerance, m_options.newton_tolerance)))
+    m_solvable = false;
+  takeBounds(bounds);
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
   m_set.keepImpulses();
+}
+
+// What the parts of its law have of its impulse.
+void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
+  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
+  m_is_unsettled = false;
+  m_has_bounds = true;
+  m_first_bound = to.size();
+  for (const ActiveSet::Place& of : m_set.bounded()) {
+    const IslandRow& row = *of.row;
+    double& y = m_work.y[of.at];
+    const double impulse = y / row.root_K;
+    double parts[AxisLaw::max_parts], sum = 0, moved = 0;
+    row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse, parts);
+    for (int i = 0; i < row.law.parts(); ++i) sum += parts[i];
+    m_work.x[of.at] = sum * row.root_K - y;
+    y = sum * row.root_K;
+    ContactRow bound;
+    bound.body = m_island.joints[size_t(m_of.component->first_joint + of.joint)].body;
+    bound.J = row.J;
+    for (int side = 0; side < 2; ++side)
+      if (const int body = bound.body[size_t(side)]; body < 0)
+        moved += row.J.along(side, m_island.unmovedBody(body).v);
+    for (int i = 0; i < row.law.parts(); ++i) {
+      const LawPart& part = row.law.part(i);
+      if (!std::isfinite(part.target)) continue;  // a stop that is not there
+      bound.target = part.target - moved;
+      bound.softness = part.softness > 0 ? part.softness : m_work.of_loop[size_t(of.joint)] * row.K;
+      bound.lower = part.lower;
+      bound.upper = part.upper;
+      bound.impulse = bound.before = parts[i];
+      to.push_back(bound);
+    }
+  }
+  respond(m_work.x, velocities);
+  m_set.release(m_set.bounded());
+  m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + 1);
+}
+
+void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
+  if (!m_has_bounds) return;
+  size_t next = m_first_bound;
+  for (const ActiveSet::Place& of : m_set.bounded()) {
+    double impulse = 0;
+    for (int i = 0; i < of.row->law.parts(); ++i)
+      if (std::isfinite(of.row->law.part(i).target)) impulse += from[next++].impulse;
+    m_work.y[of.at] = impulse * of.row->root_K;
+    m_work.pieces[of.r].impulse = impulse;
+  }
 }
 
 double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
@@ -176,13 +247,17 @@ double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
 
 PassMemory::PassMemory() = default;
 PassMemory::~PassMemory() = default;
-void PassMemory::reserve(size_t bodies, size_t components) {
+void PassMemory::reserve(size_t bodies, size_t components, size_t rows) {
   pintle::reserve(bodies, sources, touched, start);
+  pintle::reserve(rows, bounds);
   pintle::reserve(components, blocks);
 }
-size_t PassMemory::bytes() const { return bytesOf(sources, touched, start, blocks); }
+size_t PassMemory::bytes() const { return bytesOf(sources, touched, start, bounds, blocks); }
 
 namespace {
+
+// A row that moves its bodies by less of its own is held by joints, but for rounding.
+constexpr double least_part_free = 1e-9;
 
 // What impulses of contacts do. `with_joints`: of components whose joints hold.
 void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
@@ -197,6 +272,7 @@ void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
       if (with_joints) to.with_joints = &part.work->answers[size_t(i)];
     }
   for (ContactRow& row : contacts) {
+    double alone = 0;
     row.K = 0;
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
@@ -210,8 +286,10 @@ void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
       with = by.with_joints != nullptr
                  ? Vector6d(by.with_joints->leftCols<3>() * L + by.with_joints->rightCols<3>() * A)
                  : answer;
-      row.K += L.dot(with.head<3>()) + A.dot(with.tail<3>());
+      alone += row.J.along(side, answer);
+      row.K += row.J.along(side, with);
     }
+    if (!(row.K > least_part_free * alone)) row.K = 0;
   }
 }
 
@@ -235,48 +313,42 @@ class Passes {
   Passes(const Island& island, std::vector<BlockOfJoints>& of, std::vector<ContactRow>& contacts,
          const SolverOptions& options, Sweep sweep, std::vector<Vector6d>& velocities,
          PassMemory& memory)
-      : m_contacts(contacts),
+      : m_island(island),
+        m_of(of),
+        m_contacts(contacts),
         m_velocities(velocities),
         m_sweep(sweep),
-        m_blocks(memory.blocks),
-        m_start(memory.start) {
+        m_memory(memory) {
     velocities.clear();
     for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
     if (sweep != Sweep::all_at_once)
       for (ContactRow& row : contacts) row.impulse = 0;
+    memory.bounds.clear();
     findAnswers(island, of, contacts, false, memory.sources);
     for (ContactRow& row : contacts) row.push(row.impulse, velocities);
-    m_blocks.clear();
-    m_blocks.reserve(of.size());
+    blocks().clear();
+    blocks().reserve(of.size());
     for (const BlockOfJoints& part : of) {
-      m_blocks.emplace_back(island, part, options, contacts.empty());
-      m_blocks.back().begin(sweep, velocities);
+      blocks().emplace_back(island, part, options, contacts.empty());
+      blocks().back().begin(sweep, velocities);
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
-    std::vector<char>& touched = memory.touched;
-    findTouched(contacts, island.bodies.size(), touched);
-    for (BlockOfJoints& part : of) {
-      const auto first = touched.begin() + part.component->first_body;
-      part.work->touched.assign(first, first + part.component->bodies);
-      part.K->findAnswers(part.work->touched, part.work->answers);
-    }
-    findAnswers(island, of, contacts, true, memory.sources);
-    sweepBlocks();
-    for (ContactRow& row : contacts) row.speed = row.velocity(velocities);
+    for (BlockSolver& block : blocks()) block.settle(velocities);
+    settle();
   }
   bool isSolvable() const {
-    for (const BlockSolver& block : m_blocks)
+    for (const BlockSolver& block : blocks())
       if (!block.isSolvable()) return false;
     return true;
   }
   bool isSwept() const {
-    for (const BlockSolver& block : m_blocks)
+    for (const BlockSolver& block : blocks())
       if (block.isSwept()) return true;
     return !m_contacts.empty();
   }
   bool changesSet() const {
-    for (const BlockSolver& block : m_blocks)
+    for (const BlockSolver& block : blocks())
       if (block.changesSet()) return true;
     return false;
   }
@@ -287,53 +359,100 @@ class Passes {
   }
   int finish() {
     int factors = 0;
-    for (BlockSolver& block : m_blocks) {
-      block.finish(m_velocities);
+    for (BlockSolver& block : blocks()) {
+      block.finish(m_velocities, m_memory.bounds);
       factors += block.factors();
     }
     return factors;
   }
 
  private:
+  std::vector<BlockSolver>& blocks() { return m_memory.blocks; }
+  const std::vector<BlockSolver>& blocks() const { return m_memory.blocks; }
   double sweepBlocks() {
     double largest = 0;
-    for (BlockSolver& block : m_blocks) largest = std::fmax(largest, block.sweep(m_velocities));
+    for (BlockSolver& block : blocks()) largest = std::fmax(largest, block.sweep(m_velocities));
     return largest;
+  }
+  bool isUnsettled() const {
+    for (const BlockSolver& block : blocks())
+      if (block.isUnsettled()) return true;
+    return false;
+  }
+  // Where contacts keep changing which rows act, those with bounds go on as contacts do.
+  void settle() {
+    for (BlockSolver& block : blocks()) {
+      if (!block.isUnsettled()) continue;
+      block.addBounds(m_memory.bounds, m_velocities);
+      block.sweep(m_velocities);
+    }
+    findAnswersWithJoints();
+    measure();
+  }
+  void findAnswersWithJoints() {
+    std::vector<char>& touched = m_memory.touched;
+    findTouched(m_contacts, m_island.bodies.size(), touched);
+    touch(m_memory.bounds, touched);
+    for (BlockOfJoints& part : m_of) {
+      const auto first = touched.begin() + part.component->first_body;
+      part.work->touched.assign(first, first + part.component->bodies);
+      part.K->findAnswers(part.work->touched, part.work->answers);
+    }
+    for (std::vector<ContactRow>* rows : {&m_contacts, &m_memory.bounds})
+      findAnswers(m_island, m_of, *rows, true, m_memory.sources);
+  }
+  template <class Visit>
+  void forEachRow(const Visit& visit) {
+    for (ContactRow& row : m_contacts) visit(row);
+    for (ContactRow& row : m_memory.bounds) visit(row);
+  }
+  void measure() {
+    forEachRow([&](ContactRow& row) { row.speed = row.velocity(m_velocities); });
   }
   double passAtOnce();
 
+  const Island& m_island;
+  std::vector<BlockOfJoints>& m_of;
   std::vector<ContactRow>& m_contacts;
   std::vector<Vector6d>& m_velocities;
   const Sweep m_sweep;
-  std::vector<BlockSolver>& m_blocks;
-  std::vector<Vector6d>& m_start;
+  PassMemory& m_memory;
 };
 
 // Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
 double Passes::passAtOnce() {
-  m_start = m_velocities;
-  for (ContactRow& row : m_contacts) row.before = row.impulse;
-  for (BlockSolver& block : m_blocks) block.beginPass();
-  double largest = sweepContacts(m_contacts, m_velocities);
-  m_velocities = m_start;
-  for (ContactRow& row : m_contacts) row.push(row.impulse - row.before, m_velocities);
+  std::vector<Vector6d>& start = m_memory.start;
+  start = m_velocities;
+  forEachRow([](ContactRow& row) { row.before = row.impulse; });
+  for (BlockSolver& block : blocks()) block.beginPass();
+  const double largest = std::fmax(sweepContacts(m_contacts, m_velocities),
+                                   sweepContacts(m_memory.bounds, m_velocities));
+  m_velocities = start;
+  forEachRow([&](ContactRow& row) { row.push(row.impulse - row.before, m_velocities); });
   sweepBlocks();
+  if (isUnsettled()) {
+    m_velocities = start;
+    forEachRow([](ContactRow& row) { row.impulse = row.before; });
+    for (BlockSolver& block : blocks()) block.goBack(0);
+    settle();
+    return passAtOnce();
+  }
   double slope = 0, bend = 0;
-  for (ContactRow& row : m_contacts) {
+  forEachRow([&](ContactRow& row) {
     const double by = row.impulse - row.before, next = row.velocity(m_velocities);
     slope += by * (row.speed + row.softness * row.before - row.target);
     bend += by * (next - row.speed + row.softness * by);
     row.speed = next;
-  }
-  if (changesSet() || !(slope < 0) || !(bend > -slope)) return largest;
+  });
+  if (!(slope < 0) || !(bend > -slope)) return largest;
   const double part = -slope / bend;
-  for (size_t i = 0; i < m_start.size(); ++i)
-    m_velocities[i] = m_start[i] + part * (m_velocities[i] - m_start[i]);
-  for (ContactRow& row : m_contacts) {
+  for (size_t i = 0; i < start.size(); ++i)
+    m_velocities[i] = start[i] + part * (m_velocities[i] - start[i]);
+  forEachRow([&](ContactRow& row) {
     row.impulse = row.before + part * (row.impulse - row.before);
     row.speed = row.velocity(m_velocities);
-  }
-  for (BlockSolver& block : m_blocks) block.goBack(part);
+  });
+  for (BlockSolver& block : blocks()) block.goBack(part);
   return part * largest;
 }
 

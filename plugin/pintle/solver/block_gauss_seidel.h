@@ -29,21 +29,24 @@ struct PassMemory {
   PassMemory(const PassMemory&) = delete;
   PassMemory& operator=(const PassMemory&) = delete;
   size_t bytes() const;
-  void reserve(size_t bodies, size_t components);
+  void reserve(size_t bodies, size_t components, size_t rows);
 
   struct Source {
     const InverseInertia* alone;  ///< null: it has no joints
     const JointMatrix::Matrix6d* with_joints;
   };
-  std::vector<Source> sources;  ///< of each body: what impulses do to it
-  std::vector<char> touched;    ///< of each body: by contacts
-  std::vector<Vector6d> start;  ///< of each body: its velocity before a pass
+  std::vector<Source> sources;     ///< of each body: what impulses do to it
+  std::vector<char> touched;       ///< of each body: by contacts
+  std::vector<Vector6d> start;     ///< of each body: its velocity before a pass
+  std::vector<ContactRow> bounds;  ///< rows of joints that are solved as contacts are, part by part
   std::vector<BlockSolver> blocks;
 };
 
 /// How the rows of a component are solved.
 enum class Sweep {
-  all_at_once,  ///< from the impulses of the last step, with those that act: which may not be found
+  /// From the impulses of the last step, with those that act: which may not be found. Among contacts rows with bounds then go on as
+  /// contacts do.
+  all_at_once,
   bounds_one_by_one,  ///< from none. Those with bounds as contacts are, the others at once
   one_by_one          ///< from none, as contacts are: this needs no factor
 };

@@ -4,36 +4,36 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-namespace {
-
-auto map(std::vector<double>& of) {
-  return Eigen::Map<Eigen::VectorXd>(of.data(), Eigen::Index(of.size()));
-}
-
-}  // namespace
-
 bool Broyden::step(const JointMatrix& K, const std::vector<double>& x, std::vector<double>& y) {
-  if (m_steps.size() <= m_count) m_steps.emplace_back();
-  Step& now = m_steps[m_count];
-  now.s = now.Ks = x;
-  K.solve(now.s.data());
+  using Map = Eigen::Map<Eigen::VectorXd>;
+  using Before = Eigen::Map<const Eigen::VectorXd>;
+  m_unknowns = x.size();
+  const auto n = Eigen::Index(m_unknowns);
+  m_numbers.insert(m_numbers.end(), x.begin(), x.end());
+  m_numbers.insert(m_numbers.end(), x.begin(), x.end());
+  double* const first = m_numbers.data() + 2 * m_count * m_unknowns;
+  Map now(first, n), K_now(first + n, n);
+  K.solve(first);
   for (size_t j = 0; j < m_count; ++j) {
-    Step& before = m_steps[j];
-    const double part = map(before.Ks).dot(map(now.s)) / before.length2;
+    const double part = Before(Ks(j), n).dot(now) / m_length2[j];
     if (j + 1 < m_count) {
-      map(now.s) += part * map(m_steps[j + 1].s);
-      map(now.Ks) += part * map(m_steps[j + 1].Ks);
+      now += part * Before(s(j + 1), n);
+      K_now += part * Before(Ks(j + 1), n);
     } else {
-      map(now.s) /= 1 - part;
-      map(now.Ks) /= 1 - part;
+      now /= 1 - part;
+      K_now /= 1 - part;
     }
   }
-  now.length2 = map(now.s).dot(map(now.Ks));
+  const double length2 = now.dot(K_now);
   const auto isLonger = [&](size_t back) {
-    return m_count >= back && !(now.length2 <= m_steps[m_count - back].length2);
+    return m_count >= back && !(length2 <= m_length2[m_count - back]);
   };
-  if (!(now.length2 >= 0) || (isLonger(1) && (!m_may_wander || isLonger(2)))) return false;
-  map(y) += map(now.s);
+  if (!(length2 >= 0) || (isLonger(1) && (!m_may_wander || isLonger(2)))) {
+    m_numbers.resize(2 * m_count * m_unknowns);
+    return false;
+  }
+  Map(y.data(), n) += now;
+  m_length2.push_back(length2);
   ++m_count;
   return true;
 }

@@ -14,26 +14,32 @@ class Broyden {
   /// Nothing is known beside K. A step may be no longer than the last one, or, where it `may_wander`, than one of the last two.
   void begin(bool may_wander = false) {
     m_count = 0;
+    m_numbers.clear();
+    m_length2.clear();
     m_may_wander = may_wander;
   }
   /// y += a step from the residual x, in the units of K. Returns false, and leaves y, where it is longer than that: this leads
   /// nowhere.
   bool step(const JointMatrix& K, const std::vector<double>& x, std::vector<double>& y);
   /// What y was changed by.
-  const std::vector<double>& last() const { return m_steps[m_count - 1].s; }
-
-  size_t bytes() const {
-    size_t sum = bytesOf(m_steps);
-    for (const Step& step : m_steps) sum += bytesOf(step.s, step.Ks);
-    return sum;
+  const double* last() const { return s(m_count - 1); }
+  /// For so many unknowns, and as many steps as a solve hardly ever takes.
+  void reserve(size_t unknowns) {
+    pintle::reserve(2 * usual_steps * unknowns, m_numbers);
+    pintle::reserve(usual_steps, m_length2);
   }
 
+  size_t bytes() const { return bytesOf(m_numbers, m_length2); }
+
  private:
-  struct Step {
-    std::vector<double> s, Ks;
-    double length2;  ///< s . K s
-  };
-  std::vector<Step> m_steps;  ///< m_count of them; the others are memory
+  static constexpr size_t usual_steps = 8;
+
+  const double* s(size_t step) const { return m_numbers.data() + 2 * step * m_unknowns; }
+  const double* Ks(size_t step) const { return s(step) + m_unknowns; }
+
+  size_t m_unknowns = 0;
+  std::vector<double> m_numbers;  ///< of each step: s, and K s
+  std::vector<double> m_length2;  ///< of each step: s . K s
   size_t m_count = 0;
   bool m_may_wander = false;
 };

@@ -18,12 +18,12 @@ struct ContactRow {
   Answers answer = {Vector6d::Zero(), Vector6d::Zero()}, with_joints = answer;
   double K = 0;  ///< of its velocity
   double target, softness, lower, upper;
-  int normal;         ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
-  double friction;    ///< of friction: its coefficient
-  double impulse;     ///< N s
-  double speed = 0;   ///< m/s, before a pass
-  double before = 0;  ///< N s: before a pass
-  btSolverConstraint* from;
+  int normal = -1;  ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
+  double friction = 0;                 ///< of friction: its coefficient
+  double impulse;                      ///< N s
+  double speed = 0;                    ///< m/s, before a pass
+  double before = 0;                   ///< N s: before a pass
+  btSolverConstraint* from = nullptr;  ///< null: it is of a joint
 
   bool isFriction() const { return normal >= 0; }
   /// Its impulse at which it is satisfied, where it has the velocity u now.
@@ -46,13 +46,17 @@ struct ContactRow {
       if (body[size_t(side)] >= 0) v[size_t(body[size_t(side)])] += by * to[size_t(side)];
   }
 };
+/// The bodies that such a row is on.
+inline void touch(const std::vector<ContactRow>& rows, std::vector<char>& touched) {
+  for (const ContactRow& row : rows)
+    for (const int body : row.body)
+      if (body >= 0) touched[size_t(body)] = true;
+}
 /// Of each of so many bodies: whether a contact is on it.
 inline void findTouched(const std::vector<ContactRow>& rows, size_t bodies,
                         std::vector<char>& touched) {
   touched.assign(bodies, false);
-  for (const ContactRow& row : rows)
-    for (const int body : row.body)
-      if (body >= 0) touched[size_t(body)] = true;
+  touch(rows, touched);
 }
 /// Friction by its contact's impulse.
 inline void boundFriction(const std::vector<ContactRow>& rows, ContactRow& row) {

@@ -48,6 +48,9 @@ struct RowJacobian {
   // Of body a (0) or b (1).
   const Vector3d& L(int side) const { return side ? L_b : L_a; }
   const Vector3d& A(int side) const { return side ? A_b : A_a; }
+  double along(int side, const Vector6d& v) const {
+    return L(side).dot(v.head<3>()) + A(side).dot(v.tail<3>());
+  }
   double along(const Vector6d& a, const Vector6d& b) const {
     return L_a.dot(a.head<3>()) + A_a.dot(a.tail<3>()) + L_b.dot(b.head<3>()) +
            A_b.dot(b.tail<3>());

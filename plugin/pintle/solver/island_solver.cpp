@@ -301,7 +301,7 @@ void IslandSolver::findTouched() {
 
 void IslandSolver::beginComponents() {
   const size_t bodies = m_island.bodies.size(), components = m_components.size();
-  m_pass_memory.reserve(bodies, components);
+  m_pass_memory.reserve(bodies, components, m_island.rows.size());
   reserve(components, m_alone, m_among_contacts, m_blocks);
   reserve(bodies, m_counted);
   m_kept.clear();

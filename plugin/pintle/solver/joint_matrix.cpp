@@ -123,34 +123,53 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   }
   m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
+  m_root_K.assign(size_t(block * nodes), 1.);
   m_softness.assign(size_t(block * nodes), 1.);
   m_acts.assign(size_t(block * nodes), 0.);
+  for (size_t b = 0; b < m_stays.size(); ++b)
+    if (m_stays[b]) {
+      const auto first = block * nodeOfBody(int(b));
+      std::fill_n(m_softness.begin() + first, 2 * block, 0.);
+      std::fill_n(m_acts.begin() + first, 2 * block, 1.);
+    }
+  m_matrix.assign(m_factor.numbers(), 0.);
+  m_is_assembled = false;
   m_places.clear();
-  forEachBlock([&](size_t, int i, int, int k, int) { m_places.push_back(m_factor.place(i, k)); },
-               [&](int b, int i, int) {
-                 for (int half = 0; half < 2; ++half) {
-                   const int node = nodeOfBody(b) + half;
-                   m_places.push_back(m_factor.place(std::max(i, node), std::min(i, node)));
-                 }
-               });
+  m_couplings.clear();
+  forEachBlock(
+      [&](size_t, int i, int, int k, int) {
+        m_places.push_back(m_factor.place(i, k));
+        m_couplings.push_back({i, k, m_places.back()});
+      },
+      [&](int b, int i, int) {
+        for (int half = 0; half < 2; ++half) {
+          const int node = nodeOfBody(b) + half, row = std::max(i, node),
+                    column = std::min(i, node);
+          m_places.push_back(m_factor.place(row, column));
+          m_couplings.push_back({row, column, m_places.back()});
+        }
+      });
+  std::sort(m_couplings.begin(), m_couplings.end(),
+            [](const Coupling& a, const Coupling& b) { return a.place < b.place; });
+  m_couplings.erase(
+      std::unique(m_couplings.begin(), m_couplings.end(),
+                  [](const Coupling& a, const Coupling& b) { return a.place == b.place; }),
+      m_couplings.end());
 }
 
-void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, double softness,
-                         bool acts) {
+void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
   const int node = m_node[size_t(c)] + i / block;
-  m_softness[size_t(block * m_node[size_t(c)] + i)] = acts ? softness : 1;
-  m_acts[size_t(block * m_node[size_t(c)] + i)] = acts;
+  const double by_root = 1 / root_K;
+  m_root_K[row(c) + size_t(i)] = root_K;
+  m_is_assembled = false;
   for (int side = 0; side < 2; ++side) {
     const int body = m_joints[size_t(c)][size_t(side)];
     if (body < 0) continue;
-    const InverseInertia& by = m_bodies[size_t(body)];
     Rows& to = rows(node, side);
     Eigen::Map<Vector6d> of(to.J[i % block]), answer(to.answer[i % block]);
-    of.head<3>() = J.L(side) / root_K;
-    of.tail<3>() = J.A(side) / root_K;
-    answer = by.answer(of.head<3>(), of.tail<3>());
-    Eigen::Map<Vector6d>(to.acting[i % block]) = double(acts) * answer;
-    of *= double(acts);
+    of.head<3>() = by_root * J.L(side);
+    of.tail<3>() = by_root * J.A(side);
+    answer = m_bodies[size_t(body)].answer(of.head<3>(), of.tail<3>());
   }
 }
 
@@ -171,21 +190,15 @@ inline void addProduct(const double (&a)[3][6], const double (&b)[3][6], double*
 
 }  // namespace
 
-bool JointMatrix::factorise(double least_pivot) {
-  m_factor.clear();
-  for (size_t c = 0; c < m_joints.size(); ++c)
-    for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node)
-      if (isIdle(node)) m_factor.setIdle(node);
-  for (int k = 0; k < m_factor.blocks(); ++k) {
-    double* const to = m_factor.at(m_factor.place(k, k));
-    for (int i = 0; i < block; ++i) to[(block + 1) * i] = m_softness[size_t(block * k + i)];
-  }
+void JointMatrix::assemble() {
+  m_is_assembled = true;
+  std::fill(m_matrix.begin(), m_matrix.end(), 0.);
+  const auto at = [&](size_t place) { return m_matrix.data() + place; };
   for (size_t b = 0; b < m_ends.size(); ++b) {
     if (!m_stays[b]) continue;
     const InverseInertia& body = m_bodies[b];
-    double* const linear = m_factor.at(m_factor.place(nodeOfBody(int(b)), nodeOfBody(int(b))));
-    double* const angular =
-        m_factor.at(m_factor.place(nodeOfBody(int(b)) + 1, nodeOfBody(int(b)) + 1));
+    double* const linear = at(m_factor.place(nodeOfBody(int(b)), nodeOfBody(int(b))));
+    double* const angular = at(m_factor.place(nodeOfBody(int(b)) + 1, nodeOfBody(int(b)) + 1));
     for (int i = 0; i < 3; ++i) {
       linear[4 * i] = -1;
       for (int j = 0; j < 3; ++j)
@@ -196,21 +209,39 @@ bool JointMatrix::factorise(double least_pivot) {
   size_t next = 0;
   forEachBlock(
       [&](size_t, int i, int side_i, int k, int side_k) {
-        double* const to = m_factor.at(m_places[next++]);
-        if (isIdle(i) || isIdle(k)) return;
-        addProduct(rows(i, side_i).J, rows(k, side_k).acting, to);
+        addProduct(rows(i, side_i).J, rows(k, side_k).answer, at(m_places[next++]));
       },
       [&](int b, int i, int side) {
         const Rows& of = rows(i, side);
         for (int half = 0; half < 2; ++half) {
-          double* const to = m_factor.at(m_places[next++]);
+          double* const to = at(m_places[next++]);
           const bool is_row = nodeOfBody(b) > i;
           for (int r = 0; r < block; ++r)
             for (int k = 0; k < 3; ++k)
               to[is_row ? block * k + r : block * r + k] +=
-                  of.acting[r][3 * half + k] * m_bodies[size_t(b)].scale[half];
+                  of.answer[r][3 * half + k] * m_bodies[size_t(b)].scale[half];
         }
       });
+}
+
+// Rows that do not act are coupled to nothing, and have 1 on the diagonal.
+bool JointMatrix::factorise(double least_pivot) {
+  if (!m_is_assembled) assemble();
+  m_factor.set(m_matrix);
+  for (const Coupling& of : m_couplings) {
+    if (isWhole(of.row) && isWhole(of.column)) continue;
+    const double *const row = m_acts.data() + block * of.row, *const column =
+                                                                  m_acts.data() + block * of.column;
+    double* const to = m_factor.at(of.place);
+    for (int r = 0; r < block; ++r)
+      for (int s = 0; s < block; ++s)
+        if (row[r] == 0 || column[s] == 0) to[block * r + s] = 0;
+  }
+  for (int k = 0; k < m_factor.blocks(); ++k) {
+    if (isIdle(k)) m_factor.setIdle(k);
+    double* const to = m_factor.at(m_factor.place(k, k));
+    for (int i = 0; i < block; ++i) to[(block + 1) * i] += m_softness[size_t(block * k + i)];
+  }
   return m_factor.factorise(least_pivot);
 }
 
@@ -230,8 +261,11 @@ void JointMatrix::findAnswers(const std::vector<char>& asked, std::vector<Matrix
   const auto subtract = [&](size_t b, int i, int side_i, int k, int side_k) {
     const double* const of = m_inverse.data() + m_places[next++];
     if (!asked[b] || isIdle(i) || isIdle(k)) return;
-    const Answers a(rows(i, side_i).acting[0]), c(rows(k, side_k).acting[0]);
-    const Eigen::Matrix<double, 6, 3> by = a.lazyProduct(Square(of));
+    const Answers a(rows(i, side_i).answer[0]), c(rows(k, side_k).answer[0]);
+    Eigen::Matrix<double, 3, 3> acting = Square(of);
+    for (int r = 0; i == k && r < block; ++r)
+      if (m_acts[size_t(block * i + r)] == 0) acting(r, r) = 0;
+    const Eigen::Matrix<double, 6, 3> by = a.lazyProduct(acting);
     Matrix6d part = by.lazyProduct(c.transpose());
     if (i != k) part += part.transpose().eval();
     answers[b] -= part;
@@ -271,12 +305,34 @@ void JointMatrix::addResponse(const double* x, Vector6d* v) const {
     }
 }
 
+void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
+  for (size_t c = 0; c < m_joints.size(); ++c)
+    for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node) {
+      const double* const acts = m_acts.data() + block * node;
+      double* const of = x + block * node;
+      for (int side = 0; side < 2; ++side) {
+        const int body = m_joints[c][size_t(side)];
+        if (body < 0) continue;
+        const auto& J = m_rows[size_t(2 * node + side)].J;
+        const double* const by = v[body].data();
+        for (int r = 0; r < block; ++r) {
+          double even = 0, odd = 0;  // two at once
+          for (int j = 0; j < 6; j += 2) {
+            even += J[r][j] * by[j];
+            odd += J[r][j + 1] * by[j + 1];
+          }
+          of[r] -= acts[r] * (even + odd);
+        }
+      }
+    }
+}
+
 size_t JointMatrix::bytes() const {
   size_t sum = m_factor.bytes();
   for (const auto& ends : m_ends) sum += bytesOf(ends);
   for (const auto& column : m_columns) sum += bytesOf(column.coupled);
   return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_places, m_rows,
-                       m_softness, m_acts, m_bodies, m_inverse);
+                       m_couplings, m_root_K, m_softness, m_acts, m_matrix, m_bodies, m_inverse);
 }
 
 }  // namespace PINTLE_PRECISION

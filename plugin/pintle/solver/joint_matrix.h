@@ -47,9 +47,15 @@ class JointMatrix {
 
   /// A^-1 of each body, for who sets them before the rows.
   std::vector<InverseInertia>& bodies() { return m_bodies; }
-  /// Row `i` of joint c, divided by root_K, with a softness of 1 / K. All rows must be set before each factor. One that does not act
-  /// has the impulse that is asked for, which answers (addResponse), but is no unknown.
-  void setRow(int c, int i, const RowJacobian& J, double root_K, double softness, bool acts = true);
+  /// Row `i` of joint c, divided by root_K. All rows must be set before the first factor, and again where bodies have changed.
+  void setRow(int c, int i, const RowJacobian& J, double root_K);
+  /// Whether it acts, with a softness of 1 / K. One that does not has the impulse that is asked for, which answers (addResponse), but
+  /// is no unknown. Set before each factor.
+  void setActing(int c, int i, bool acts, double softness) {
+    const size_t at = row(c) + size_t(i);
+    m_softness[at] = acts ? softness : 1;
+    m_acts[at] = acts;
+  }
   bool factorise(double least_pivot);
 
   /// A vector of all unknowns. Those of joint c begin at row(c): velocities divided by root_K before, impulses times root_K after
@@ -62,14 +68,24 @@ class JointMatrix {
   void findAnswers(const std::vector<char>& asked, std::vector<Matrix6d>& answers);
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
+  /// x -= J v of the rows that act.
+  void subtractVelocities(const Vector6d* v, double* x) const;
+  double rootK(size_t unknown) const { return m_root_K[unknown]; }
+  double softness(size_t unknown) const { return m_softness[unknown]; }
+  bool acts(size_t unknown) const { return m_acts[unknown] != 0; }
 
   size_t bytes() const;
 
  private:
   static constexpr int block = SymmetricFactor::size;
-  /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each. `acting`: 0 of those that do not act.
+  /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each.
   struct Rows {
-    double J[block][6] = {}, answer[block][6] = {}, acting[block][6] = {};
+    double J[block][6] = {}, answer[block][6] = {};
+  };
+  /// A block of K, of a row and a column.
+  struct Coupling {
+    int row, column;
+    size_t place;
   };
   struct End {
     int joint, side;
@@ -79,6 +95,11 @@ class JointMatrix {
     const double* const acts = m_acts.data() + block * node;
     return acts[0] == 0 && acts[1] == 0 && acts[2] == 0;
   }
+  bool isWhole(int node) const {
+    const double* const acts = m_acts.data() + block * node;
+    return acts[0] != 0 && acts[1] != 0 && acts[2] != 0;
+  }
+  void assemble();
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
   int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
@@ -95,8 +116,11 @@ class JointMatrix {
   std::vector<int> m_node;       ///< where each joint begins, and each body that stays
   std::vector<size_t> m_places;  ///< of the blocks, as forEachBlock visits them
   std::vector<Rows> m_rows;      ///< of each node on either body
-  std::vector<double> m_softness;
-  std::vector<double> m_acts;  ///< of each row: 1, or 0
+  std::vector<Coupling> m_couplings;
+  std::vector<double> m_root_K, m_softness;  ///< of each row
+  std::vector<double> m_acts;                ///< of each row: 1, or 0
+  bool m_is_assembled = false;
+  std::vector<double> m_matrix;  ///< of all rows, without softness, where the factor has blocks
   std::vector<InverseInertia> m_bodies;
   SymmetricFactor m_factor;
   std::vector<double> m_inverse;  ///< of K, where the factor has blocks

@@ -94,8 +94,8 @@ bool PoseCorrection::factorise(bool at_end) {
   stiffen(m_island, m_component, m_work, m_K);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, m_options.dependent_softness,
-               m_closes[r]);
+    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K);
+    m_K.setActing(c, i, m_closes[r], m_options.dependent_softness);
   });
   m_work.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
@@ -138,7 +138,7 @@ double PoseCorrection::step(double open, bool is_fresh) {
   if (!m_work.broyden.step(m_K, m_work.x, m_work.y)) return infinity;
   std::vector<Vector6d>& w = m_work.base;
   w.assign(size_t(m_component.bodies), Vector6d::Zero());
-  m_K.addResponse(m_work.broyden.last().data(), w.data());
+  m_K.addResponse(m_work.broyden.last(), w.data());
   for (double part = 1;; part /= 2) {
     for (size_t b = 0; b < w.size(); ++b) m_work.moved[b].goOn(part * w[b], m_island.dt);
     const double now = measure();

@@ -47,7 +47,8 @@ struct Workspace {
   }
 
   // Memory of the solves.
-  std::vector<double> y, x;  ///< impulses, and a residual, in the units of K (joint_matrix.h)
+  std::vector<double> y, x,
+      aim;  ///< impulses, a residual, and targets, in the units of K (joint_matrix.h)
   std::vector<double> y_before_pass, y_before_choice;
   std::vector<char> touched;                         ///< of each body: by contacts
   std::vector<Eigen::Matrix<double, 6, 6>> answers;  ///< of each body (JointMatrix::findAnswers)
@@ -71,21 +72,22 @@ struct Workspace {
   Broyden broyden;
 
   /// For any solve of a component of this size: hardly a step allocates because it is the first one that takes another way. (The
-  /// first contact does, and Broyden's method for more steps than ever before.)
+  /// first contact does.)
   void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
                     other.v);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
                     bounded, last_load, other.u, other.lambda, other.pieces);
-    pintle::reserve(unknowns, y, x, y_before_pass, y_before_choice, open);
+    pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
+    broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
-    return bytesOf(v, u, lambda, load, pieces, softness, stiffness, of_loop, y, x, y_before_pass,
-                   y_before_choice, touched, answers, base, moved, straight, goal, J, closes, bends,
-                   bounded, all, stays, open, start, nearest, first, last_load, last_stiffness,
-                   other.v, other.u, other.lambda, other.pieces) +
+    return bytesOf(v, u, lambda, load, pieces, softness, stiffness, of_loop, y, x, aim,
+                   y_before_pass, y_before_choice, touched, answers, base, moved, straight, goal, J,
+                   closes, bends, bounded, all, stays, open, start, nearest, first, last_load,
+                   last_stiffness, other.v, other.u, other.lambda, other.pieces) +
            broyden.bytes();
   }
 };

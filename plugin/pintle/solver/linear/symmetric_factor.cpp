@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -16,13 +15,6 @@ inline void subtractProduct(const double* a, const double* b, double* to) {
           a[3 * i] * b[3 * j] + a[3 * i + 1] * b[3 * j + 1] + a[3 * i + 2] * b[3 * j + 2];
 }
 
-// to = a b, b symmetric.
-inline void multiply(const double* a, const double* b, double* to) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      to[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-}
-
 // x -= a y
 inline void subtract(const double* a, const double* y, double* x) {
   for (int i = 0; i < 3; ++i) x[i] -= a[3 * i] * y[0] + a[3 * i + 1] * y[1] + a[3 * i + 2] * y[2];
@@ -33,13 +25,9 @@ inline void subtractTransposed(const double* a, const double* y, double* x) {
   for (int i = 0; i < 3; ++i) x[i] -= a[i] * y[0] + a[3 + i] * y[1] + a[6 + i] * y[2];
 }
 
-inline void multiplySymmetric(const double* a, double* x) {
-  const double y[3] = {x[0], x[1], x[2]};
-  for (int i = 0; i < 3; ++i) x[i] = a[3 * i] * y[0] + a[3 * i + 1] * y[1] + a[3 * i + 2] * y[2];
-}
-
-// Pivots of a 3 x 3 block, and its inverse by them.
-bool invert(double* a, double least_pivot) {
+// Of a 3 x 3 block L D L^T, by rows: 1 / d_0; l_10, 1 / d_1; l_20, l_21, 1 / d_2. It is kept so, and not as its inverse: where rows
+// repeat each other, that has large numbers, whose rounding would be more than what is left of the others.
+bool factoriseBlock(double* a, double least_pivot) {
   const auto pivot = [&](double d) {
     return std::abs(d) < least_pivot ? std::copysign(least_pivot, d) : d;
   };
@@ -47,15 +35,22 @@ bool invert(double* a, double least_pivot) {
   const double d_1 = pivot(a[4] - l_1 * a[3]), below = a[7] - l_2 * a[3], m = below / d_1;
   const double d_2 = pivot(a[8] - l_2 * a[6] - m * below);
   if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !std::isfinite(d_0 + d_1 + d_2)) return false;
-  // (L^-1)^T D^-1 L^-1, with L^-1 = [1; -l_1 1; k -m 1]
-  const double k = l_1 * m - l_2, i_0 = 1 / d_0, i_1 = 1 / d_1, i_2 = 1 / d_2;
-  a[0] = i_0 + l_1 * l_1 * i_1 + k * k * i_2;
-  a[1] = a[3] = -l_1 * i_1 - k * m * i_2;
-  a[2] = a[6] = k * i_2;
-  a[4] = i_1 + m * m * i_2;
-  a[5] = a[7] = -m * i_2;
-  a[8] = i_2;
+  a[0] = 1 / d_0;
+  a[3] = l_1;
+  a[4] = 1 / d_1;
+  a[6] = l_2;
+  a[7] = m;
+  a[8] = 1 / d_2;
   return true;
+}
+
+// to = the solution of the block for x.
+inline void solveBlock(const double* f, const double* x, double* to) {
+  const double z_1 = x[1] - f[3] * x[0], z_2 = x[2] - f[6] * x[0] - f[7] * z_1;
+  const double y_2 = f[8] * z_2, y_1 = f[4] * z_1 - f[7] * y_2;
+  to[0] = f[0] * x[0] - f[3] * y_1 - f[6] * y_2;
+  to[1] = y_1;
+  to[2] = y_2;
 }
 
 // to -= a b; and of the transposed a.
@@ -112,8 +107,8 @@ size_t SymmetricFactor::place(int i, int k) const {
   return area * size_t(blocks() + (std::lower_bound(first, last, i) - m_row.begin()));
 }
 
-void SymmetricFactor::clear() {
-  std::memset(m_numbers.data(), 0, m_numbers.size() * sizeof(double));
+void SymmetricFactor::set(const std::vector<double>& numbers) {
+  m_numbers = numbers;
   std::fill(m_idle.begin(), m_idle.end(), false);
 }
 
@@ -123,8 +118,8 @@ bool SymmetricFactor::factorise(double least_pivot) {
   double* const below = diagonal + area * size_t(n);
   for (int k = 0; k < n; ++k) {
     if (m_idle[size_t(k)]) continue;
-    double* const inverse = diagonal + area * size_t(k);
-    if (!invert(inverse, least_pivot)) return false;
+    double* const own = diagonal + area * size_t(k);
+    if (!factoriseBlock(own, least_pivot)) return false;
     const int first = m_first[size_t(k)], last = m_first[size_t(k) + 1];
     for (int q = first; q < last; ++q) {
       // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
@@ -132,7 +127,7 @@ bool SymmetricFactor::factorise(double least_pivot) {
       if (m_idle[size_t(j)]) continue;
       double* const a_j = below + area * size_t(q);
       double l_j[area];
-      multiply(a_j, inverse, l_j);
+      for (int i = 0; i < size; ++i) solveBlock(own, a_j + size * i, l_j + size * i);
       subtractProduct(l_j, a_j, diagonal + area * size_t(j));
       int to = m_first[size_t(j)];
       const bool same = m_first[size_t(j) + 1] - to == last - q - 1;
@@ -152,13 +147,16 @@ void SymmetricFactor::solve(double* x) const {
   const int n = blocks();
   const double* const diagonal = m_numbers.data();
   const double* const below = diagonal + area * size_t(n);
-  for (int k = 0; k < n; ++k)
-    for (int p = m_first[size_t(k)]; !m_idle[size_t(k)] && p < m_first[size_t(k) + 1]; ++p)
+  for (int k = 0; k < n; ++k) {
+    if (m_idle[size_t(k)]) continue;
+    for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
       subtract(below + area * size_t(p), x + size * k, x + size * m_row[size_t(p)]);
+  }
   for (int k = n - 1; k >= 0; --k) {
     if (m_idle[size_t(k)]) continue;
     double* const own = x + size * k;
-    multiplySymmetric(diagonal + area * size_t(k), own);
+    const double y[size] = {own[0], own[1], own[2]};
+    solveBlock(diagonal + area * size_t(k), y, own);
     for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
       subtractTransposed(below + area * size_t(p), x + size * m_row[size_t(p)], own);
   }
@@ -168,8 +166,8 @@ void SymmetricFactor::solve(double* x) const {
 void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
   const int n = blocks();
   to.assign(m_numbers.size(), 0.);
-  const double* const inverse = m_numbers.data();
-  const double* const L = inverse + area * size_t(n);
+  const double* const factor = m_numbers.data();
+  const double* const L = factor + area * size_t(n);
   double* const diagonal = to.data();
   double* const Z = diagonal + area * size_t(n);
   for (int k = n - 1; k >= 0; --k) {
@@ -193,7 +191,10 @@ void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
       }
     }
     double* const own = diagonal + area * size_t(k);
-    std::copy(inverse + area * size_t(k), inverse + area * size_t(k + 1), own);
+    for (int i = 0; i < size; ++i) {
+      const double one[size] = {double(i == 0), double(i == 1), double(i == 2)};
+      solveBlock(factor + area * size_t(k), one, own + size * i);
+    }
     for (int q = first; q < last; ++q)
       subtractTransposedProduct(L + area * size_t(q), Z + area * size_t(q), own);
   }

@@ -23,9 +23,11 @@ class SymmetricFactor {
   size_t place(int i, int k) const;
   /// The nine numbers of a block, row by row. Those of the diagonal are both halves.
   double* at(size_t place) { return m_numbers.data() + place; }
-  /// Sets the matrix to zero. Then add to its blocks, and factorise.
-  void clear();
-  /// Block k is coupled to nothing, and has 1 on its diagonal: nothing is done with it. (Until the next `clear`.)
+  /// All of them, in the order of their places.
+  size_t numbers() const { return m_numbers.size(); }
+  /// Sets the matrix to these. Then change its blocks, and factorise.
+  void set(const std::vector<double>& numbers);
+  /// Block k is coupled to nothing, and has 1 on its diagonal: nothing is done with it. (Until the next `set`.)
   void setIdle(int k) { m_idle[size_t(k)] = true; }
   /// A smaller pivot than `least_pivot` becomes that, with its sign. Returns false if one is zero or not finite.
   bool factorise(double least_pivot);
@@ -42,7 +44,7 @@ class SymmetricFactor {
   std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
   std::vector<int> m_first;  ///< of each column in m_row
   std::vector<char> m_idle;
-  /// Of the diagonal, then of those below: A, and then D^-1 and L.
+  /// Of the diagonal, then of those below: A, and then D, each block by its own factor, and L.
   std::vector<double> m_numbers;
 };
 
