@@ -1,5 +1,6 @@
 #include <pintle/solver/active_set.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pintle {
@@ -95,7 +96,7 @@ void ActiveSet::setRows() {
   const bool any_moves = m_island.unmoved_bodies.size() > 1;
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
     const LawPiece& piece = m_work.pieces[r];
-    m_work.softness[r] = std::fmax(piece.softness / row.K, m_work.of_loop[size_t(c)]);
+    m_work.softness[r] = std::max(piece.softness / row.K, m_work.of_loop[size_t(c)]);
     m_K.setActing(c, i, piece.acts, m_work.softness[r]);
     double aim = piece.target;
     if (any_moves) {

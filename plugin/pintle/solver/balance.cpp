@@ -173,29 +173,32 @@ bool whirls(const Island& island, const Component& component, const SolverOption
         workOfGaps(island, component, work, options.newton_tolerance)))
     return false;
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
-  std::vector<Vector6d>& v = work.stays;
-  v.clear();
-  for (int i = 0; i < component.bodies; ++i) v.push_back(bodies[i].v0);
-  std::vector<double>&before = work.straight, &after = work.goal;
-  before.resize(size_t(component.rows));
-  after.resize(before.size());
-  measureAtStart(island, component, v.data(), before);
-  measureAtStart(island, component, work.base.data(), after);
-  std::vector<double>& x = work.x;
-  std::fill(x.begin(), x.end(), 0.);
-  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
-    if (work.pieces[r].acts) x[K.row(c) + size_t(i)] = (before[r] - after[r]) / row.root_K;
-  });
-  K.solve(x.data());
-  std::fill(v.begin(), v.end(), Vector6d::Zero());
-  K.addResponse(x.data(), v.data());
-  double cc = 0, cl = 0;
-  for (size_t i = 0; i < v.size(); ++i) {
-    const Vector6d c = work.v[i] - work.base[i] - v[i];
-    cc += bodies[i].product(c, c);
-    cl += bodies[i].product(c, v[i]);
+  std::vector<Vector6d>& change = work.stays;
+  std::vector<double>&x = work.x, &by_forces = work.y_before_pass,
+  &by_joints = work.y_before_choice;
+  const auto measure = [&](std::vector<double>& to) {
+    to.assign(x.size(), 0.);
+    K.subtractVelocities(change.data(), to.data());
+  };
+  change.clear();
+  for (int i = 0; i < component.bodies; ++i) change.push_back(work.base[size_t(i)] - bodies[i].v0);
+  measure(by_forces);
+  change.clear();
+  double all2 = 0;
+  for (int i = 0; i < component.bodies; ++i) {
+    change.push_back(work.base[size_t(i)] - work.v[size_t(i)]);
+    all2 += bodies[i].product(change.back(), change.back());
   }
-  return cc > 2 * std::abs(cl);
+  measure(by_joints);
+  x = by_forces;
+  K.solve(x.data());
+  // l M l = x . J l, and c M l = x . J c: for l is an impulse x.
+  double ll = 0, al = 0;
+  for (size_t k = 0; k < x.size(); ++k) {
+    ll += x[k] * by_forces[k];
+    al += x[k] * by_joints[k];
+  }
+  return all2 - 2 * al + ll > 2 * std::abs(al - ll);
 }
 
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {

@@ -54,17 +54,12 @@ class Chord {
 
 // At the velocities that are foreseen rows bend as they will. From there to those of the impulses they are taken to be straight.
 bool Chord::startFromForeseen() {
-  std::vector<double>&u = m_work.u, &straight = m_work.straight;
-  straight.resize(u.size());
-  const auto add = [&](double sign) {
-    measureAtStart(m_island, m_component, m_work.v.data(), straight);
-    for (size_t r = 0; r < u.size(); ++r) u[r] += sign * straight[r];
-  };
-  add(-1);
-  m_work.v = m_work.base;
-  m_K.addResponse(m_work.y.data(), m_work.v.data());
-  add(1);
+  std::vector<Vector6d>& change = m_work.stays;
+  change = m_work.base;
+  m_K.addResponse(m_work.y.data(), change.data());
+  for (size_t i = 0; i < change.size(); ++i) change[i] -= m_work.v[i];
   m_set.findResidual();
+  m_K.subtractVelocities(change.data(), m_work.x.data());
   return m_work.broyden.step(m_K, m_work.x, m_work.y);
 }
 

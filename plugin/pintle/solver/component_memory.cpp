@@ -83,6 +83,7 @@ struct MostImpulse {
     angular = linear * (double((high - low).length()) + largest);
   }
   double of(const IslandRow& row, double impulse) const {
+    if (std::abs(impulse) <= std::min(linear, angular)) return impulse;
     const bool is_linear = row.J.L_a != Vector3d::Zero() || row.J.L_b != Vector3d::Zero();
     const double most = is_linear ? linear : angular;
     return std::clamp(impulse, -most, most);

@@ -66,6 +66,8 @@ struct IslandBody {
   Matrix3d inertia;            ///< kg m^2
   Matrix3d inverse_inertia;    ///< where its factors let it turn
   double scale[2];             ///< square roots of the mass, and of a mean of the inertia
+  double inverse_scale2[2];    ///< of their squares
+  double least_inertia = 0;    ///< kg m^2: about any axis
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
   Vector6d v0;                 ///< at the start of the step
   Vector6d v_free;             ///< v*: with the step's forces, without its impulses

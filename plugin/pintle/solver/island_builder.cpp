@@ -7,6 +7,7 @@
 #include <pintle/solver/joint_matrix.h>
 #include <pintle/solver/row_shapes.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -67,6 +68,9 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.inverse_inertia = inverseWhereFree(to, to.inertia);
   to.scale[0] = std::sqrt(to.mass);
   to.scale[1] = std::sqrt(to.inertia.trace() / 3);
+  to.inverse_scale2[0] = double(rigid.getInvMass());
+  to.inverse_scale2[1] = 3 / to.inertia.trace();
+  to.least_inertia = turns ? principal.minCoeff() : 1;
   to.v0 << inDouble(from.m_linearVelocity), inDouble(from.m_angularVelocity);
   to.v_free = freeVelocity(from);
   to.push.setZero();
@@ -90,8 +94,8 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
   const double own = m_island.inverseMass(joint, J, J);
   double rest = own;
   int n = 0;
-  for (size_t r = size_t(joint.first_row); r < m_island.rows.size(); ++r) {
-    const IslandRow& row = m_island.rows[r];
+  for (int i = 0; i < joint.rows; ++i) {
+    const IslandRow& row = m_island.rows[size_t(joint.first_row + i)];
     if (!row.law.isEquality() || n == most_stock_rows) continue;
     double pivot = row.K;
     for (int j = 0; j < n; ++j) {
@@ -112,26 +116,22 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
   return rest > 1e-9 * own ? rest : own;
 }
 
-// What K would be if the factors of its bodies held nothing. Of their turn, by its mean inertia.
-double IslandBuilder::inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const {
-  double K = 0;
-  for (int side = 0; side < 2; ++side) {
-    if (joint.body[size_t(side)] < 0) continue;
-    const IslandBody& body = m_island.bodies[size_t(joint.body[size_t(side)])];
-    K += J.L(side).squaredNorm() / body.mass +
-         J.A(side).squaredNorm() / (body.scale[1] * body.scale[1]);
-  }
-  return K;
-}
-
-// A row that its bodies can follow by rounding alone is none.
-void IslandBuilder::addRow(IslandJoint& to, const IslandRow& row) {
+// A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing.
+void IslandBuilder::keepRow(IslandJoint& to) {
   constexpr auto rounding = double(std::numeric_limits<Scalar>::epsilon());
-  if (!(row.K > rounding * inverseMassUnlocked(to, row.J)) || !(row.K < AxisLaw::unbounded) ||
-      row.law.parts() == 0)
+  IslandRow& row = m_island.rows.back();
+  double unlocked = 0;  // by the mean inertia
+  for (int side = 0; side < 2; ++side)
+    if (const int body = to.body[size_t(side)]; body >= 0) {
+      const IslandBody& of = m_island.bodies[size_t(body)];
+      unlocked += row.J.L(side).squaredNorm() * of.inverse_scale2[0] +
+                  row.J.A(side).squaredNorm() * of.inverse_scale2[1];
+    }
+  if (!(row.K > rounding * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
+    m_island.rows.pop_back();
     return;
-  m_island.rows.push_back(row);
-  m_island.rows.back().root_K = std::sqrt(row.K);
+  }
+  row.root_K = std::sqrt(row.K);
   ++to.rows;
   m_has_springs = m_has_springs || row.law.springs() > 0;
 }
@@ -143,7 +143,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
   const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, shapes.data());
   to.equalities = rows.equalities();
   for (int i = 0; i < rows.size(); ++i) {
-    IslandRow row;
+    IslandRow& row = newRow();
     row.start = rows[i];
     row.shape = shapes[size_t(i)];
     row.has_position = true;
@@ -158,7 +158,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
       setAxisLaw(to, pair, row);
     else
       setEqualityLaw(to, row);
-    addRow(to, row);
+    keepRow(to);
   }
 }
 
@@ -234,8 +234,8 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
 double IslandBuilder::closing(double erp, double error, double max_speed) const {
   if (!(erp > 0)) return 0;
   const double size = std::abs(error),
-               part = std::fmax(erp * size, std::fmin(size, 2 * m_options.pose_tolerance));
-  return std::copysign(std::fmin(part, max_speed * m_island.dt), error);
+               part = std::max(erp * size, std::min(size, 2 * m_options.pose_tolerance));
+  return std::copysign(std::min(part, max_speed * m_island.dt), error);
 }
 
 // Beyond a limit no further, and back by moving poses; inside up to it.
@@ -305,7 +305,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   completeTargets(rows, count, joint, damping, a, b);
   for (int i = 0; i < count; ++i) {
     const btSolverConstraint& from = rows[i];
-    IslandRow row;
+    IslandRow& row = newRow();
     row.has_position = false;
     row.start.axis = -1;
     row.index = i;
@@ -323,7 +323,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.law.add(part);
     row.open = double(closing[i]) * m_island.dt;
     if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
-    addRow(to, row);
+    keepRow(to);
   }
 }
 

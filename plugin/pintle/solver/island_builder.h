@@ -40,15 +40,15 @@ class IslandBuilder {
   void addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
                      AxisState& state, IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
-  void addRow(IslandJoint& to, const IslandRow& row);
+  /// A row of the joint, which is to be filled, and then kept or not.
+  IslandRow& newRow() { return m_island.rows.emplace_back(); }
+  void keepRow(IslandJoint& to);
   /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
   int body(const SolverBodies& bodies, int solver_body);
   void findShapes(const IslandJoint& joint);
   double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
   /// J M^-1 J^T, when the equalities of the joint hold.
   double inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const;
-  /// And of bodies of which nothing is locked.
-  double inverseMassUnlocked(const IslandJoint& joint, const RowJacobian& J) const;
   /// Springs that a step resolves pull by where it starts, others by where it ends, too.
   void foreseeSprings();
   /// The number of a body that only its owner moves.

@@ -261,7 +261,8 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     return;
   }
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
-  if (!kept.holds_end || isOpen(m_island, component))
+  // What is left and what is open already are a tolerance together.
+  if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2))
     kept.residual = correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K,
                                  kept.has_factor, changes);
   kept.work_done += workOfPoses(m_island, component, changes);

@@ -8,12 +8,26 @@
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
+#include <array>
+#include <cstdint>
+#include <typeinfo>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct JointAccess {
-  /// The joint, if it is one of Pintle's.
-  static Joint* ours(btTypedConstraint& constraint) { return dynamic_cast<Joint*>(&constraint); }
+  /// The joint, if it is one of Pintle's. To look this up takes as long as some of its rows: so a type is looked up once.
+  static Joint* ours(btTypedConstraint& constraint) {
+    struct Known {
+      const std::type_info* type = nullptr;
+      bool is_ours = false;
+    };
+    thread_local std::array<Known, 16> all;
+    const std::type_info& type = typeid(constraint);
+    Known& known = all[reinterpret_cast<std::uintptr_t>(&type) / 16 % all.size()];
+    if (known.type != &type) known = {&type, dynamic_cast<Joint*>(&constraint) != nullptr};
+    return known.is_ours ? static_cast<Joint*>(&constraint) : nullptr;
+  }
 
   /// Its rows at the start of a step, in its own memory.
   static const RowList& begin(Joint& joint, const BodyPair& pair, Scalar dt, RowShape* shapes) {

@@ -166,26 +166,33 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
     const int body = m_joints[size_t(c)][size_t(side)];
     if (body < 0) continue;
     Rows& to = rows(node, side);
-    Eigen::Map<Vector6d> of(to.J[i % block]), answer(to.answer[i % block]);
-    of.head<3>() = by_root * J.L(side);
-    of.tail<3>() = by_root * J.A(side);
-    answer = m_bodies[size_t(body)].answer(of.head<3>(), of.tail<3>());
+    const Vector3d L = by_root * J.L(side), A = by_root * J.A(side);
+    for (int k = 0; k < 3; ++k) {
+      to.J[k][i % block] = L[k];
+      to.J[3 + k][i % block] = A[k];
+    }
+    Eigen::Map<Vector6d>(to.answer[i % block]) = m_bodies[size_t(body)].answer(L, A);
   }
 }
 
 namespace {
 
-// to += a b^T, of three rows each.
-inline void addProduct(const double (&a)[3][6], const double (&b)[3][6], double* to) {
-  for (int r = 0; r < 3; ++r)
-    for (int s = 0; s < 3; ++s) {
-      double even = 0, odd = 0;  // two at once
-      for (int j = 0; j < 6; j += 2) {
-        even += a[r][j] * b[s][j];
-        odd += a[r][j + 1] * b[s][j + 1];
-      }
-      to[3 * r + s] += even + odd;
-    }
+using Lanes4d = Eigen::Matrix<double, 4, 1>;
+
+// J v
+inline Lanes4d velocity(const double (&J)[6][4], const double* v) {
+  const Eigen::Map<const Eigen::Matrix<double, 4, 6>> columns(J[0]);
+  Lanes4d u = v[0] * columns.col(0);
+  for (int j = 1; j < 6; ++j) u += v[j] * columns.col(j);
+  return u;
+}
+
+// to += a J^T, of three rows each.
+inline void addProduct(const double (&a)[3][6], const double (&J)[6][4], double* to) {
+  for (int r = 0; r < 3; ++r) {
+    const Lanes4d row = velocity(J, a[r]);
+    for (int s = 0; s < 3; ++s) to[3 * r + s] += row[s];
+  }
 }
 
 }  // namespace
@@ -209,7 +216,7 @@ void JointMatrix::assemble() {
   size_t next = 0;
   forEachBlock(
       [&](size_t, int i, int side_i, int k, int side_k) {
-        addProduct(rows(i, side_i).J, rows(k, side_k).answer, at(m_places[next++]));
+        addProduct(rows(i, side_i).answer, rows(k, side_k).J, at(m_places[next++]));
       },
       [&](int b, int i, int side) {
         const Rows& of = rows(i, side);
@@ -297,10 +304,9 @@ void JointMatrix::addResponse(const double* x, Vector6d* v) const {
       for (int side = 0; side < 2; ++side) {
         const int body = m_joints[c][size_t(side)];
         if (body < 0) continue;
-        const Rows& of = m_rows[size_t(2 * node + side)];
-        double* const to = v[body].data();
-        for (int k = 0; k < 6; ++k)
-          to[k] += of.answer[0][k] * by[0] + of.answer[1][k] * by[1] + of.answer[2][k] * by[2];
+        const Eigen::Map<const Eigen::Matrix<double, 6, 3>> answer(
+            m_rows[size_t(2 * node + side)].answer[0]);
+        v[body] += by[0] * answer.col(0) + by[1] * answer.col(1) + by[2] * answer.col(2);
       }
     }
 }
@@ -308,22 +314,12 @@ void JointMatrix::addResponse(const double* x, Vector6d* v) const {
 void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
   for (size_t c = 0; c < m_joints.size(); ++c)
     for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node) {
+      Lanes4d u = Lanes4d::Zero();
+      for (int side = 0; side < 2; ++side)
+        if (const int body = m_joints[c][size_t(side)]; body >= 0)
+          u += velocity(m_rows[size_t(2 * node + side)].J, v[body].data());
       const double* const acts = m_acts.data() + block * node;
-      double* const of = x + block * node;
-      for (int side = 0; side < 2; ++side) {
-        const int body = m_joints[c][size_t(side)];
-        if (body < 0) continue;
-        const auto& J = m_rows[size_t(2 * node + side)].J;
-        const double* const by = v[body].data();
-        for (int r = 0; r < block; ++r) {
-          double even = 0, odd = 0;  // two at once
-          for (int j = 0; j < 6; j += 2) {
-            even += J[r][j] * by[j];
-            odd += J[r][j + 1] * by[j + 1];
-          }
-          of[r] -= acts[r] * (even + odd);
-        }
-      }
+      for (int r = 0; r < block; ++r) x[block * node + r] -= acts[r] * u[r];
     }
 }
 

@@ -78,9 +78,10 @@ class JointMatrix {
 
  private:
   static constexpr int block = SymmetricFactor::size;
-  /// Three rows of a joint on one of its bodies: J, and A^-1 J^T of each.
+  /// Three rows of a joint on one of its bodies: J, column by column with a fourth row of zeros, and A^-1 J^T of each.
+  static constexpr int lanes = 4;
   struct Rows {
-    double J[block][6] = {}, answer[block][6] = {};
+    double J[6][lanes] = {}, answer[block][6] = {};
   };
   /// A block of K, of a row and a column.
   struct Coupling {

@@ -18,6 +18,38 @@ Matrix3d clipped(const Matrix3d& m) {
          axes.eigenvectors().transpose();
 }
 
+bool hasLever(const IslandRow& row) {
+  return row.has_position &&
+         (row.shape.kind == RowShape::point || row.shape.kind == RowShape::distance);
+}
+
+// No eigenvalue of the stiffness of a force f on a lever r is above |f| |r|. Returns whether any body may swing fast.
+bool mayBeFast(const Island& island, const Component& component, double stable_swing,
+               Workspace& work) {
+  std::vector<double>& most = work.most_stiffness;
+  most.assign(size_t(component.bodies), 0.);
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!hasLever(row)) continue;
+      const double load = std::abs(work.load[size_t(joint.row_of_component + i)]);
+      for (int side = 0; side < 2; ++side)
+        if (const int body = joint.body[size_t(side)]; body >= 0)
+          most[size_t(body - component.first_body)] +=
+              load * inDouble(side ? row.shape.b : row.shape.a).norm();
+    }
+  }
+  bool any = false;
+  for (int i = 0; i < component.bodies; ++i) {
+    double& of = most[size_t(i)];
+    of *= island.dt / stable_swing;
+    if (of <= island.bodies[size_t(component.first_body + i)].least_inertia) of = 0;
+    any = any || of > 0;
+  }
+  return any;
+}
+
 }  // namespace
 
 void addLoad(Workspace& work) {
@@ -29,15 +61,16 @@ void findStiffness(const Island& island, const Component& component, double stab
                    Workspace& work) {
   std::vector<Matrix3d>& stiffness = work.stiffness;
   stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
+  if (!mayBeFast(island, component, stable_swing, work)) return;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!row.has_position ||
-          (row.shape.kind != RowShape::point && row.shape.kind != RowShape::distance))
-        continue;
+      if (!hasLever(row)) continue;
       for (int side = 0; side < 2; ++side) {
-        if (joint.body[size_t(side)] < 0) continue;
+        if (joint.body[size_t(side)] < 0 ||
+            !(work.most_stiffness[size_t(joint.body[size_t(side)] - component.first_body)] > 0))
+          continue;
         const Vector3d p = work.load[size_t(joint.row_of_component + i)] * row.J.L(side),
                        r = inDouble(side ? row.shape.b : row.shape.a);
         const Matrix3d rp = r * p.transpose();
@@ -47,6 +80,7 @@ void findStiffness(const Island& island, const Component& component, double stab
     }
   }
   for (int i = 0; i < component.bodies; ++i) {
+    if (!(work.most_stiffness[size_t(i)] > 0)) continue;
     Matrix3d& of = stiffness[size_t(i)];
     of = clipped(island.dt / stable_swing * of -
                  island.bodies[size_t(component.first_body + i)].inertia);

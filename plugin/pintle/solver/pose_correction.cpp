@@ -251,10 +251,16 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
 
 }  // namespace
 
-bool isOpen(const Island& island, const Component& component) {
+bool isOpen(const Island& island, const Component& component, const Workspace& end,
+            double tolerance) {
   bool any = false;
-  forEachRow(island, component,
-             [&](int, int, const IslandRow& row, size_t) { any = any || row.open != 0; });
+  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
+    const LawPiece& piece = end.pieces[r];
+    const double gives = piece.acts && !(piece.softness > 0)
+                             ? island.dt * end.softness[r] * row.K * std::abs(end.lambda[r])
+                             : 0;
+    any = any || std::abs(row.open) > tolerance || gives > tolerance;
+  });
   return any;
 }
 

@@ -22,8 +22,9 @@ inline PoseChange changeFor(const Vector6d& next, const Vector6d& v, const PoseC
   return to;
 }
 
-/// Whether a row is to be closed by moving poses.
-bool isOpen(const Island& island, const Component& component);
+/// Whether a row is open by more than `tolerance`, m or rad, or gives by as much in a loop (softness.h): moving poses is to close it.
+bool isOpen(const Island& island, const Component& component, const Workspace& end,
+            double tolerance);
 
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what the
 /// velocities leave: Newton's iteration for the poses at the end of the step. `has_factor`: K is that with which the velocities were

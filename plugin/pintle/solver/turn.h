@@ -42,8 +42,13 @@ struct RotationOfStep {
     return r + once * first + twice * cross(phi, first);
   }
   Matrix3d matrix() const {
-    const Matrix3d X = crossMatrix(phi);
-    return Matrix3d::Identity() + once * X + twice * X * X;
+    const Vector3d a = once * phi, b = twice * phi;  // [phi]x^2 = phi phi^T - |phi|^2
+    const double xy = b.x() * phi.y(), xz = b.x() * phi.z(), yz = b.y() * phi.z(),
+                 xx = b.x() * phi.x(), yy = b.y() * phi.y(), zz = b.z() * phi.z();
+    Matrix3d R;
+    R << 1 - yy - zz, xy - a.z(), xz + a.y(), xy + a.z(), 1 - xx - zz, yz - a.x(), xz - a.y(),
+        yz + a.x(), 1 - xx - yy;
+    return R;
   }
 };
 

@@ -68,6 +68,7 @@ struct Workspace {
   std::vector<double> open;         ///< what poses are to close, in the units of K
   std::vector<MovedBody> start, nearest, first;  ///< of each body: where corrections of poses lead
   std::vector<double> last_load;
+  std::vector<double> most_stiffness;  ///< of each body: a bound, kg m^2; 0: it needs none
   std::vector<Matrix3d> last_stiffness;
   Broyden broyden;
 
@@ -75,7 +76,7 @@ struct Workspace {
   /// first contact does.)
   void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
-                    other.v);
+                    most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
                     bounded, last_load, other.u, other.lambda, other.pieces);
