@@ -142,6 +142,23 @@ double ActiveSet::findResidual(const Vector6d* v) {
   return largest * m_island.dt;
 }
 
+bool ActiveSet::noteActing() {
+  std::vector<signed char>& acting = m_work.acting;
+  bool changed = acting.size() != m_work.bounded.size();
+  acting.resize(m_work.bounded.size());
+  for (size_t k = 0; k < acting.size(); ++k) {
+    const Place& of = m_work.bounded[k];
+    const double lambda = m_work.y[of.at];
+    const auto now = static_cast<signed char>((lambda > 0   ? 1
+                                               : lambda < 0 ? -1
+                                                            : 0) *
+                                              (pieceOf(*of.row, of.r, of.at).acts ? 1 : 2));
+    changed = changed || acting[k] != now;
+    acting[k] = now;
+  }
+  return changed;
+}
+
 void ActiveSet::keepImpulses() {
   m_work.lambda.resize(m_work.pieces.size());
   forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {

@@ -38,6 +38,8 @@ class ActiveSet {
   double findResidual();
   /// The same of rows of the start, where bodies move with `v` (those of the component).
   double findResidual(const Vector6d* v);
+  /// Which rows with bounds act, and in which direction. Returns whether that is otherwise than when last noted.
+  bool noteActing();
   /// work.lambda from work.y.
   void keepImpulses();
 

@@ -48,8 +48,10 @@ class BlockSolver {
   void addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// Finds which rows act, while contacts have the impulses with which they begin.
   void settle(std::vector<Vector6d>& velocities) {
-    do sweep(velocities);
-    while (m_changes && m_solvable && !m_is_unsettled);
+    for (bool go_on = !m_is_unsettled; go_on;) {
+      sweep(velocities);
+      go_on = m_changes && m_solvable && !m_is_unsettled;
+    }
   }
   /// Whether contacts change which of its rows act.
   bool isUnsettled() const { return m_is_unsettled; }
@@ -114,7 +116,8 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
     m_set.release(*m_swept);
   }
   if (sweep == Sweep::one_by_one) return;
-  factorise();
+  m_is_unsettled = !m_alone && m_swept == nullptr && m_work.is_unsettled;
+  if (!m_is_unsettled) factorise();
   respond(m_work.y, velocities);
 }
 
@@ -167,6 +170,7 @@ void BlockSolver::finish(std::vector<Vector6d>& velocities, std::vector<ContactR
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
+  if (!m_alone) m_work.is_unsettled = m_set.noteActing() && m_has_bounds;
   m_set.keepImpulses();
 }
 
@@ -335,6 +339,9 @@ class Passes {
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
     for (BlockSolver& block : blocks()) block.settle(velocities);
+    findTouched(contacts, island.bodies.size(), memory.touched);
+    for (size_t i = 0; i < of.size(); ++i)
+      if (!blocks()[i].isUnsettled()) findAnswersWithJoints(of[i]);
     settle();
   }
   bool isSolvable() const {
@@ -381,25 +388,21 @@ class Passes {
   }
   // Where contacts keep changing which rows act, those with bounds go on as contacts do.
   void settle() {
-    for (BlockSolver& block : blocks()) {
-      if (!block.isUnsettled()) continue;
-      block.addBounds(m_memory.bounds, m_velocities);
-      block.sweep(m_velocities);
-    }
-    findAnswersWithJoints();
-    measure();
-  }
-  void findAnswersWithJoints() {
-    std::vector<char>& touched = m_memory.touched;
-    findTouched(m_contacts, m_island.bodies.size(), touched);
-    touch(m_memory.bounds, touched);
-    for (BlockOfJoints& part : m_of) {
-      const auto first = touched.begin() + part.component->first_body;
-      part.work->touched.assign(first, first + part.component->bodies);
-      part.K->findAnswers(part.work->touched, part.work->answers);
+    for (size_t i = 0; i < blocks().size(); ++i) {
+      if (!blocks()[i].isUnsettled()) continue;
+      blocks()[i].addBounds(m_memory.bounds, m_velocities);
+      blocks()[i].sweep(m_velocities);
+      touch(m_memory.bounds, m_memory.touched);
+      findAnswersWithJoints(m_of[i]);
     }
     for (std::vector<ContactRow>* rows : {&m_contacts, &m_memory.bounds})
       findAnswers(m_island, m_of, *rows, true, m_memory.sources);
+    measure();
+  }
+  void findAnswersWithJoints(BlockOfJoints& part) {
+    const auto first = m_memory.touched.begin() + part.component->first_body;
+    part.work->touched.assign(first, first + part.component->bodies);
+    part.K->findAnswers(part.work->touched, part.work->answers);
   }
   template <class Visit>
   void forEachRow(const Visit& visit) {
