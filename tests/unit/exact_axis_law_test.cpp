@@ -208,4 +208,31 @@ TEST(AxisLaw, SplitsAmongItsParts) {
   }
 }
 
+// Of a law that is not met yet, as between two passes: a stop that is passed has what is left, not all that it could have.
+TEST(AxisLaw, SplitsWhatAStopHasNotTakenYet) {
+  AxisLaw law;
+  law.add({0, 0, -2, 2, true});
+  law.add({-1, 0, 0, unbounded});
+  law.add({1, 0, -unbounded, 0});
+  for (const double impulse : {0., 1.5, 7.}) {
+    double of[AxisLaw::max_parts];
+    law.split(-3, impulse, of);
+    EXPECT_EQ(of[0], std::min(impulse, 2.)) << impulse;
+    EXPECT_EQ(of[1], std::max(impulse - 2, 0.)) << impulse;
+    EXPECT_EQ(of[2], 0) << impulse;
+  }
+}
+
+// Between two stops a law has no impulse, and at the target of a rigid part as little as can be.
+TEST(AxisLaw, IsAsLittleAsCanBe) {
+  AxisLaw law;
+  law.add({-1, 0, 0, unbounded});
+  law.add({1, 0, -unbounded, 0});
+  for (const double u : {-1., 0., 1.}) EXPECT_EQ(law.at(u), 0) << u;
+  law.add({0, 0, -2, 3, true});
+  EXPECT_EQ(law.at(0), 0);
+  EXPECT_EQ(law.at(-0.5), 3);
+  EXPECT_EQ(law.at(0.5), -2);
+}
+
 }  // namespace exact_axis_law_test

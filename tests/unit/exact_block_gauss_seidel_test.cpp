@@ -78,6 +78,7 @@ class Chain : public testing::Test {
     pintle::IslandBody to = {};
     to.start.setIdentity();
     to.mass = std::pow(10, random.uniform(-1, 1));
+    to.inverse_mass.setConstant(1 / to.mass);
     const Matrix3d A = Matrix3d::NullaryExpr([&] { return random.uniform(-1, 1); });
     to.inertia = to.mass * (A * A.transpose() + 0.1 * Matrix3d::Identity());
     to.inverse_inertia = to.inertia.inverse();
@@ -109,8 +110,7 @@ class Chain : public testing::Test {
       const Vector3d A = numbers(random.vector(1)),
                      A_a = r < 3 ? numbers(random.vector(1)) : Vector3d(-A);
       row.J = {-n, A_a, n, A};
-      row.K = K(joint.body, row.J);
-      row.root_K = std::sqrt(row.K);
+      row.setK(K(joint.body, row.J));
       if (r < 3)
         row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded});
       else
@@ -187,7 +187,8 @@ TEST_F(Chain, AllWaysLeadToTheSameVelocities) {
     solve(pintle::Sweep::bounds_one_by_one, 5000);
     for (size_t i = 0; i < slowly.size(); ++i)
       EXPECT_LT((m_velocities[i] - slowly[i]).norm(), 1e-5) << i;
-    if (!solve(pintle::Sweep::all_at_once, 1000).is_solvable) continue;
+    // Limits that contacts change go on as contacts do: so there is no set that is not found.
+    EXPECT_TRUE(solve(pintle::Sweep::all_at_once, 1000).is_solvable);
     for (size_t i = 0; i < slowly.size(); ++i)
       EXPECT_LT((m_velocities[i] - slowly[i]).norm(), 1e-5) << i;
   }
@@ -200,7 +201,7 @@ TEST_F(Chain, ContactsThatSeeTheirJointsAreFoundInFewPasses) {
     make(8);
     solve(pintle::Sweep::one_by_one, 20000);
     const double least = kinetic();
-    if (!solve(pintle::Sweep::all_at_once, 5).is_solvable) continue;
+    EXPECT_TRUE(solve(pintle::Sweep::all_at_once, 5).is_solvable);
     seeing += kinetic() - least;
     solve(pintle::Sweep::bounds_one_by_one, 5);
     blind += kinetic() - least;

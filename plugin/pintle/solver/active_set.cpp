@@ -89,15 +89,17 @@ const std::vector<ActiveSet::Place>& ActiveSet::all() {
 
 void ActiveSet::release(const std::vector<Place>& rows) {
   for (const Place& of : rows)
-    m_work.pieces[of.r] = {false, 0, 0, m_work.y[of.at] / of.row->root_K};
+    m_work.pieces[of.r] = {false, 0, 0, m_work.y[of.at] * of.row->by_root_K};
 }
 
 void ActiveSet::setRows() {
   const bool any_moves = m_island.unmoved_bodies.size() > 1;
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
     const LawPiece& piece = m_work.pieces[r];
-    m_work.softness[r] = std::max(piece.softness / row.K, m_work.of_loop[size_t(c)]);
-    m_K.setActing(c, i, piece.acts, m_work.softness[r]);
+    double& softness = m_work.softness[r];
+    softness = m_work.of_loop[size_t(c)];
+    if (piece.softness > 0) softness = std::max(softness, piece.softness / row.K);
+    m_K.setActing(c, i, piece.acts, softness);
     double aim = piece.target;
     if (any_moves) {
       const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
@@ -105,7 +107,7 @@ void ActiveSet::setRows() {
         if (joint.body[size_t(side)] < 0)
           aim -= row.J.along(side, m_island.unmovedBody(joint.body[size_t(side)]).v);
     }
-    m_work.aim[at] = aim / row.root_K;
+    m_work.aim[at] = aim * row.by_root_K;
   });
 }
 
@@ -123,7 +125,7 @@ double ActiveSet::findResidual() {
     const double left =
         piece.acts ? m_work.u[r] - piece.target + m_work.softness[r] * row.root_K * m_work.y[at]
                    : 0;
-    m_work.x[at] = -left / row.root_K;
+    m_work.x[at] = -left * row.by_root_K;
     largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
   });
   return largest * m_island.dt;
@@ -142,27 +144,10 @@ double ActiveSet::findResidual(const Vector6d* v) {
   return largest * m_island.dt;
 }
 
-bool ActiveSet::noteActing() {
-  std::vector<signed char>& acting = m_work.acting;
-  bool changed = acting.size() != m_work.bounded.size();
-  acting.resize(m_work.bounded.size());
-  for (size_t k = 0; k < acting.size(); ++k) {
-    const Place& of = m_work.bounded[k];
-    const double lambda = m_work.y[of.at];
-    const auto now = static_cast<signed char>((lambda > 0   ? 1
-                                               : lambda < 0 ? -1
-                                                            : 0) *
-                                              (pieceOf(*of.row, of.r, of.at).acts ? 1 : 2));
-    changed = changed || acting[k] != now;
-    acting[k] = now;
-  }
-  return changed;
-}
-
 void ActiveSet::keepImpulses() {
   m_work.lambda.resize(m_work.pieces.size());
   forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {
-    m_work.lambda[r] = m_work.y[at] / row.root_K;
+    m_work.lambda[r] = m_work.y[at] * row.by_root_K;
   });
 }
 

@@ -38,8 +38,6 @@ class ActiveSet {
   double findResidual();
   /// The same of rows of the start, where bodies move with `v` (those of the component).
   double findResidual(const Vector6d* v);
-  /// Which rows with bounds act, and in which direction. Returns whether that is otherwise than when last noted.
-  bool noteActing();
   /// work.lambda from work.y.
   void keepImpulses();
 
@@ -55,7 +53,7 @@ class ActiveSet {
   void setRows();
   void set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece);
   LawPiece pieceOf(const IslandRow& row, size_t r, size_t at) const {
-    return row.law.meet(m_work.u[r] - row.K * m_work.y[at] / row.root_K, row.K);
+    return row.law.meet(m_work.u[r] - row.root_K * m_work.y[at], row.K);
   }
   bool change(const Place& of);
 

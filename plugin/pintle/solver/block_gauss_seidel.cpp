@@ -48,10 +48,8 @@ class BlockSolver {
   void addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// Finds which rows act, while contacts have the impulses with which they begin.
   void settle(std::vector<Vector6d>& velocities) {
-    for (bool go_on = !m_is_unsettled; go_on;) {
-      sweep(velocities);
-      go_on = m_changes && m_solvable && !m_is_unsettled;
-    }
+    do sweep(velocities);
+    while (m_changes && m_solvable && !m_is_unsettled);
   }
   /// Whether contacts change which of its rows act.
   bool isUnsettled() const { return m_is_unsettled; }
@@ -116,8 +114,7 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
     m_set.release(*m_swept);
   }
   if (sweep == Sweep::one_by_one) return;
-  m_is_unsettled = !m_alone && m_swept == nullptr && m_work.is_unsettled;
-  if (!m_is_unsettled) factorise();
+  factorise();
   respond(m_work.y, velocities);
 }
 
@@ -170,7 +167,6 @@ void BlockSolver::finish(std::vector<Vector6d>& velocities, std::vector<ContactR
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
-  if (!m_alone) m_work.is_unsettled = m_set.noteActing() && m_has_bounds;
   m_set.keepImpulses();
 }
 
@@ -183,7 +179,7 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
   for (const ActiveSet::Place& of : m_set.bounded()) {
     const IslandRow& row = *of.row;
     double& y = m_work.y[of.at];
-    const double impulse = y / row.root_K;
+    const double impulse = y * row.by_root_K;
     double parts[AxisLaw::max_parts], sum = 0, moved = 0;
     row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse, parts);
     for (int i = 0; i < row.law.parts(); ++i) sum += parts[i];
@@ -233,7 +229,7 @@ double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
       return body < 0 ? m_island.unmovedBody(body).v : velocities[size_t(body)];
     };
     double& y = m_work.y[of.at];
-    const double lambda = y / row.root_K, free = row.J.along(v(0), v(1)) - row.K * lambda,
+    const double lambda = y * row.by_root_K, free = row.J.along(v(0), v(1)) - row.K * lambda,
                  next = row.law.meet(free, row.K).impulseAt(free, row.K), change = next - lambda;
     if (change == 0) continue;
     y = next * row.root_K;

@@ -63,6 +63,7 @@ struct IslandBody {
   int solver_body;             ///< its number among Bullet's
   btTransform start;           ///< pose
   double mass;                 ///< kg
+  Vector3d inverse_mass;       ///< where its factors let it move
   Matrix3d inertia;            ///< kg m^2
   Matrix3d inverse_inertia;    ///< where its factors let it turn
   double scale[2];             ///< square roots of the mass, and of a mean of the inertia
@@ -80,19 +81,15 @@ struct IslandBody {
   }
   /// Its part of J_1 M^-1 J_2^T, as body `side` of a joint.
   double inverseMass(const RowJacobian& J_1, const RowJacobian& J_2, int side) const {
-    double K = J_1.A(side).dot(inverse_inertia * J_2.A(side));
-    for (size_t i = 0; i < 3; ++i)
-      if (!locked[i]) K += J_1.L(side)[Eigen::Index(i)] * J_2.L(side)[Eigen::Index(i)] / mass;
-    return K;
+    const double K = J_1.A(side).dot(inverse_inertia * J_2.A(side));
+    return K + J_1.L(side).dot(inverse_mass.cwiseProduct(J_2.L(side)));
   }
   /// m: of gyration.
   double radius() const { return scale[1] / scale[0]; }
   /// M^-1 of an impulse, N s and N m s: 0 where its factors hold it.
   Vector6d answer(const Vector3d& linear, const Vector3d& angular) const {
     Vector6d to;
-    for (size_t k = 0; k < 3; ++k)
-      to[Eigen::Index(k)] = locked[k] ? 0 : linear[Eigen::Index(k)] / mass;
-    to.tail<3>() = inverse_inertia * angular;
+    to << inverse_mass.cwiseProduct(linear), inverse_inertia * angular;
     return to;
   }
 };
@@ -134,8 +131,9 @@ inline RowJacobian jacobianOf(const Row& row, double sign) {
 /// A row at the start of the step. Its velocity u is the mean over the step of what it measures: (C(end) - C(start)) / dt, or,
 /// of a row that is known at the start alone, J v.
 struct IslandRow {
+  IslandRow() {}  // sets no numbers that its maker does: there are many
   RowJacobian J;
-  Row start{};
+  Row start;
   RowShape shape;
   /// Whether C can be asked for at other poses.
   bool has_position;
@@ -156,8 +154,13 @@ struct IslandRow {
     }
     return true;
   }
-  double K;  ///< J M^-1 J^T
-  double root_K;
+  double K;                  ///< J M^-1 J^T
+  double root_K, by_root_K;  ///< its square root, and 1 over that
+  void setK(double of) {
+    K = of;
+    root_K = std::sqrt(K);
+    by_root_K = 1 / root_K;
+  }
   AxisLaw law;
   double rebound_energy =
       0;            ///< J: what its limit took when it was met, which a rebound may give back

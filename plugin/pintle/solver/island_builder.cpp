@@ -63,6 +63,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.inertia = turns ? Matrix3d(R * principal.asDiagonal() * R.transpose()) : Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
     to.locked[size_t(i)] = !(linear[i] > 0);
+    to.inverse_mass[i] = linear[i] > 0 ? double(rigid.getInvMass()) : 0;
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
   }
   to.inverse_inertia = inverseWhereFree(to, to.inertia);
@@ -131,7 +132,7 @@ void IslandBuilder::keepRow(IslandJoint& to) {
     m_island.rows.pop_back();
     return;
   }
-  row.root_K = std::sqrt(row.K);
+  row.setK(row.K);
   ++to.rows;
   m_has_springs = m_has_springs || row.law.springs() > 0;
 }
@@ -185,7 +186,14 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const 
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
   row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
                      double(row.start.max_speed));
-  if (soft.cfm > 0) row.spring = {erp, row.open, 0};
+  // In double precision that little is what the last solve has left. In single precision it is rounding, with which bodies would shake.
+  constexpr bool is_exact = sizeof(Scalar) > 4;
+  if (soft.cfm > 0) {
+    row.spring = {erp, row.open, 0};
+  } else if (is_exact && std::abs(row.open) <= m_options.pose_tolerance) {
+    row.law.aim(target - row.open / m_island.dt);
+    row.open = 0;
+  }
 }
 
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
@@ -308,6 +316,9 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     IslandRow& row = newRow();
     row.has_position = false;
     row.start.axis = -1;
+    row.start.group = 0;
+    row.start.position = 0;
+    row.start.angular = row.start.limit = false;
     row.index = i;
     // Bullet's sign of an impulse is the other one.
     row.J = {-inDouble(from.m_contactNormal1), -inDouble(from.m_relpos1CrossNormal),
@@ -322,6 +333,10 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
                   (from.m_rhs != 0 || (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded));
     row.law.add(part);
     row.open = double(closing[i]) * m_island.dt;
+    // Bullet has a row for a stop while it is passed alone: one that closed all of it would fall in the next step.
+    if (part.role == Axis::limit)
+      row.open =
+          std::copysign(std::max(std::abs(row.open) - m_options.loose_pose_tolerance, 0.), row.open);
     if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
     keepRow(to);
   }
@@ -332,8 +347,7 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   IslandRow* const rows = m_island.rows.data() + joint.first_row;
   if (joint.ours == nullptr && joint.rows >= 3 && findPoint(rows))
     for (IslandRow* row = rows; row < rows + 3; ++row) {
-      row->K = m_island.inverseMass(joint, row->J, row->J);
-      row->root_K = std::sqrt(row->K);
+      row->setK(m_island.inverseMass(joint, row->J, row->J));
     }
   IslandRow* turns[3];
   int count = 0;

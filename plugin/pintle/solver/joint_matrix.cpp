@@ -25,9 +25,9 @@ Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia) {
 }
 
 InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
-    : angular(stiffness.isZero(0) ? body.inverse_inertia
+    : linear(body.inverse_mass),
+      angular(stiffness.isZero(0) ? body.inverse_inertia
                                   : inverseWhereFree(body, body.inertia + stiffness)) {
-  for (int k = 0; k < 3; ++k) linear[k] = body.locked[size_t(k)] ? 0 : 1 / body.mass;
   std::copy(body.scale, body.scale + 2, scale);
 }
 

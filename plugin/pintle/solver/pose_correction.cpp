@@ -126,7 +126,7 @@ double PoseCorrection::findResidual() {
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     if (!m_closes[r]) return;
     const double left = m_u[r] - m_goal[r];
-    m_work.x[m_K.row(c) + size_t(i)] = -left / row.root_K;
+    m_work.x[m_K.row(c) + size_t(i)] = -left * row.by_root_K;
     largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
   });
   return largest * m_island.dt;

@@ -93,12 +93,19 @@ class JointAtEnd {
       : m_island(island),
         m_joint(joint),
         m_dt(island.dt),
+        m_rate(1 / island.dt),
         m_a(bodyOf(island, component, moved, 0)),
         m_b(bodyOf(island, component, moved, 1)),
         m_rows(rows) {}
   JointAtEnd(const Island& island, const IslandJoint& joint, const MovedBody& a, const MovedBody& b,
              Rows& rows)
-      : m_island(island), m_joint(joint), m_dt(island.dt), m_a(a), m_b(b), m_rows(rows) {}
+      : m_island(island),
+        m_joint(joint),
+        m_dt(island.dt),
+        m_rate(1 / island.dt),
+        m_a(a),
+        m_b(b),
+        m_rows(rows) {}
 
   double velocityAtStart(const IslandRow& row) const { return row.J.along(m_a.v, m_b.v); }
   double velocity(const IslandRow& row) {
@@ -191,7 +198,7 @@ class JointAtEnd {
     switch (row.shape.kind) {
       case RowShape::dot:
         return ((m_r_a + m_end_a).dot(m_end_b - m_r_b) + (m_r_b + m_end_b).dot(m_end_a - m_r_a)) /
-               (2 * m_dt);
+               2 * m_rate;
       case RowShape::distance: {
         const Vector3d d_0 = double(row.shape.length) * inDouble(row.start.L), d_1 = d_0 + m_move;
         const double sum = d_0.norm() + d_1.norm();
@@ -200,7 +207,7 @@ class JointAtEnd {
       }
       default: break;
     }
-    return inDouble(row.start.L).dot(m_move) / m_dt;
+    return inDouble(row.start.L).dot(m_move) * m_rate;
   }
   RowJacobian jacobianOfArms(const IslandRow& row) const {
     if (row.shape.kind == RowShape::dot)
@@ -216,7 +223,7 @@ class JointAtEnd {
 
   const Island& m_island;
   const IslandJoint& m_joint;
-  const double m_dt;
+  const double m_dt, m_rate;  ///< s, and 1 / s
   const MovedBody &m_a, &m_b;
   Rows& m_rows;
   bool m_asked = false;
@@ -290,8 +297,7 @@ void turnStops(Island& island, const Component& component) {
       found.position = row.start.position;
       row.start = found;
       row.J = jacobianOf(found, row.sign);
-      row.K = island.inverseMass(joint, row.J, row.J);
-      row.root_K = std::sqrt(row.K);
+      row.setK(island.inverseMass(joint, row.J, row.J));
     }
   }
 }

@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 struct SolverOptions {
   /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates
   /// does not depend on it.
-  double newton_tolerance = sizeof(Scalar) > 4 ? 5e-10 : 1e-6;
+  double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// m and rad: how far a joint may be open. What is more is closed by moving poses.
   double pose_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// The same where contacts or bounded rows are still changing: where they lead is not known any better.

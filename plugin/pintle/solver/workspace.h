@@ -26,10 +26,6 @@ struct Workspace {
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
-  std::vector<signed char>
-      acting;  ///< of each row with bounds, among contacts, in the last step (ActiveSet::noteActing)
-  bool is_unsettled = false;  ///< contacts change which rows act, from step to step
-
   /// What a solve has found.
   struct Solution {
     std::vector<Vector6d> v;
@@ -83,13 +79,13 @@ struct Workspace {
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
-                    acting, bounded, last_load, other.u, other.lambda, other.pieces);
+                    bounded, last_load, other.u, other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
     broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
-    return bytesOf(v, u, lambda, load, acting, pieces, softness, stiffness, of_loop, y, x, aim,
+    return bytesOf(v, u, lambda, load, pieces, softness, stiffness, of_loop, y, x, aim,
                    y_before_pass, y_before_choice, touched, answers, base, moved, straight, goal, J,
                    closes, bends, bounded, all, stays, open, start, nearest, first, last_load,
                    last_stiffness, other.v, other.u, other.lambda, other.pieces) +

@@ -31,13 +31,14 @@ bool factoriseBlock(double* a, double least_pivot) {
   const auto pivot = [&](double d) {
     return std::abs(d) < least_pivot ? std::copysign(least_pivot, d) : d;
   };
-  const double d_0 = pivot(a[0]), l_1 = a[3] / d_0, l_2 = a[6] / d_0;
-  const double d_1 = pivot(a[4] - l_1 * a[3]), below = a[7] - l_2 * a[3], m = below / d_1;
+  const double d_0 = pivot(a[0]), i_0 = 1 / d_0, l_1 = a[3] * i_0, l_2 = a[6] * i_0;
+  const double d_1 = pivot(a[4] - l_1 * a[3]), i_1 = 1 / d_1, below = a[7] - l_2 * a[3],
+               m = below * i_1;
   const double d_2 = pivot(a[8] - l_2 * a[6] - m * below);
   if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !std::isfinite(d_0 + d_1 + d_2)) return false;
-  a[0] = 1 / d_0;
+  a[0] = i_0;
   a[3] = l_1;
-  a[4] = 1 / d_1;
+  a[4] = i_1;
   a[6] = l_2;
   a[7] = m;
   a[8] = 1 / d_2;
