@@ -1,4 +1,5 @@
 // Writes the joints' drawings, as SVG, into a folder (bash demos/run.sh drawings).
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -8,12 +9,11 @@
 #include "joints.h"
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]);
-    return 2;
-  }
+  std::filesystem::path folder;
+  CLI::App app("Draws the joints, an SVG file each.");
+  app.add_option("folder", folder, "Where to")->required();
+  CLI11_PARSE(app, argc, argv);
   try {
-    const std::filesystem::path folder = argv[1];
     std::filesystem::create_directories(folder);
     for (const drawings::Drawing& drawing : drawings::drawings()) {
       std::ofstream file(folder / (drawing.name + ".svg"), std::ios::binary);

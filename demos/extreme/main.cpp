@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <vector>
 
+#include "../json_array.h"
 #include "../progress.h"
 #include "outcome.h"
 
@@ -53,37 +53,18 @@ struct Against {
   }
 };
 
-// An array of objects. JSON has no infinity and no NaN.
-class JsonFile {
- public:
-  bool open(const std::string& path) {
-    m_file.open(path);
-    m_file.precision(3);
-    m_file << '[';
-    return bool(m_file);
-  }
-  void write(const Case& one, const std::string& who, const Result& result) {
-    if (!m_file.is_open()) return;
-    m_file << (m_is_first ? "\n" : ",\n") << R"({"precision": ")" << engines::precision()
-           << R"(", "joint": ")" << one.joint << R"(", "case": ")" << one.what << R"(", "who": ")"
-           << who << R"(", "outcome": ")" << name(result.outcome) << R"(", "error": )";
-    if (std::isfinite(result.error))
-      m_file << result.error << '}';
-    else
-      m_file << "null}";
-    m_is_first = false;
-  }
-  bool close() {
-    if (!m_file.is_open()) return true;
-    m_file << "\n]\n";
-    m_file.close();
-    return bool(m_file);
-  }
-
- private:
-  std::ofstream m_file;
-  bool m_is_first = true;
-};
+// JSON has no infinity and no NaN.
+void write(JsonArray& to, const Case& one, const std::string& who, const Result& result) {
+  if (!to.is_open()) return;
+  std::ostream& out = to.next();
+  out << R"({"precision": ")" << engines::precision() << R"(", "joint": ")" << one.joint
+      << R"(", "case": ")" << one.what << R"(", "who": ")" << who << R"(", "outcome": ")"
+      << name(result.outcome) << R"(", "error": )";
+  if (std::isfinite(result.error))
+    out << result.error << '}';
+  else
+    out << "null}";
+}
 
 }  // namespace
 
@@ -110,8 +91,8 @@ int main(int argc, char** argv) {
     for (const Case& one : cases) std::printf("%s\n", one.name().c_str());
     return EXIT_SUCCESS;
   }
-  JsonFile file;
-  if (!json.empty() && !file.open(json)) {
+  JsonArray file;
+  if (!json.empty() && !file.open(json, 3)) {
     std::fprintf(stderr, "--json: cannot write %s\n", json.c_str());
     return EXIT_FAILURE;
   }
@@ -139,7 +120,7 @@ int main(int argc, char** argv) {
       const char* const mark = counts && ours > stock ? "**" : "";
       std::printf(" %s%s%s %.1g |", mark, name(ours), mark, results[i].error);
       if (counts) against[i].count(one, stock, ours);
-      file.write(one, those[i].name, results[i]);
+      write(file, one, those[i].name, results[i]);
     }
     std::printf("\n");
     std::fflush(stdout);

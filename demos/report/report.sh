@@ -9,6 +9,7 @@ bash demos/run.sh report [options]
   --contender NAME        only this contender; may be given more than once
   --peers                 also ODE and MuJoCo, if their Debian packages are installed
   --fresh                 forget what an earlier run has measured
+  --json FILE             also write all that was measured as an array of objects
   --publish               copy the plots and tables that the pages show to demos/results, the README and plugin/docs
 The run can be interrupted: what was measured is kept, and the same command goes on with it.
 Everything goes to build/release/demos/report (report_quick).
@@ -96,12 +97,13 @@ report_publish() {  # folder
 }
 
 report() {
-  local folder=build/release/demos/report options=() publish= fresh= quick= peers=OFF
+  local folder=build/release/demos/report options=() json=() publish= fresh= quick= peers=OFF
   while [ $# -gt 0 ]; do
     case "$1" in
     --help) report_help; return ;;
     --quick) folder+=_quick quick=1; options+=(--quick) ;;
     --publish) publish=1 ;;
+    --json) json=(--json "${2?--json: needs a file}") && shift ;;
     --fresh) fresh=1 ;;
     --peers) peers=ON ;;
     *) options+=("$1") ;;
@@ -127,7 +129,7 @@ report() {
     ${programs}_$precision --csv "$folder/$precision.csv" ${options[@]+"${options[@]}"}
   done
   [ -n "$quick" ] || report_instructions ${programs}_single "$folder/instructions.txt"
-  build/release/demos/pintle_summary "$folder" "$folder/instructions.txt" "$folder"/{single,double}.csv
+  build/release/demos/pintle_summary "$folder" "$folder/instructions.txt" "$folder"/{single,double}.csv ${json[@]+"${json[@]}"}
   report_plots "$folder" ${programs}_double  # which knows the peers
   [ -z "$publish" ] || report_publish "$folder"
   cat "$folder/brief.md"

@@ -1,6 +1,7 @@
 // Makes the report of what was measured: tables in Markdown, and the data of the plots.
 //   summary OUT INSTRUCTIONS CSV...
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "../json_array.h"
 #include "../reference/integrator.h"
 #include "../scenes/catalog.h"
 #include "results.h"
@@ -315,14 +317,45 @@ void write_data(const std::string& folder, const Results& results, const Scene& 
   }
 }
 
+// JSON has no infinity: what is lost is null.
+bool write_json(const std::string& path, const Results& results, const std::vector<Scene>& all) {
+  JsonArray file;
+  if (!file.open(path, 6)) return false;
+  for (const Row& row : results.rows()) {
+    const auto scene =
+        std::find_if(all.begin(), all.end(), [&](const Scene& of) { return of.name == row.scene; });
+    if (scene == all.end()) continue;
+    std::ostream& out = file.next();
+    out << R"({"precision": ")" << row.precision << R"(", "scene": ")" << row.scene
+        << R"(", "contender": ")" << row.contender << R"(", "iterations": )" << row.iterations
+        << R"(, "hz": )" << row.hz << R"(, "microseconds": )" << row.microseconds;
+    for (const Error error : scene->errors) {
+      out << ", \"" << name(error) << "\": ";
+      if (const double value = row.errors[size_t(error)]; std::isfinite(value))
+        out << value;
+      else
+        out << "null";
+    }
+    out << '}';
+  }
+  return file.close();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 4) return std::fprintf(stderr, "summary OUT INSTRUCTIONS CSV...\n"), EXIT_FAILURE;
-  const std::string out = argv[1];
+  std::string out, instructions, json;
+  std::vector<std::string> files;
+  CLI::App app("Writes the report's pages from what its runs have measured.");
+  app.add_option("folder", out, "Where to")->required();
+  app.add_option("instructions", instructions, "What callgrind has counted")->required();
+  app.add_option("csv", files, "What the runs have measured")->required()->check(CLI::ExistingFile);
+  app.add_option("--json", json,
+                 "Also write all that was measured as an array of objects to this file");
+  CLI11_PARSE(app, argc, argv);
   std::vector<Row> rows;
-  for (int i = 3; i < argc; ++i) {
-    const std::vector<Row> more = report::read(argv[i]);
+  for (const std::string& file : files) {
+    const std::vector<Row> more = report::read(file);
     rows.insert(rows.end(), more.begin(), more.end());
   }
   const Results results(rows);
@@ -337,7 +370,7 @@ int main(int argc, char** argv) {
   std::ofstream summary(out + "/summary.md");
   const StepErrors steps = errors_of_steps(results, measured);
   write_summary(summary, results, steps, measured);
-  write_instructions(summary, argv[2], measured, results);
+  write_instructions(summary, instructions, measured, results);
   std::ofstream brief(out + "/brief.md");  // for plugin/docs/benchmarks.md
   write_brief(brief, results, steps, measured);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
@@ -361,5 +394,8 @@ int main(int argc, char** argv) {
     }
     plots << '\n';
   }
-  if (!summary || !brief || !plots) return std::fprintf(stderr, "cannot write %s\n", argv[1]), 1;
+  if (!json.empty() && !write_json(json, results, measured))
+    return std::fprintf(stderr, "--json: cannot write %s\n", json.c_str()), 1;
+  if (!summary || !brief || !plots)
+    return std::fprintf(stderr, "cannot write %s\n", out.c_str()), 1;
 }

@@ -10,9 +10,14 @@ namespace {
 
 void run_errors(const scenes::Scene& scene, Output& out) {
   std::vector<Column> columns;
-  for (const scenes::Error error : scene.errors)
-    columns.push_back(
-        {error == scenes::Error::trajectory ? "off path" : name(error), unit(error), "%.3g"});
+  for (const scenes::Error error : scene.errors) {
+    if (error == scenes::Error::trajectory)
+      columns.push_back({"off path", unit(error), "%.3g"});
+    else if (error == scenes::Error::overshoot)  // of angles, and of ways
+      columns.push_back({"beyond", "rad or m", "%.3g"});
+    else
+      columns.push_back({name(error), unit(error), "%.3g"});
+  }
   Table table(out, scene.name, scene.title, columns);
   std::vector<Contender> contenders;
   for (const char* who : {"stock", "pintle", "exact"}) {

@@ -17,7 +17,6 @@
 namespace {
 
 using tables::Entry;
-using tables::NumberFile;
 using tables::Output;
 using tables::Plan;
 
@@ -63,10 +62,15 @@ void print_legend() {
       engines::precision());
 }
 
-bool open(NumberFile& file, const char* option, const std::string& path, NumberFile::Form form) {
-  if (path.empty() || file.open(path, form)) return true;
+bool complain(const char* option, const std::string& path) {
   std::fprintf(stderr, "%s: cannot write %s\n", option, path.c_str());
   return false;
+}
+
+bool open(tables::NumberFiles& files, const std::string& csv, const std::string& json) {
+  if (!csv.empty() && !files.open_csv(csv)) return complain("--csv", csv);
+  if (!json.empty() && !files.open_json(json)) return complain("--json", json);
+  return true;
 }
 
 }  // namespace
@@ -117,16 +121,14 @@ int main(int argc, char** argv) {
   }
   Output out;
   out.contenders = contenders;
-  if (!open(out.csv, "--csv", csv, NumberFile::Form::csv) ||
-      !open(out.json, "--json", json, NumberFile::Form::json))
-    return EXIT_FAILURE;
+  if (!open(out.files, csv, json)) return EXIT_FAILURE;
 
   Progress progress(plan.cases);
   out.progress = &progress;
   print_legend();
   for (const Entry& entry : chosen) entry.run(out);
   progress.clear();
-  if (!out.csv.close() || !out.json.close()) {
+  if (!out.files.close()) {
     std::fprintf(stderr, "--csv, --json: a file could not be written to its end\n");
     return EXIT_FAILURE;
   }

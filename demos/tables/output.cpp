@@ -20,36 +20,32 @@ void write_json_value(std::ostream& out, double value) {
 
 }  // namespace
 
-bool NumberFile::open(const std::string& path, Form form) {
-  form_ = form;
-  file_.open(path);
-  file_.precision(9);
-  file_ << (form == Form::csv ? "precision,scene,case,who,quantity,unit,value\n" : "[");
-  return bool(file_);
+bool NumberFiles::open_csv(const std::string& path) {
+  csv_.open(path);
+  csv_.precision(digits);
+  csv_ << "precision,scene,case,who,quantity,unit,value\n";
+  return bool(csv_);
 }
 
 // Names hold nothing that either form would have to escape.
-void NumberFile::write(const Number& number) {
-  if (!file_.is_open()) return;
+void NumberFiles::write(const Number& number) {
   const auto& [scene, name, who, quantity, unit, value] = number;
-  if (form_ == Form::csv) {
-    file_ << engines::precision() << ',' << scene << ',' << name << ',' << who << ',' << quantity
-          << ',' << unit << ',' << value << '\n';
-    return;
-  }
-  file_ << (is_first_ ? "\n" : ",\n") << R"({"precision": ")" << engines::precision()
-        << R"(", "scene": ")" << scene << R"(", "case": ")" << name << R"(", "who": ")" << who
-        << R"(", "quantity": ")" << quantity << R"(", "unit": ")" << unit << R"(", "value": )";
-  write_json_value(file_, value);
-  file_ << '}';
-  is_first_ = false;
+  if (csv_.is_open())
+    csv_ << engines::precision() << ',' << scene << ',' << name << ',' << who << ',' << quantity
+         << ',' << unit << ',' << value << '\n';
+  if (!json_.is_open()) return;
+  std::ostream& out = json_.next();
+  out << R"({"precision": ")" << engines::precision() << R"(", "scene": ")" << scene
+      << R"(", "case": ")" << name << R"(", "who": ")" << who << R"(", "quantity": ")" << quantity
+      << R"(", "unit": ")" << unit << R"(", "value": )";
+  write_json_value(out, value);
+  out << '}';
 }
 
-bool NumberFile::close() {
-  if (!file_.is_open()) return true;
-  if (form_ == Form::json) file_ << "\n]\n";
-  file_.close();
-  return bool(file_);
+bool NumberFiles::close() {
+  if (csv_.is_open()) csv_.close();
+  const bool is_written = json_.close();
+  return bool(csv_) && is_written;
 }
 
 }  // namespace tables

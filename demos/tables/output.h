@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../json_array.h"
 #include "../progress.h"
 #include "brief.h"
 
@@ -18,21 +19,21 @@ struct Number {
   double value;
 };
 
-// The long form, with a line a number.
-class NumberFile {
+// The long form, with a line a number, in either file that is open.
+class NumberFiles {
  public:
-  enum class Form { csv, json };
-
   // False: the file cannot be written.
-  bool open(const std::string& path, Form form);
+  bool open_csv(const std::string& path);
+  bool open_json(const std::string& path) { return json_.open(path, digits); }
   void write(const Number& number);
   // False: something was not written.
   bool close();
 
  private:
-  std::ofstream file_;
-  Form form_ = Form::csv;
-  bool is_first_ = true;
+  static constexpr int digits = 9;
+
+  std::ofstream csv_;
+  JsonArray json_;
 };
 
 // What the tables hold, found without a run.
@@ -43,7 +44,7 @@ struct Plan {
 };
 
 struct Output {
-  NumberFile csv, json;
+  NumberFiles files;
   Brief brief;
   std::vector<std::string> contenders;  // empty: all
   Plan* plan = nullptr;                 // set: nothing is run, and nothing printed

@@ -62,7 +62,7 @@ void Table::compare(const std::string& name, const std::vector<Contender>& all) 
   const auto write = [&](const std::string& who, const std::string& quantity,
                          const std::string& unit, double value) {
     const Number number = {scene_, name, who, quantity, unit, value};
-    for (NumberFile* file : {&out_.csv, &out_.json}) file->write(number);
+    out_.files.write(number);
     out_.brief.note(number);
   };
   const Measurement* stock = nullptr;

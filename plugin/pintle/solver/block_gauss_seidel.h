@@ -7,29 +7,19 @@
 // poses (pose_correction.h).
 #pragma once
 
-#include <pintle/solver/contacts.h>
-#include <pintle/solver/joint_matrix.h>
-#include <pintle/solver/solver_options.h>
-#include <pintle/solver/workspace.h>
+#include <pintle/solver/block_solver.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-struct BlockOfJoints {
-  const Component* component;
-  JointMatrix* K;
-  Workspace* work;
-};
-
-class BlockSolver;
 /// Memory of the passes.
 struct PassMemory {
-  PassMemory();
-  ~PassMemory();
-  PassMemory(const PassMemory&) = delete;
-  PassMemory& operator=(const PassMemory&) = delete;
-  size_t bytes() const;
-  void reserve(size_t bodies, size_t components, size_t rows);
+  size_t bytes() const { return bytesOf(sources, touched, start, bounds, blocks); }
+  void reserve(size_t of_bodies, size_t components, size_t rows) {
+    pintle::reserve(of_bodies, sources, touched, start);
+    pintle::reserve(rows, bounds);
+    pintle::reserve(components, blocks);
+  }
 
   struct Source {
     const InverseInertia* alone;  ///< null: it has no joints
@@ -40,15 +30,6 @@ struct PassMemory {
   std::vector<Vector6d> start;     ///< of each body: its velocity before a pass
   std::vector<ContactRow> bounds;  ///< rows of joints that are solved as contacts are, part by part
   std::vector<BlockSolver> blocks;
-};
-
-/// How the rows of a component are solved.
-enum class Sweep {
-  /// From the impulses of the last step, with those that act: which may not be found. Among contacts rows with bounds then go on as
-  /// contacts do.
-  all_at_once,
-  bounds_one_by_one,  ///< from none. Those with bounds as contacts are, the others at once
-  one_by_one          ///< from none, as contacts are: this needs no factor
 };
 
 /// No stop of the component gives back any of the speed with which it is met. Returns whether one would have.

@@ -21,8 +21,8 @@ struct SolverOptions {
   /// leads a taut cable astray.
   bool may_wander = sizeof(Scalar) > 4;
   /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one. In it, without contacts
-  /// rows come to another piece one at a time from then on, each twice at most; then those with bounds are solved one by one. With
-  /// contacts they go on as contacts do, as well when contacts come to ask for another set.
+  /// rows come to another piece one at a time from then on, each twice at most; then those with bounds are solved one by one. Among
+  /// contacts they go on as contacts do; also where a pass over these asks for another set.
   int max_set_factors = 4;
   /// Factors of the correction of poses, each where the last one has led.
   int max_pose_factors = 20;

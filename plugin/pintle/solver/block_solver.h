@@ -1,0 +1,107 @@
+// Purpose: the joints of a component as one block, in velocity: all its rows at once by the factor of their K, or those with bounds, or
+// all, one by one. Among contacts rows with bounds may go on as contacts do.
+#pragma once
+
+#include <pintle/solver/active_set.h>
+#include <pintle/solver/contacts.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+struct BlockOfJoints {
+  const Component* component;
+  JointMatrix* K;
+  Workspace* work;
+};
+
+/// How the rows of a component are solved.
+enum class Sweep {
+  /// From the impulses of the last step, with those that act: which may not be found. Among contacts rows with bounds then go on as
+  /// contacts do.
+  all_at_once,
+  bounds_one_by_one,  ///< from none. Those with bounds as contacts are, the others at once
+  one_by_one          ///< from none, as contacts are: this needs no factor
+};
+
+/// The joints of a component.
+class BlockSolver {
+ public:
+  /// `alone`: no contacts change what its impulses lead to.
+  BlockSolver(const Island& island, const BlockOfJoints& of, const SolverOptions& options,
+              bool alone)
+      : m_alone(alone),
+        m_island(island),
+        m_of(of),
+        m_options(options),
+        m_work(*of.work),
+        m_set(island, *of.component, options, *of.K, *of.work) {}
+
+  /// `velocities`: of all bodies of the island, without impulses of joints, and then with those that it begins with.
+  void begin(Sweep sweep, std::vector<Vector6d>& velocities);
+  /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
+  double sweep(std::vector<Vector6d>& velocities);
+  /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are.
+  void finish(std::vector<Vector6d>& velocities, std::vector<ContactRow>& bounds);
+  /// Whether rows are solved one by one.
+  bool isSwept() const { return m_swept != nullptr; }
+  /// Its rows with bounds go on as contacts do: each part of their laws is added to them.
+  void addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
+  /// Finds which rows act, while contacts have the impulses with which they begin.
+  void settle(std::vector<Vector6d>& velocities) {
+    do sweep(velocities);
+    while (m_changes && m_solvable && !m_is_unsettled);
+  }
+  /// Whether contacts change which of its rows act.
+  bool isUnsettled() const { return m_is_unsettled; }
+  /// Whether there is a factor where one is needed.
+  bool isSolvable() const { return m_solvable; }
+  int factors() const { return m_set.factors(); }
+  /// Whether the last pass did.
+  bool changesSet() const { return m_changes; }
+  /// Its impulses before a pass, and back to a part of the way from there.
+  void beginPass() {
+    ++m_passes;
+    m_work.y_before_pass = m_work.y;
+  }
+  void goBack(double part) {
+    std::vector<double>& y = m_work.y;
+    for (size_t k = 0; k < y.size(); ++k)
+      y[k] = m_work.y_before_pass[k] + part * (y[k] - m_work.y_before_pass[k]);
+  }
+
+ private:
+  void takeBounds(const std::vector<ContactRow>& from);
+  struct Pass {
+    double error;      ///< m or rad, before it
+    bool changes_set;  ///< of rows that act
+  };
+  Pass solve(std::vector<Vector6d>& velocities);
+  double sweepRows(std::vector<Vector6d>& velocities);
+  void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
+    m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
+  }
+  // One row at a time: each may come to a piece and leave it.
+  void factorise() {
+    const int each_twice = m_alone ? 2 * int(m_set.bounded().size()) : 0;
+    m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
+  }
+  const Vector6d* own(const std::vector<Vector6d>& velocities) const {
+    return velocities.data() + m_of.component->first_body;
+  }
+  void measure(const std::vector<Vector6d>& velocities);
+
+  const bool m_alone;
+  const Island& m_island;
+  const BlockOfJoints& m_of;
+  const SolverOptions& m_options;
+  Workspace& m_work;
+  ActiveSet m_set;
+  const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
+  bool m_has_factor = false, m_solvable = true, m_changes = false;
+  bool m_is_unsettled = false, m_has_bounds = false;
+  size_t m_first_bound = 0;  ///< where those of its rows begin
+  int m_passes = 0;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
