@@ -20,8 +20,9 @@ inline bool is_known(const scenes::Scene& scene) {
                         const bool gives = joint.kind == Kind::hinge && joint.spring.frequency > 0;
                         return !known || gives;
                       }) &&
-         std::none_of(scene.bodies.begin(), scene.bodies.end(), [](const scenes::Body& body) {
-           return body.damping != 0 || !body.torque.isZero();
+         std::none_of(scene.bodies.begin() + 1, scene.bodies.end(), [](const scenes::Body& body) {
+           const bool rests = !(body.mass > 0);  // beside the world itself
+           return rests || body.damping != 0 || !body.torque.isZero();
          });
 }
 

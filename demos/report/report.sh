@@ -45,6 +45,7 @@ report_plots() {  # folder, program
   while IFS='|' read -r scene title errors units contenders precisions; do
     colours=
     for who in $contenders; do colours+="${colour[$who]} "; done
+    title=${title//\'/\'\'}  # as gnuplot quotes it
     local width=$((360 * $(wc -w <<<"$errors") + 20)) height=$((330 * $(wc -w <<<"$precisions") + 50))
     for terminal in "svg dynamic" pngcairo; do
       gnuplot -e "scene='$scene'; title='${scene//_/ }: $title'; errors='$errors'; units='$units'" \

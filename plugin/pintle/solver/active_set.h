@@ -36,7 +36,7 @@ class ActiveSet {
   int factors() const { return m_factors; }
   /// work.x = what work.u is off of rows that act, in the units of K. Returns the most, m or rad.
   double findResidual();
-  /// The same of rows of the start, where bodies move with `v` (those of the component).
+  /// The same of rows of the start, where bodies move with `v` (those of the component): of the set of the last factor.
   double findResidual(const Vector6d* v);
   /// work.lambda from work.y.
   void keepImpulses();

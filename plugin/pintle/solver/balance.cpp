@@ -1,7 +1,6 @@
 #include <pintle/solver/balance.h>
 
 #include <pintle/solver/energy_ledger.h>
-#include <pintle/solver/row_velocities.h>
 
 #include <Eigen/Cholesky>
 
@@ -192,7 +191,8 @@ bool whirls(const Island& island, const Component& component, const SolverOption
   measure(by_joints);
   x = by_forces;
   K.solve(x.data());
-  // l M l = x . J l, and c M l = x . J c: for l is an impulse x.
+  // l M l = x . J l, and c M l = x . J c: for l is an impulse x. (Of bodies with load stiffness, M has it here, and not in all2: so
+  // less of their motion counts as c.)
   double ll = 0, al = 0;
   for (size_t k = 0; k < x.size(); ++k) {
     ll += x[k] * by_forces[k];

@@ -237,7 +237,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
   SolveReport report;
   Passes passes(island, of, contacts, options, sweep, velocities, memory);
   report.is_solvable = passes.isSolvable();
-  for (bool go_on = true; go_on;) {
+  for (bool go_on = report.is_solvable; go_on;) {
     report.error = passes.pass() * island.dt;
     ++report.steps;
     report.converged =

@@ -1,6 +1,7 @@
 // Purpose: joints and contacts together, in velocity. Rows are those of the start of the step,
 //   M (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h)
-// and are solved by blocks: contacts one by one, the rows of a component of joints all at once, by the factor of their K.
+// and are solved by blocks: contacts one by one, the rows of a component of joints all at once, by the factor of their K. Rows with
+// bounds are among the latter until contacts change which of them act, and then among the former.
 //
 // Each block minimises the dual function KE(v) - KE(v*) - lambda . target over its own impulses. From none on, it never rises: so
 // KE(v) is never above KE(v*), converged or not, but for what targets ask for. What such a step leaves open is closed by moving

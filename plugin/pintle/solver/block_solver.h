@@ -65,6 +65,7 @@ class BlockSolver {
   }
   void goBack(double part) {
     std::vector<double>& y = m_work.y;
+    if (part == 0) y = m_work.y_before_pass;  // from wherever it was
     for (size_t k = 0; k < y.size(); ++k)
       y[k] = m_work.y_before_pass[k] + part * (y[k] - m_work.y_before_pass[k]);
   }

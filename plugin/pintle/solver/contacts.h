@@ -10,7 +10,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// A row of Bullet's: u = J v, u + softness p = target, lower <= p <= upper.
+/// A row of Bullet's, or a part of a joint's with bounds: u = J v, u + softness p = target, lower <= p <= upper.
 struct ContactRow {
   std::array<int, 2> body;  ///< of the island; below 0: one that does not move
   RowJacobian J;

@@ -131,7 +131,7 @@ inline RowJacobian jacobianOf(const Row& row, double sign) {
 /// A row at the start of the step. Its velocity u is the mean over the step of what it measures: (C(end) - C(start)) / dt, or,
 /// of a row that is known at the start alone, J v.
 struct IslandRow {
-  IslandRow() {}  // sets no numbers that its maker does: there are many
+  IslandRow() {}  // leaves what its maker sets as it is: to zero it all takes time
   RowJacobian J;
   Row start;
   RowShape shape;

@@ -335,8 +335,8 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.open = double(closing[i]) * m_island.dt;
     // Bullet has a row for a stop while it is passed alone: one that closed all of it would fall in the next step.
     if (part.role == Axis::limit)
-      row.open =
-          std::copysign(std::max(std::abs(row.open) - m_options.loose_pose_tolerance, 0.), row.open);
+      row.open = std::copysign(std::max(std::abs(row.open) - m_options.loose_pose_tolerance, 0.),
+                               row.open);
     if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
     keepRow(to);
   }

@@ -49,7 +49,7 @@ class JointMatrix {
   std::vector<InverseInertia>& bodies() { return m_bodies; }
   /// Row `i` of joint c, divided by root_K. All rows must be set before the first factor, and again where bodies have changed.
   void setRow(int c, int i, const RowJacobian& J, double root_K);
-  /// Whether it acts, with a softness of 1 / K. One that does not has the impulse that is asked for, which answers (addResponse), but
+  /// Whether it acts, with a softness relative to K. One that does not has the impulse that is asked for, which answers (addResponse), but
   /// is no unknown. Set before each factor.
   void setActing(int c, int i, bool acts, double softness) {
     const size_t at = row(c) + size_t(i);

@@ -11,7 +11,7 @@ inline namespace PINTLE_PRECISION {
 /// does not move.
 std::vector<char> findLoops(int bodies, const std::vector<std::array<int, 2>>& joints);
 
-/// work.of_loop: of each joint, relative to the 1 / K of its rows.
+/// work.of_loop: of each joint, relative to the K of its rows.
 void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
                   const std::vector<char>& in_loop, Workspace& work);
 

@@ -35,10 +35,10 @@ struct SolverOptions {
   /// Passes over rows that are solved one by one without contacts. Among contacts there are as many as the world's number of
   /// iterations.
   int max_sweeps = 100;
-  /// Softness of the joints of loops, relative to their own 1 / K, while they bear nothing: rows that repeat each other share their
+  /// Softness of the joints of loops, relative to their own K, while they bear nothing: rows that repeat each other share their
   /// impulse, and those that contradict each other give way. Under a load by a tenth of the tolerance.
   double dependent_softness = 1e-8;
-  /// Of rows of one joint that repeat each other: the least pivot, relative to 1 / K.
+  /// Of rows of one joint that repeat each other: the least pivot, relative to K.
   double least_pivot = 1e-13;
   /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
   double ledger_share = 0.01;

@@ -22,7 +22,7 @@ struct Workspace {
   std::vector<double> u, lambda;  ///< of each row: its velocity, and its impulse, N s or N m s
   std::vector<double> load;      ///< of each row: its mean impulse in this step and those before it
   std::vector<LawPiece> pieces;  ///< of each row: the piece of its law on which it is
-  std::vector<double> softness;  ///< of each row that acts, relative to 1 / K
+  std::vector<double> softness;  ///< of each row that acts, relative to K
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
@@ -88,7 +88,7 @@ struct Workspace {
     return bytesOf(v, u, lambda, load, pieces, softness, stiffness, of_loop, y, x, aim,
                    y_before_pass, y_before_choice, touched, answers, base, moved, straight, goal, J,
                    closes, bends, bounded, all, stays, open, start, nearest, first, last_load,
-                   last_stiffness, other.v, other.u, other.lambda, other.pieces) +
+                   last_stiffness, most_stiffness, other.v, other.u, other.lambda, other.pieces) +
            broyden.bytes();
   }
 };
