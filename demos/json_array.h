@@ -2,8 +2,17 @@
 
 #pragma once
 
+#include <cmath>
 #include <fstream>
 #include <string>
+
+// JSON has no infinity and no NaN: what is not finite is null.
+inline void write_json_number(std::ostream& out, double value) {
+  if (std::isfinite(value))
+    out << value;
+  else
+    out << "null";
+}
 
 class JsonArray {
  public:

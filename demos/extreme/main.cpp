@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
@@ -53,17 +52,14 @@ struct Against {
   }
 };
 
-// JSON has no infinity and no NaN.
 void write(JsonArray& to, const Case& one, const std::string& who, const Result& result) {
   if (!to.is_open()) return;
   std::ostream& out = to.next();
   out << R"({"precision": ")" << engines::precision() << R"(", "joint": ")" << one.joint
       << R"(", "case": ")" << one.what << R"(", "who": ")" << who << R"(", "outcome": ")"
       << name(result.outcome) << R"(", "error": )";
-  if (std::isfinite(result.error))
-    out << result.error << '}';
-  else
-    out << "null}";
+  write_json_number(out, result.error);
+  out << '}';
 }
 
 }  // namespace

@@ -317,7 +317,7 @@ void write_data(const std::string& folder, const Results& results, const Scene& 
   }
 }
 
-// JSON has no infinity: what is lost is null.
+// What is lost is null.
 bool write_json(const std::string& path, const Results& results, const std::vector<Scene>& all) {
   JsonArray file;
   if (!file.open(path, 6)) return false;
@@ -331,10 +331,7 @@ bool write_json(const std::string& path, const Results& results, const std::vect
         << R"(, "hz": )" << row.hz << R"(, "microseconds": )" << row.microseconds;
     for (const Error error : scene->errors) {
       out << ", \"" << name(error) << "\": ";
-      if (const double value = row.errors[size_t(error)]; std::isfinite(value))
-        out << value;
-      else
-        out << "null";
+      write_json_number(out, row.errors[size_t(error)]);
     }
     out << '}';
   }

@@ -7,15 +7,12 @@
 namespace tables {
 namespace {
 
-// JSON has no infinity and no NaN.
+// What is infinite is told from what is not known.
 void write_json_value(std::ostream& out, double value) {
-  if (std::isnan(value)) {
-    out << "null";
-  } else if (std::isinf(value)) {
+  if (std::isinf(value))
     out << "\"inf\"";
-  } else {
-    out << value;
-  }
+  else
+    write_json_number(out, value);
 }
 
 }  // namespace

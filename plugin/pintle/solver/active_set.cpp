@@ -72,10 +72,9 @@ bool ActiveSet::chooseAgain(bool one) {
 void ActiveSet::measureBounded(const Vector6d* v) {
   for (const Place& of : m_work.bounded) {
     const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + of.joint)];
-    const auto velocity = [&](int body) -> const Vector6d& {
-      return body < 0 ? m_island.unmovedBody(body).v : v[body - m_component.first_body];
-    };
-    m_work.u[of.r] = of.row->J.along(velocity(joint.body[0]), velocity(joint.body[1]));
+    const int first = m_component.first_body;
+    m_work.u[of.r] = of.row->J.along(m_island.velocity(joint.body[0], v, first),
+                                     m_island.velocity(joint.body[1], v, first));
   }
 }
 
@@ -101,12 +100,9 @@ void ActiveSet::setRows() {
     if (piece.softness > 0) softness = std::max(softness, piece.softness / row.K);
     m_K.setActing(c, i, piece.acts, softness);
     double aim = piece.target;
-    if (any_moves) {
-      const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-      for (int side = 0; side < 2; ++side)
-        if (joint.body[size_t(side)] < 0)
-          aim -= row.J.along(side, m_island.unmovedBody(joint.body[size_t(side)]).v);
-    }
+    if (any_moves)
+      aim -=
+          m_island.velocityOfUnmoved(m_island.joints[size_t(m_component.first_joint + c)], row.J);
     m_work.aim[at] = aim * row.by_root_K;
   });
 }

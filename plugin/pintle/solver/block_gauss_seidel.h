@@ -16,9 +16,9 @@ inline namespace PINTLE_PRECISION {
 /// Memory of the passes.
 struct PassMemory {
   size_t bytes() const { return bytesOf(sources, touched, start, bounds, blocks); }
-  void reserve(size_t of_bodies, size_t components, size_t rows) {
+  void reserve(size_t of_bodies, size_t components, size_t of_bounds) {
     pintle::reserve(of_bodies, sources, touched, start);
-    pintle::reserve(rows, bounds);
+    pintle::reserve(of_bounds, bounds);
     pintle::reserve(components, blocks);
   }
 

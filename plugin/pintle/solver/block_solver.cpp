@@ -86,17 +86,16 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
     const IslandRow& row = *of.row;
     double& y = m_work.y[of.at];
     const double impulse = y * row.by_root_K;
-    double parts[AxisLaw::max_parts], sum = 0, moved = 0;
+    double parts[AxisLaw::max_parts], sum = 0;
     row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse, parts);
     for (int i = 0; i < row.law.parts(); ++i) sum += parts[i];
     m_work.x[of.at] = sum * row.root_K - y;
     y = sum * row.root_K;
+    const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
+    const double moved = m_island.velocityOfUnmoved(joint, row.J);
     ContactRow bound;
-    bound.body = m_island.joints[size_t(m_of.component->first_joint + of.joint)].body;
+    bound.body = joint.body;
     bound.J = row.J;
-    for (int side = 0; side < 2; ++side)
-      if (const int body = bound.body[size_t(side)]; body < 0)
-        moved += row.J.along(side, m_island.unmovedBody(body).v);
     for (int i = 0; i < row.law.parts(); ++i) {
       const LawPart& part = row.law.part(i);
       if (!std::isfinite(part.target)) continue;  // a stop that is not there
@@ -131,8 +130,7 @@ double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {
     const IslandRow& row = *of.row;
     const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
     const auto v = [&](int side) -> const Vector6d& {
-      const int body = joint.body[size_t(side)];
-      return body < 0 ? m_island.unmovedBody(body).v : velocities[size_t(body)];
+      return m_island.velocity(joint.body[size_t(side)], velocities.data());
     };
     double& y = m_work.y[of.at];
     const double lambda = y * row.by_root_K, free = row.J.along(v(0), v(1)) - row.K * lambda,

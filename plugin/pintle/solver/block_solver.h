@@ -65,7 +65,10 @@ class BlockSolver {
   }
   void goBack(double part) {
     std::vector<double>& y = m_work.y;
-    if (part == 0) y = m_work.y_before_pass;  // from wherever it was
+    if (part == 0) {  // from wherever it was
+      y = m_work.y_before_pass;
+      return;
+    }
     for (size_t k = 0; k < y.size(); ++k)
       y[k] = m_work.y_before_pass[k] + part * (y[k] - m_work.y_before_pass[k]);
   }

@@ -4,19 +4,21 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+
 bool Broyden::step(const JointMatrix& K, const std::vector<double>& x, std::vector<double>& y) {
   using Map = Eigen::Map<Eigen::VectorXd>;
   using Before = Eigen::Map<const Eigen::VectorXd>;
   m_unknowns = x.size();
   const auto n = Eigen::Index(m_unknowns);
+  const size_t before = count();
   m_numbers.insert(m_numbers.end(), x.begin(), x.end());
   m_numbers.insert(m_numbers.end(), x.begin(), x.end());
-  double* const first = m_numbers.data() + 2 * m_count * m_unknowns;
+  double* const first = m_numbers.data() + 2 * before * m_unknowns;
   Map now(first, n), K_now(first + n, n);
   K.solve(first);
-  for (size_t j = 0; j < m_count; ++j) {
+  for (size_t j = 0; j < before; ++j) {
     const double part = Before(Ks(j), n).dot(now) / m_length2[j];
-    if (j + 1 < m_count) {
+    if (j + 1 < before) {
       now += part * Before(s(j + 1), n);
       K_now += part * Before(Ks(j + 1), n);
     } else {
@@ -26,15 +28,14 @@ bool Broyden::step(const JointMatrix& K, const std::vector<double>& x, std::vect
   }
   const double length2 = now.dot(K_now);
   const auto isLonger = [&](size_t back) {
-    return m_count >= back && !(length2 <= m_length2[m_count - back]);
+    return before >= back && !(length2 <= m_length2[before - back]);
   };
   if (!(length2 >= 0) || (isLonger(1) && (!m_may_wander || isLonger(2)))) {
-    m_numbers.resize(2 * m_count * m_unknowns);
+    m_numbers.resize(2 * before * m_unknowns);
     return false;
   }
   Map(y.data(), n) += now;
   m_length2.push_back(length2);
-  ++m_count;
   return true;
 }
 

@@ -13,7 +13,6 @@ class Broyden {
  public:
   /// Nothing is known beside K. A step may be no longer than the last one, or, where it `may_wander`, than one of the last two.
   void begin(bool may_wander = false) {
-    m_count = 0;
     m_numbers.clear();
     m_length2.clear();
     m_may_wander = may_wander;
@@ -22,7 +21,7 @@ class Broyden {
   /// nowhere.
   bool step(const JointMatrix& K, const std::vector<double>& x, std::vector<double>& y);
   /// What y was changed by.
-  const double* last() const { return s(m_count - 1); }
+  const double* last() const { return s(count() - 1); }
   /// For so many unknowns, and as many steps as a solve hardly ever takes.
   void reserve(size_t unknowns) {
     pintle::reserve(2 * usual_steps * unknowns, m_numbers);
@@ -34,13 +33,13 @@ class Broyden {
  private:
   static constexpr size_t usual_steps = 8;
 
+  size_t count() const { return m_length2.size(); }
   const double* s(size_t step) const { return m_numbers.data() + 2 * step * m_unknowns; }
   const double* Ks(size_t step) const { return s(step) + m_unknowns; }
 
   size_t m_unknowns = 0;
   std::vector<double> m_numbers;  ///< of each step: s, and K s
   std::vector<double> m_length2;  ///< of each step: s . K s
-  size_t m_count = 0;
   bool m_may_wander = false;
 };
 

@@ -34,10 +34,7 @@ struct ContactRow {
   double velocity(const std::vector<Vector6d>& v) const {
     double u = 0;
     for (int side = 0; side < 2; ++side)
-      if (body[size_t(side)] >= 0) {
-        const Vector6d& of = v[size_t(body[size_t(side)])];
-        u += J.L(side).dot(of.head<3>()) + J.A(side).dot(of.tail<3>());
-      }
+      if (body[size_t(side)] >= 0) u += J.along(side, v[size_t(body[size_t(side)])]);
     return u;
   }
   void push(double by, std::vector<Vector6d>& v) const { push(by, answer, v); }

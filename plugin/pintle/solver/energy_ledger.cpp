@@ -83,11 +83,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
                 std::fmin(row.rebound_energy, std::fmax(0, (end.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
-      for (int side = 0; side < 2; ++side) {
-        if (joint.body[size_t(side)] >= 0) continue;
-        const Vector6d& v = island.unmovedBody(joint.body[size_t(side)]).v;
-        work += end.lambda[r] * (row.J.L(side).dot(v.head<3>()) + row.J.A(side).dot(v.tail<3>()));
-      }
+      work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
     }
   }
   return work;

@@ -221,6 +221,18 @@ struct Island {
   const Vector6d& velocity(int body, Vector6d IslandBody::*v) const {
     return body < 0 ? unmovedBody(body).v : bodies[size_t(body)].*v;
   }
+  /// Of velocities `v`, which are those of the bodies from `first` on.
+  const Vector6d& velocity(int body, const Vector6d* v, int first = 0) const {
+    return body < 0 ? unmovedBody(body).v : v[body - first];
+  }
+  /// J v of those bodies of a joint that nothing moves, but their owner.
+  double velocityOfUnmoved(const IslandJoint& joint, const RowJacobian& J) const {
+    double u = 0;
+    for (int side = 0; side < 2; ++side)
+      if (const int body = joint.body[size_t(side)]; body < 0)
+        u += J.along(side, unmovedBody(body).v);
+    return u;
+  }
   const MovedBody& unmovedBody(int body) const { return unmoved_bodies[size_t(unmoved(body))]; }
 };
 

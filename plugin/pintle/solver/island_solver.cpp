@@ -302,7 +302,10 @@ void IslandSolver::findTouched() {
 
 void IslandSolver::beginComponents() {
   const size_t bodies = m_island.bodies.size(), components = m_components.size();
-  m_pass_memory.reserve(bodies, components, m_island.rows.size());
+  size_t bounds = 0;  // parts of rows that contacts may take
+  for (size_t r = 0; !m_contacts.empty() && r < m_island.rows.size(); ++r)
+    if (!m_island.rows[r].law.isEquality()) bounds += size_t(m_island.rows[r].law.parts());
+  m_pass_memory.reserve(bodies, components, bounds);
   reserve(components, m_alone, m_among_contacts, m_blocks);
   reserve(bodies, m_counted);
   m_kept.clear();

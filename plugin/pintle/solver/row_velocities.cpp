@@ -306,11 +306,8 @@ void measureAtStart(const Island& island, const Component& component, const Vect
                     std::vector<double>& u) {
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    const auto of = [&](int side) -> const Vector6d& {
-      const int body = joint.body[size_t(side)];
-      return body < 0 ? island.unmovedBody(body).v : v[body - component.first_body];
-    };
-    const Vector6d &a = of(0), &b = of(1);
+    const Vector6d &a = island.velocity(joint.body[0], v, component.first_body),
+                   &b = island.velocity(joint.body[1], v, component.first_body);
     for (int i = 0; i < joint.rows; ++i)
       u[size_t(joint.row_of_component + i)] =
           island.rows[size_t(joint.first_row + i)].J.along(a, b);
