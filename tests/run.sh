@@ -14,8 +14,8 @@ source tests/setup.sh
 packages=()
 [ "$preset" != sanitizers ] || packages+=(clang libclang-rt-dev)
 pintle_install_packages ${packages[@]+"${packages[@]}"}
-# For the tests of the page, which are skipped without them.
-[ "$preset" = sanitizers ] || pintle_install_page_packages chromium
+# For tests that are skipped without them: of the page, of the documentation's site, and of what a recorder costs.
+[ "$preset" = sanitizers ] || pintle_install_page_packages chromium doxygen valgrind
 
 cmake --preset "$preset"
 cmake --build --preset "$preset" --parallel "$(nproc)" --target pintle_tests

@@ -26,9 +26,14 @@ pintle_install_packages() {  # more packages
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
-# What the page needs, and more packages: Node, from wherever it comes. Without them there is no page, and no more is lost.
+# Without them a few things are left out, and no more is lost.
+pintle_install_optional_packages() {  # packages
+  (pintle_install_packages "$@") || echo "Without $*: what needs them is left out" >&2
+}
+
+# What the page needs: Node, from wherever it comes. And more packages.
 pintle_install_page_packages() {
   local packages=("$@")
   { command -v node && command -v npm; } >/dev/null || packages+=(nodejs npm)
-  (pintle_install_packages ${packages[@]+"${packages[@]}"}) || echo "Without ${packages[*]}: the page, or its test, is left out" >&2
+  pintle_install_optional_packages ${packages[@]+"${packages[@]}"}
 }

@@ -1,5 +1,6 @@
 #include "brief.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -46,6 +47,15 @@ const std::vector<Brief::Row>& Brief::rows() {
       {"the same", "deepest", "bounce", "e = 0.5 60Hz", "below", " m"},
   };
   return rows;
+}
+
+std::vector<std::string> Brief::tables() {
+  std::vector<std::string> found;
+  for (const Row& row : rows()) {
+    if (std::find(found.begin(), found.end(), row.table) == found.end())
+      found.emplace_back(row.table);
+  }
+  return found;
 }
 
 std::string Brief::head() { return "| scene | what | stock | Pintle |\n|---|---|---|---|\n"; }

@@ -21,6 +21,8 @@ class Brief {
     const char *stock = "stock", *ours = "pintle";
   };
   static const std::vector<Row>& rows();
+  // Those that have its numbers, each once.
+  static std::vector<std::string> tables();
   // The table's first lines.
   static std::string head();
 

@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
   for (const Entry& entry : tables::tables_of_errors()) all.push_back(entry);
   std::vector<std::string> scenes, contenders;
   std::string csv, json, brief;
-  bool list = false;
+  bool list = false, once = false;
   CLI::App app("Runs the scenes with Bullet's joints and with Pintle's, and compares them.");
   app.add_option("--scene", scenes,
                  "Only this scene, as --list names it; may be given more than once\n"
@@ -99,12 +99,17 @@ int main(int argc, char** argv) {
                  "The same as an array of objects\n"
                  "(\"inf\": never reached, or lost; null: no such quantity)")
       ->take_last();
-  app.add_option("--brief", brief, "Also write the documentation's table of scenes to this file");
+  app.add_option("--brief", brief,
+                 "Also write the documentation's table of scenes to this file\n"
+                 "(without --scene: those that it is of)");
+  app.add_flag("--once", once, "Run each once: times are rough, and nothing is repeated");
   app.add_flag("--list", list, "Name the scenes and their contenders, and run nothing");
   CLI11_PARSE(app, argc, argv);
 
+  if (scenes.empty())
+    scenes = list ? names(all) : brief.empty() ? names(of_their_own) : tables::Brief::tables();
   std::vector<Entry> chosen;
-  for (const std::string& name : scenes.empty() ? names(list ? all : of_their_own) : scenes) {
+  for (const std::string& name : scenes) {
     for (const Entry& entry : all)
       if (entry.name == name) chosen.push_back(entry);
   }
@@ -121,6 +126,7 @@ int main(int argc, char** argv) {
   }
   Output out;
   out.contenders = contenders;
+  out.once = once;
   if (!open(out.files, csv, json)) return EXIT_FAILURE;
 
   Progress progress(plan.cases);

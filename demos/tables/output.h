@@ -49,6 +49,7 @@ struct Output {
   std::vector<std::string> contenders;  // empty: all
   Plan* plan = nullptr;                 // set: nothing is run, and nothing printed
   Progress* progress = nullptr;
+  bool once = false;  // without the runs that find the best times, and that numbers repeat
   bool all_repeated = true;
 
   bool shows(const std::string& who) const {

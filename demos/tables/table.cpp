@@ -56,7 +56,7 @@ void Table::compare(const std::string& name, const std::vector<Contender>& all) 
   }
   std::vector<Measurement> results;
   for (const Contender& contender : contenders) results.push_back(contender.run());
-  repeat(name, contenders, results);
+  if (!out_.once) repeat(name, contenders, results);
 
   if (out_.progress != nullptr) out_.progress->clear();
   const auto write = [&](const std::string& who, const std::string& quantity,
