@@ -7,7 +7,8 @@ const {chromium} = await import(process.env.PINTLE_PLAYWRIGHT);
 const file = process.env.PINTLE_PAGE, pictures = process.env.PINTLE_PICTURES;
 const html = readFileSync(file, 'utf8');
 const open = '<script type="application/json" class="pintle-run">';
-const runs = html.split(open).slice(1).map((part) => JSON.parse(part.slice(0, part.indexOf('</script>'))));
+const runsOf = (page) => page.split(open).slice(1).map((part) => JSON.parse(part.slice(0, part.indexOf('</script>'))));
+const runs = runsOf(html);
 const scenes = [...new Set(runs.map((run) => run.scene))];
 
 // The same page with other recordings, given as text.
@@ -24,6 +25,32 @@ const floats = (base64) => {
   return Array.from({length: bytes.length / 4}, (_, i) => bytes.readFloatLE(4 * i));
 };
 
+// What a run says of a frame: where points of its bodies are, and its contacts.
+const turned = ([x, y, z, w], [a, b, c]) => {
+  const s = [y * c - z * b, z * a - x * c, x * b - y * a];  // v + 2 w (q x v) + 2 q x (q x v)
+  return [a + 2 * (w * s[0] + y * s[2] - z * s[1]), b + 2 * (w * s[1] + z * s[0] - x * s[2]), c + 2 * (w * s[2] + x * s[1] - y * s[0])];
+};
+const decoded = (run) => {
+  const times = floats(run.times), poses = floats(run.poses), counts = floats(run.contacts.counts), contacts = floats(run.contacts.points);
+  return {
+    times,
+    at: (index, frame, point) => {
+      if (index < 0) return point;
+      const {pose, track} = run.bodies[index], own = pose ?? poses.slice(7 * (track * times.length + frame)).slice(0, 7);
+      return turned(own.slice(3, 7), point).map((value, i) => value + own[i]);
+    },
+    contacts: (frame) => {
+      const start = counts.slice(0, frame).reduce((sum, count) => sum + count, 0);
+      return Array.from({length: counts[frame]}, (_, i) => contacts.slice(4 * (start + i), 4 * (start + i) + 3));
+    },
+  };
+};
+const distance = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
+const points = (corners) => Array.from({length: corners.length / 3}, (_, i) => corners.slice(3 * i, 3 * i + 3));
+const centre = (corners) => [0, 1, 2].map((axis) => points(corners).reduce((sum, point) => sum + point[axis], 0) / (corners.length / 3));
+// Each of the points is among the others.
+const areAmong = (some, others) => some.every((point) => others.some((other) => distance(point, other) < 1e-4));
+
 let browser, page, errors;
 const state = () => page.evaluate(() => window.pintle.state());
 const newPage = async (options = {}) => {
@@ -39,6 +66,7 @@ const seek = (time) => page.evaluate((to) => {
   scrubber.value = String(to);
   scrubber.dispatchEvent(new Event('input'));
 }, time).then(drawn);
+const drawnIn = (pane) => page.evaluate((index) => window.pintle.drawn(index), pane);
 const drawn = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 before(async () => {
@@ -131,6 +159,83 @@ test('limits stand where they were recorded, and show how far a joint is beyond'
     }
   }
   for (const kind of ['angle', 'wedge', 'cone', 'twist', 'bend', 'turn']) assert.ok(kinds.has(kind), kind);
+  assert.deepEqual(errors, []);
+});
+
+test('gaps are lines from anchor to anchor, and contacts are where they were recorded', async () => {
+  await page.goto('about:blank');
+  await page.goto(`${small}#scene=chain_heavy&time=0&pane=stock`);
+  const run = runs.find((one) => one.scene === 'chain_heavy' && one.name === 'stock'), {times, at} = decoded(run);
+  const frame = Math.floor(0.7 * times.length);
+  await seek(times[frame]);
+  const ends = run.joints.map(({a, b, inA, inB}) => [at(a, frame, inA.slice(0, 3)), at(b, frame, inB.slice(0, 3))]);
+  for (const long of [1, 10]) {
+    const {gaps} = await drawnIn(0);
+    assert.equal(gaps.length, ends.filter(([a, b]) => distance(a, b) > 0.01).length, 'all of them are wide');
+    for (const gap of gaps) {
+      const middle = centre(gap), length = Math.max(...points(gap).map((point) => 2 * distance(point, middle)));
+      const found = ends.find(([a, b]) => distance(middle, a.map((value, i) => value + (long / 2) * (b[i] - value))) < 1e-3);
+      assert.ok(found !== undefined, `a line about ${middle}`);
+      const thick = 0.02;  // m
+      assert.ok(Math.abs(length - long * distance(...found)) < thick, `${length} m, gap ${distance(...found)} m`);
+    }
+    await page.keyboard.press('g');
+    await drawn();
+  }
+
+  await page.evaluate(() => (location.hash = '#scene=rope_bridge&time=0&pane=exact'));
+  await page.waitForFunction(() => window.pintle.state().scene === 'rope_bridge');
+  const bridge = decoded(runs.find((one) => one.scene === 'rope_bridge' && one.name === 'exact'));
+  const last = bridge.times.length - 1;
+  await seek(bridge.times[last]);
+  assert.deepEqual((await drawnIn(0)).contacts, []);
+  await page.keyboard.press('c');
+  await drawn();
+  const {contacts} = await drawnIn(0);
+  assert.ok(contacts.length > 3, `${contacts.length} contacts`);
+  assert.equal(contacts.length, bridge.contacts(last).length);
+  assert.ok(areAmong(contacts.map(centre), bridge.contacts(last)));
+  await page.keyboard.press('c');
+  assert.deepEqual(errors, []);
+});
+
+test('hulls, meshes, compounds and tilted planes are drawn as they are; joints that break are gone', async () => {
+  const [run] = runsOf(readFileSync(process.env.PINTLE_SHAPES, 'utf8'));
+  const {times, at} = decoded(run);
+  await page.goto(`file://${process.env.PINTLE_SHAPES}#scene=shapes&time=0`);
+  const frame = 20;  // one joint has broken by then, one has been taken away
+  const anchors = async (at) => {
+    await seek(times[at]);
+    return (await drawnIn(0)).anchors.length;
+  };
+  assert.equal(await anchors(0), 3);
+  assert.equal(await anchors(10), 2);
+  assert.equal(await anchors(frame), 1);
+  await page.screenshot({path: `${pictures}/shapes.png`});
+
+  const {corners, bodies, floors} = await drawnIn(0);
+  const shapeOf = (body) => run.shapes[run.bodies[body].shape];
+  const kinds = [];
+  bodies.forEach((body, i) => {
+    const shape = shapeOf(body);
+    kinds.push(shape.kind);
+    if (shape.kind !== 'mesh') return;
+    const wanted = points(floats(shape.points)).map((point) => at(body, frame, point));
+    assert.ok(areAmong(wanted, points(corners[i])) && areAmong(points(corners[i]), wanted), `body ${body}`);
+  });
+  assert.deepEqual(kinds, ['mesh', 'mesh', 'compound', 'box', 'box', 'box']);
+  // As long as its balls reach.
+  const middle = at(bodies[2], frame, [0, 0, 0]);
+  assert.ok(Math.abs(Math.max(...points(corners[2]).map((point) => distance(point, middle))) - 0.7) < 0.01);
+
+  assert.equal(floors.length, 2);
+  [0, 1].forEach((body) => {
+    const {normal, constant} = shapeOf(body), origin = at(body, 0, [0, 0, 0]);
+    const wanted = at(body, 0, normal).map((value, i) => value - origin[i]), m = floors[body];
+    assert.ok(distance(m.slice(8, 11), wanted) < 1e-6, `${m.slice(8, 11)} is not along ${wanted}`);
+    const height = m.slice(12, 15).reduce((sum, value, i) => sum + (value - origin[i]) * wanted[i], 0);
+    assert.ok(Math.abs(height - constant) < 1e-6, `${height} m`);
+  });
   assert.deepEqual(errors, []);
 });
 

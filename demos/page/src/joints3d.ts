@@ -72,7 +72,7 @@ export class Joints3d {
   private readonly drawn: Drawn[] = [];
   private readonly visibleGap: number;  // m
   private readonly sparse: boolean;
-  private readonly anchorsA: Many;
+  readonly anchorsA: Many;
   private readonly anchorsB: Many;
   private readonly axes: Many;
   private readonly slides: Many;

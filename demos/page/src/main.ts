@@ -351,6 +351,9 @@ class App {
       })),
     };
   }
+  drawn(pane: number): unknown {
+    return this.elements[pane]!.pane.view.drawnNow();
+  }
   cursorTime(key: string): number {
     return this.plots.cursorTime(key);
   }

@@ -59,14 +59,15 @@ export const plainMaterial = (): THREE.ShaderMaterial => new THREE.ShaderMateria
   fragmentShader: 'varying vec3 lit;\nvoid main() { gl_FragColor = vec4(lit, 1.0); }',
 });
 
-/** Bodies pressed flat onto the floor, away from the sun. */
-export const flatMaterial = (floor: number): THREE.ShaderMaterial => new THREE.ShaderMaterial({
-  uniforms: {floor: {value: floor}, colour: {value: new THREE.Color()}},
+/** Bodies pressed flat onto a plane, away from the sun. */
+export const flatMaterial = ({normal, constant}: THREE.Plane): THREE.ShaderMaterial => new THREE.ShaderMaterial({
+  uniforms: {plane: {value: new THREE.Vector4(...normal, constant)}, colour: {value: new THREE.Color()}},
   vertexShader: `
-    uniform float floor;
+    uniform vec4 plane;
     void main() {
-      float height = max(0.0, position.z - floor);
-      gl_Position = projectionMatrix * (viewMatrix * vec4(position.xy + height * vec2(0.33, 0.56), floor, 1.0));
+      vec3 sun = vec3(-0.33, -0.56, 1.0);
+      float way = max(0.0, dot(plane, vec4(position, 1.0))) / max(0.1, dot(plane.xyz, sun));
+      gl_Position = projectionMatrix * (viewMatrix * vec4(position - way * sun, 1.0));
     }`,
   fragmentShader: 'uniform vec3 colour;\nvoid main() { gl_FragColor = vec4(colour, 1.0); }',
   polygonOffset: true,
@@ -83,11 +84,13 @@ export class Many {
   private readonly corners: Float32Array;
   private readonly normals: Float32Array;
   private readonly start: Int32Array;
+  private shown: number;  // so many are drawn
 
   /** Body i has geometries[i], or all have one. `coloured`: each has its own colour. `plain`: for a renderer in software. */
   constructor(geometries: THREE.BufferGeometry[] | THREE.BufferGeometry, readonly capacity: number,
               material: THREE.Material, coloured: boolean, private readonly plain: boolean) {
     const rows = Math.max(1, Math.ceil(capacity / perRow));
+    this.shown = capacity;
     this.data = new Float32Array(plain ? 0 : 4 * texels * perRow * rows);
     if (!plain) this.texture = new THREE.DataTexture(this.data, texels * perRow, rows, THREE.RGBAFormat, THREE.FloatType);
 
@@ -188,6 +191,7 @@ export class Many {
   }
   /** Of those with one geometry: so many are drawn, the first ones. */
   setCount(count: number): void {
+    this.shown = count;
     this.mesh.visible = count > 0;
     this.mesh.geometry.setDrawRange(0, count * this.size);
   }
@@ -201,6 +205,20 @@ export class Many {
       const attribute = this.mesh.geometry.attributes[name];
       if (attribute !== undefined) attribute.needsUpdate = true;
     }
+  }
+
+  /** The corners of each as they are drawn: x, y, z. For tests. */
+  drawnCorners(): number[][] {
+    const points = this.mesh.geometry.getAttribute('position').array;
+    return Array.from({length: this.mesh.visible ? this.shown : 0}, (_, index) => {
+      const corners = Array.from(points.subarray(3 * this.start[index]!, 3 * this.start[index + 1]!));
+      if (this.plain) return corners;
+      const at = this.place(index), m = this.data.subarray(at, at + 12);
+      return corners.map((_value, i) => {
+        const row = 4 * (i % 3), first = i - (i % 3);
+        return m[row]! * corners[first]! + m[row + 1]! * corners[first + 1]! + m[row + 2]! * corners[first + 2]! + m[row + 3]!;
+      });
+    });
   }
 
   private place(index: number): number {

@@ -3,7 +3,7 @@
 import * as THREE from 'three';
 
 import {mix} from './colours';
-import type {OpenRun, Shape} from './data';
+import type {OpenRun} from './data';
 import {Joints3d, type JointOptions} from './joints3d';
 import {flatMaterial, Many, plainMaterial} from './many';
 import {geometryOf, radiusOf} from './shapes';
@@ -17,21 +17,33 @@ export interface ViewOptions extends JointOptions {
 export interface Framing {
   centre: THREE.Vector3;
   radius: number;
-  floor: number;      // m, its height
+  floors: THREE.Plane[];  // at least one; the first one takes the shadows of a renderer in software
   direction: THREE.Vector3;  // from the centre to the camera
   points: THREE.Vector3[];   // to be seen
   margin: number;            // m, about them
   path: THREE.Vector3[];     // of the centre, by frames of the run that is trusted; empty: it stays
 }
 
+const sun = new THREE.Vector3(-0.45, -0.75, 1.35).normalize();  // where it stands
 const pose = new Float32Array(7);
 const position = new THREE.Vector3(), turn = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1),
       matrix = new THREE.Matrix4(), identity = new THREE.Matrix4();
 
-/** A static box or plane so large that it is the ground. */
-export function isGround(shape: Shape, radius: number): boolean {
-  return shape.kind === 'plane' || (shape.kind === 'box' && Math.min(shape.half[0], shape.half[1]) > Math.max(1.2 * radius, 8));
+/** Of a static plane, or of a level static box so large that it is the ground: the plane that it is drawn as. Else null. */
+export function groundOf(run: OpenRun, index: number, radius: number): THREE.Plane | null {
+  const body = run.bodies[index]!, shape = run.shapes[body.shape]!;
+  if (body.mass !== 0 || body.pose === null) return null;
+  const [x, y, z, ...turned] = body.pose as [number, number, number, number, number, number, number];
+  const stand = (normal: THREE.Vector3, constant: number): THREE.Plane => {
+    const point = normal.clone().multiplyScalar(constant), turn = new THREE.Quaternion(...turned);
+    return new THREE.Plane().setFromNormalAndCoplanarPoint(normal.applyQuaternion(turn), point.applyQuaternion(turn).add(new THREE.Vector3(x, y, z)));
+  };
+  if (shape.kind === 'plane') return stand(new THREE.Vector3(...shape.normal), shape.constant);
+  if (shape.kind !== 'box' || Math.min(shape.half[0], shape.half[1]) <= Math.max(1.2 * radius, 8)) return null;
+  const top = stand(new THREE.Vector3(0, 0, 1), shape.half[2] + (shape.at?.[2] ?? 0));
+  return isLevel(top) ? top : null;
 }
+const isLevel = ({normal}: THREE.Plane): boolean => normal.z > 0.999;
 
 function gridTexture(dark: boolean, plain: boolean): THREE.Texture {
   const size = 256;
@@ -71,7 +83,7 @@ export class View3d {
   private readonly contacts: Many;
   private readonly light = new THREE.DirectionalLight('#fffaf2', 2.0);
   private readonly sky = new THREE.HemisphereLight('#f2f6ff', '#c3c7cf', 1.6);
-  private readonly floor: THREE.Mesh<THREE.PlaneGeometry, THREE.MeshLambertMaterial | THREE.MeshBasicMaterial>;
+  private readonly floors: THREE.Mesh<THREE.PlaneGeometry, THREE.MeshLambertMaterial | THREE.MeshBasicMaterial>[];
   private readonly flat: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;  // shadows, where it is plain
   private readonly contactSize: number;
 
@@ -84,15 +96,14 @@ export class View3d {
     const isFew = run.bodies.length <= 60, detail = isFew ? 4 : !plain ? 3 : run.bodies.length > 250 ? 1 : 2;
     const shapes = run.shapes.map((shape) => geometryOf(shape, detail));
     run.bodies.forEach((body, index) => {
-      const isFloor = body.mass === 0 && body.pose !== null && isGround(run.shapes[body.shape]!, radius);
-      if (!isFloor && shapes[body.shape] !== null) this.drawn.push(index);
+      if (groundOf(run, index, radius) === null && shapes[body.shape] !== null) this.drawn.push(index);
     });
     const isOpen = run.shapes.some((shape) => shape.kind === 'mesh');
     this.bodies = new Many(this.drawn.map((body) => shapes[run.bodies[body]!.shape]!), this.drawn.length,
                            plain ? plainMaterial() : new THREE.MeshLambertMaterial(), true, plain);
     (this.bodies.mesh.material as THREE.Material).side = isOpen ? THREE.DoubleSide : THREE.FrontSide;
     if (plain) {
-      this.flat = new THREE.Mesh(this.bodies.mesh.geometry, flatMaterial(framing.floor));
+      this.flat = new THREE.Mesh(this.bodies.mesh.geometry, flatMaterial(framing.floors[0]!));
       this.flat.frustumCulled = false;
       this.scene.add(this.flat);
     }
@@ -102,11 +113,20 @@ export class View3d {
     // A square of the grid is a round number of metres.
     const cell = 10 ** Math.round(Math.log10(radius / 2));
     const extent = 40 * Math.max(radius, cell);
-    this.floor = new THREE.Mesh(new THREE.PlaneGeometry(extent, extent), plain ? new THREE.MeshBasicMaterial() : new THREE.MeshLambertMaterial());
-    const uv = this.floor.geometry.getAttribute('uv') as THREE.BufferAttribute;
+    const grid = new THREE.PlaneGeometry(extent, extent);
+    const uv = grid.getAttribute('uv') as THREE.BufferAttribute;
     for (let i = 0; i < uv.count; ++i) uv.setXY(i, (uv.getX(i) * extent) / (5 * cell), (uv.getY(i) * extent) / (5 * cell));
-    this.floor.position.set(Math.round(centre.x / cell) * cell, Math.round(centre.y / cell) * cell, framing.floor);
-    this.floor.receiveShadow = true;
+    const middle = centre.clone().divideScalar(cell).round().multiplyScalar(cell);
+    this.floors = framing.floors.map((plane) => {
+      // Tilted ones are as much darker or brighter as the sun would make them.
+      const light = 0.5 + 0.5 * Math.max(0, plane.normal.dot(sun)) / sun.z;
+      const material = plain ? new THREE.MeshBasicMaterial({color: new THREE.Color().setScalar(light)}) : new THREE.MeshLambertMaterial();
+      const floor = new THREE.Mesh(grid, material);
+      floor.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), plane.normal);
+      plane.projectPoint(middle, floor.position);
+      floor.receiveShadow = true;
+      return floor;
+    });
 
     this.moveTo(centre);
     const camera = this.light.shadow.camera;
@@ -125,20 +145,22 @@ export class View3d {
       new THREE.MeshBasicMaterial({color: '#ff9f1c', transparent: true, opacity: 0.9, depthTest: false}), false, plain);
     this.contacts.mesh.renderOrder = 9;
     this.joints = new Joints3d(run, radius, plain);
-    this.scene.add(this.floor, this.light, this.light.target, this.sky, this.bodies.mesh, this.contacts.mesh, this.joints.group);
+    this.scene.add(...this.floors, this.light, this.light.target, this.sky, this.bodies.mesh, this.contacts.mesh, this.joints.group);
   }
 
   setTheme(dark: boolean, colour: string): void {
-
     const background = dark ? '#171b21' : '#eef1f5';
     this.scene.background = new THREE.Color(background);
     this.scene.fog = new THREE.Fog(background, 5 * this.framing.radius, 15 * this.framing.radius);
     this.light.intensity = dark ? 1.9 : 2.1;
     this.sky.intensity = dark ? 1.15 : 1.55;
-    this.floor.material.map?.dispose();
-    this.floor.material.map = gridTexture(dark, this.plain);
+    this.floors[0]!.material.map?.dispose();
+    const grid = gridTexture(dark, this.plain);
+    for (const {material} of this.floors) {
+      material.map = grid;
+      material.needsUpdate = true;
+    }
     (this.flat?.material.uniforms['colour']?.value as THREE.Color | undefined)?.set(dark ? '#12151a' : '#b4bac3').convertLinearToSRGB();
-    this.floor.material.needsUpdate = true;
     const still = new THREE.Color(dark ? '#3f4955' : '#d3d9e1');
     const moving = [mix(colour, '#ffffff', 0.1), mix(colour, '#ffffff', 0.38)].map((c) => new THREE.Color(c));
     let count = 0;
@@ -151,9 +173,18 @@ export class View3d {
     return body < 0 ? identity : this.matrices[body] ?? null;
   }
 
+  /** All that is drawn but the joints' axes and limits, as it is drawn: for tests. */
+  drawnNow(): {corners: number[][]; bodies: number[]; floors: number[][]; gaps: number[][]; anchors: number[][]; contacts: number[][]} {
+    return {
+      corners: this.bodies.drawnCorners(), bodies: this.drawn,
+      floors: this.floors.map(({matrixWorld}) => matrixWorld.toArray()),
+      gaps: this.joints.gaps.drawnCorners(), anchors: this.joints.anchorsA.drawnCorners(), contacts: this.contacts.drawnCorners(),
+    };
+  }
+
   /** Light and floor go along with what the camera follows. */
   moveTo(centre: THREE.Vector3): void {
-    this.light.position.copy(centre).add(new THREE.Vector3(-0.45, -0.75, 1.35).multiplyScalar(2.2 * this.framing.radius));
+    this.light.position.copy(centre).addScaledVector(sun, 3.55 * this.framing.radius);
     this.light.target.position.copy(centre);
   }
 
@@ -207,9 +238,9 @@ export class View3d {
     this.joints.dispose();
     this.bodies.dispose();
     this.flat?.material.dispose();
-    this.floor.geometry.dispose();
-    this.floor.material.map?.dispose();
-    this.floor.material.dispose();
+    this.floors[0]!.geometry.dispose();
+    this.floors[0]!.material.map?.dispose();
+    for (const {material} of this.floors) material.dispose();
     this.contacts.dispose();
     this.light.shadow.map?.dispose();
     this.light.dispose();
@@ -314,13 +345,14 @@ export function frameScene(run: OpenRun, only?: number): Framing {
     centre = path[0]!.clone();
   }
 
-  let floor = range[0].z - 0.75 * Math.min(reach, radius) - 0.02 * radius;
-  for (const body of run.bodies) {
-    const shape = run.shapes[body.shape]!;
-    if (body.pose === null || body.mass > 0 || !isGround(shape, radius)) continue;
-    if (shape.kind === 'box') floor = body.pose[2]! + shape.half[2];
-    if (shape.kind === 'plane' && shape.normal[2] > 0.9) floor = body.pose[2]! + shape.constant;
-  }
+  // Level ground before what is tilted; where there is none, one below all.
+  const floors: THREE.Plane[] = [];
+  run.bodies.forEach((_, index) => {
+    const plane = groundOf(run, index, radius);
+    if (plane !== null && !floors.some((one) => one.equals(plane))) floors.push(plane);
+  });
+  floors.sort((a, b) => Number(isLevel(b)) - Number(isLevel(a)));
+  if (floors.length === 0) floors.push(new THREE.Plane(new THREE.Vector3(0, 0, 1), -(range[0].z - 0.75 * Math.min(reach, radius) - 0.02 * radius)));
   // From the side that the most is seen of, a little from above.
   const wide = range[1].clone().sub(range[0]);
   const direction = wide.y > 1.6 * wide.x ? new THREE.Vector3(1, -0.35, 0.36) : new THREE.Vector3(0.42, -1, 0.38);
@@ -328,5 +360,5 @@ export function frameScene(run: OpenRun, only?: number): Framing {
   const seen = path.length > 0 ? positions(run, [0]) : positions(run, frames).filter((point) =>
     (['x', 'y', 'z'] as const).every((axis) => point[axis] >= low[axis] && point[axis] <= high[axis]));
   const points = [...seen, ...(path.length > 0 ? [] : [low, high])];
-  return {centre, radius, floor, direction: direction.normalize(), points, margin: path.length > 0 ? 1.3 * reach : reach, path};
+  return {centre, radius, floors, direction: direction.normalize(), points, margin: path.length > 0 ? 1.3 * reach : reach, path};
 }
