@@ -50,6 +50,8 @@ struct Contender {
   // Null: it cannot express the scene.
   std::function<std::unique_ptr<Engine>(const scenes::Scene&, int iterations)> make;
 
+  // Its joints know only as they are made.
+  bool can_express(const scenes::Scene& scene) const { return make(scene, 1) != nullptr; }
   bool iterates_in(const scenes::Scene& scene) const {
     return iterates == Iterates::always || (iterates == Iterates::with_bounds && scene.bounded());
   }

@@ -104,6 +104,12 @@ std::string headline(const Scene& scene) {
   return scene.headline.empty() ? scene.name : scene.headline;
 }
 
+std::string words(const Scene& scene) {
+  const std::string text = scene.text.empty() ? scene.title + "." : scene.text;
+  if (engines::find_contender("stock")->can_express(scene)) return text;
+  return text + " Bullet has no such joint: there is no stock run.";
+}
+
 using Runs = std::vector<std::unique_ptr<Recorded>>;
 
 void record(const Scene& scene, const Kind& kind, Runs& runs) {
@@ -118,7 +124,7 @@ void record(const Scene& scene, const Kind& kind, Runs& runs) {
   options.name = kind.name;
   options.scene = scene.name;
   options.title = headline(scene);
-  options.text = scene.text.empty() ? scene.title : scene.text;
+  options.text = words(scene);
   options.group = name(scene.group);
   options.detail = kind.detail;
   options.colour = contender.colour;

@@ -115,6 +115,12 @@ Body capsule(double mass, double radius, double half_height, const Vector3d& pos
   return body;
 }
 
+Body round(Body body, double radius) {
+  body.form = Form::cylinder;
+  body.half_extents.x() = body.half_extents.y() = radius;
+  return body;
+}
+
 Body solid(Body body) {
   body.collides = true;
   return body;

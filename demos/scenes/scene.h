@@ -167,6 +167,8 @@ Body cylinder(double mass, double radius, double half_height, const Vector3d& po
               const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
 Body capsule(double mass, double radius, double half_height, const Vector3d& position,
              const Eigen::Quaterniond& turn = Eigen::Quaterniond::Identity());
+// A box in the form of a cylinder along z, which it moves as if it were still a box: for a wheel that collides with nothing.
+Body round(Body body, double radius);
 // One that collides.
 Body solid(Body body);
 

@@ -12,7 +12,7 @@ Scene steering_scene() {
   Scene scene{"steering", "stops at +-720 degrees"};
   scene.show(Group::measured, "Steering",
              "A wheel is turned onto its stops, two turns either way.");
-  Body wheel = box(2, {0.2, 0.2, 0.02}, {0, 0, 0});
+  Body wheel = round(box(2, {0.2, 0.2, 0.02}, {0, 0, 0}), 0.23);
   wheel.angular_velocity = {0, 0, speed};
   const int moving = scene.add(wheel);
   Joint& column = scene.connect(Kind::hinge, 0, moving, at({0, 0, 0}));

@@ -11,7 +11,7 @@ Scene top_scene() {
 
   Scene scene{"top", "spins at 300 rad/s on a ball joint"};
   scene.show(Group::measured, "Top", "A heavy top on a ball joint.");
-  Body disc = box(1, {0.1, 0.1, 0.02}, height * axis, turn);
+  Body disc = round(box(1, {0.1, 0.1, 0.02}, height * axis, turn), 0.11);
   spin(disc, speed * axis, {0, 0, 0});
   const int moving = scene.add(disc);
   scene.connect(Kind::ball, 0, moving, at({0, 0, 0}));

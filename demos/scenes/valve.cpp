@@ -11,7 +11,7 @@ Scene valve_scene(double turns, double speed) {
   const double stop = 2 * pi * turns, torque = 5;  // rad, N m
   Scene scene{"valve", "a motor turns a wheel onto its stops"};
   scene.show(Group::known, "Valve", "A motor turns the wheel five turns onto its stop, and back.");
-  const int wheel = scene.add(box(4, {0.3, 0.3, 0.03}, {0, 0, 0}));
+  const int wheel = scene.add(round(box(4, {0.3, 0.3, 0.03}, {0, 0, 0}), 0.34));
   const double acceleration = torque / scene.bodies[size_t(wheel)].inertia.z();
   const double one_way = std::round(stop / speed) + 3;  // s
   Joint& spindle = scene.connect(Kind::hinge, 0, wheel, at({0, 0, 0}));

@@ -21,8 +21,10 @@ void run_errors(const scenes::Scene& scene, Output& out) {
   Table table(out, scene.name, scene.title, columns);
   std::vector<Contender> contenders;
   for (const char* who : {"stock", "pintle", "exact"}) {
-    const auto run = [&scene, who] {
-      const auto engine = engines::find_contender(who)->make(scene, 10);
+    const engines::Contender& contender = *engines::find_contender(who);
+    if (!contender.can_express(scene)) continue;  // Bullet has no joint for some
+    const auto run = [&scene, &contender] {
+      const auto engine = contender.make(scene, 10);
       const measures::Outcome outcome = measures::run(scene, *engine, 1. / 60);
       Measurement result;
       for (const scenes::Error error : scene.errors)
@@ -31,8 +33,7 @@ void run_errors(const scenes::Scene& scene, Output& out) {
       result.microseconds_per_step = microseconds_per_step(outcome);
       return result;
     };
-    // Bullet has no joint for some.
-    if (engines::find_contender(who)->make(scene, 10) != nullptr) contenders.push_back({who, run});
+    contenders.push_back({who, run});
   }
   table.compare("60Hz", contenders);
 }

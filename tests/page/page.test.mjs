@@ -92,6 +92,12 @@ test('the gallery lists every scene', async () => {
   assert.deepEqual(errors, []);
 });
 
+test('where Bullet has no joint for a scene, the page says so', () => {
+  const without = scenes.filter((scene) => !runs.some((run) => run.scene === scene && run.name === 'stock'));
+  assert.ok(without.length > 0);
+  for (const run of runs) assert.equal(/Bullet has no such joint/.test(run.text), without.includes(run.scene), run.scene);
+});
+
 test('a contender has one colour, everywhere', () => {
   const colours = new Map();
   for (const run of runs) {
@@ -239,6 +245,21 @@ test('hulls, meshes, compounds and tilted planes are drawn as they are; joints t
   assert.deepEqual(errors, []);
 });
 
+test('what is thrown does not make what throws it small', async () => {
+  await page.goto(`file://${file}#scene=trebuchet&time=0&pane=exact`);
+  await drawn();
+  const run = runs.find((one) => one.scene === 'trebuchet' && one.name === 'exact'), {times, at} = decoded(run);
+  const reach = (held) => {
+    const where = run.bodies.flatMap((body, index) => (body.mass > 0 && run.joints.some(({a, b, alive}) =>
+      (a === index || b === index) && alive[0][1] === times.length) === held ? times.map((_, frame) => at(index, frame, [0, 0, 0])) : []));
+    return Math.max(...where.map((point) => distance(point, where[0])));
+  };
+  const {view} = await state(), far = distance(view.slice(0, 3), view.slice(3));
+  assert.ok(reach(false) > 5 * reach(true), 'the stone goes far');
+  assert.ok(far < 4 * reach(true), `${far} m from a machine of ${reach(true)} m`);
+  assert.deepEqual(errors, []);
+});
+
 test('the plots have the clock as a cursor, and a click goes there', async () => {
   await page.goto('about:blank');
   await page.setViewportSize({width: 1280, height: 720});
@@ -252,6 +273,15 @@ test('the plots have the clock as a cursor, and a click goes there', async () =>
   const {time} = await state();
   assert.ok(Math.abs(time - 0.7 * 5) < 0.05, `${time}`);
   assert.ok(Math.abs((await cursor()) - time) < 0.02);
+});
+
+test('names in the legends are not cut, beside four panes', async () => {
+  await page.keyboard.press('4');
+  await drawn();
+  const cut = await page.locator('.legend .name').evaluateAll((names) =>
+    names.filter(({scrollWidth, clientWidth}) => scrollWidth > clientWidth).map(({textContent}) => textContent));
+  assert.deepEqual(cut, []);
+  assert.ok((await page.locator('.plot[data-key="gap"] .name').count()) === 4);
 });
 
 test('what is 0 in all of a run is plotted, what a run has not is left out', async () => {
@@ -398,5 +428,10 @@ test('is read on a phone, in the dark', async () => {
   }));
   assert.deepEqual(cut, []);
   await page.screenshot({path: `${pictures}/phone.png`});
+  // The clock stays in sight, where the plots are read.
+  await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+  await drawn();
+  const [play, plots] = await Promise.all(['#play', '#plots'].map((element) => page.locator(element).boundingBox()));
+  assert.ok(plots.y < 0 && play.y >= 0 && play.y + play.height < 120, `${play.y}`);
   assert.deepEqual(errors, []);
 });

@@ -55,8 +55,13 @@ export function geometryOf(shape: Shape, detail: Detail): THREE.BufferGeometry |
     case 'sphere': return new THREE.SphereGeometry(shape.radius, round, round / 2);
     case 'capsule':
       return along(new THREE.CapsuleGeometry(shape.radius, 2 * shape.half, [1, 1, 2, 8][detail - 1]!, [5, 6, 8, 20][detail - 1]!), shape.axis);
-    case 'cylinder':
-      return along(new THREE.CylinderGeometry(shape.radius, shape.radius, 2 * shape.half, round), shape.axis);
+    case 'cylinder': {
+      const {radius, half} = shape, plain = new THREE.CylinderGeometry(radius, radius, 2 * half, round);
+      if (detail < 3) return along(plain, shape.axis);
+      // A bar across its ends shows that it turns.
+      const bar = new THREE.BoxGeometry(1.6 * radius, 2 * half + 0.06 * radius, 0.18 * radius);
+      return along(merged([plain, bar])!, shape.axis);
+    }
     case 'cone': return along(new THREE.ConeGeometry(shape.radius, 2 * shape.half, round), shape.axis);
     case 'mesh': return mesh(shape.points, shape.triangles);
     case 'compound': {

@@ -283,11 +283,15 @@ function rangeOf(points: THREE.Vector3[], part: number): Range {
   return [low, high];
 }
 
+// Of what moves: what joints hold, all the time, and what is free, where it starts. A stone that is thrown would make the rest small.
 function positions(run: OpenRun, frames: number[]): THREE.Vector3[] {
   const points: THREE.Vector3[] = [];
+  const isHeld = (index: number, frame: number): boolean =>
+    run.joints.length === 0 || run.joints.some(({a, b, alive}) => (a === index || b === index) && run.isAlive(alive, frame));
   run.bodies.forEach((body, index) => {
     if (body.mass === 0 && body.pose !== null) return;
     for (const frame of frames) {
+      if (frame > 0 && !isHeld(index, frame)) continue;
       if (run.pose(index, frame, run.times[frame]!, pose) === 'there')
         points.push(new THREE.Vector3(pose[0]!, pose[1]!, pose[2]!));
     }

@@ -16,7 +16,8 @@ Scene gear_train_scene() {
   double radius = 0.1, at_x = 0, turning = speed;
   for (int i = 0; i < 3; ++i) {
     const double half_side = radius / std::sqrt(2.);
-    Body wheel = box(radius * radius * 1000, {half_side, half_side, 0.03}, {at_x, 0, 0});
+    Body wheel =
+        round(box(radius * radius * 1000, {half_side, half_side, 0.03}, {at_x, 0, 0}), radius);
     wheel.angular_velocity = {0, 0, turning};
     const int now = scene.add(wheel), last = now - 1;
     Joint& axle = scene.connect(Kind::hinge, 0, now, at({at_x, 0, 0}));
