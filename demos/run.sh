@@ -5,7 +5,7 @@
 #                                           Any scene of the catalog has one, if it is asked for
 #   run.sh single|both [options]            tables in single precision, or in single and then in double
 #   run.sh --publish                        the tables, of which plugin/docs/benchmarks.md gets a few numbers
-#   run.sh page [options]                   the page alone: --list, --scene, --contender
+#   run.sh page [options]                   the page alone: --list, --scene, --contender, --json
 #   run.sh report [options]                 error against run time: tables and plots (--help says more)
 #   run.sh extreme [options]                what becomes of joints under extreme conditions (--help says more)
 #   run.sh extreme --publish                all of them, to demos/results/extreme.md

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engines/engine.h"
+#include "json_array.h"
 #include "measures/run.h"
 #include "progress.h"
 #include "scenes/catalog.h"
@@ -104,7 +105,7 @@ std::string headline(const Scene& scene) {
   return scene.headline.empty() ? scene.name : scene.headline;
 }
 
-std::string words(const Scene& scene) {
+std::string description(const Scene& scene) {
   const std::string text = scene.text.empty() ? scene.title + "." : scene.text;
   if (engines::find_contender("stock")->can_express(scene)) return text;
   return text + " Bullet has no such joint: there is no stock run.";
@@ -112,7 +113,17 @@ std::string words(const Scene& scene) {
 
 using Runs = std::vector<std::unique_ptr<Recorded>>;
 
-void record(const Scene& scene, const Kind& kind, Runs& runs) {
+// On a line of its own. (Names hold nothing that JSON would have to escape.)
+void write_figure(std::ostream& out, const Scene& scene, const Kind& kind, const Words& of,
+                  double value) {
+  out << R"({"precision": ")" << engines::precision() << R"(", "scene": ")" << scene.name
+      << R"(", "who": ")" << kind.name << R"(", "quantity": ")" << of.label << R"(", "unit": ")"
+      << of.unit << R"(", "value": )";
+  write_json_number(out, value);
+  out << '}';
+}
+
+void record(const Scene& scene, const Kind& kind, Runs& runs, JsonArray& figures) {
   const engines::Contender& contender = *engines::find_contender(kind.contender);
   // Where more work would lessen its errors, or to play with it; but for what is large.
   const bool more = contender.iterates_in(scene) && moving(scene) <= max_moving &&
@@ -124,7 +135,7 @@ void record(const Scene& scene, const Kind& kind, Runs& runs) {
   options.name = kind.name;
   options.scene = scene.name;
   options.title = headline(scene);
-  options.text = words(scene);
+  options.text = description(scene);
   options.group = name(scene.group);
   options.detail = kind.detail;
   options.colour = contender.colour;
@@ -133,11 +144,12 @@ void record(const Scene& scene, const Kind& kind, Runs& runs) {
   runs.push_back(std::make_unique<Recorded>(std::move(engine), options));
   Recorded& recorded = *runs.back();
   const measures::Outcome outcome = measures::run(scene, recorded, dt);
-  for (const scenes::Error error : scene.errors) {
-    const Words text = words(error);
-    recorded.recorder().addFigure(text.label, text.unit, outcome[error]);
-  }
-  recorded.recorder().addFigure("time of a step", "us", 1e6 * outcome.seconds / outcome.steps);
+  const auto note = [&](const Words& of, double value) {
+    recorded.recorder().addFigure(of.label, of.unit, value);
+    if (figures.is_open()) write_figure(figures.next(), scene, kind, of, value);
+  };
+  for (const scenes::Error error : scene.errors) note(words(error), outcome[error]);
+  note({"time of a step", "us"}, 1e6 * outcome.seconds / outcome.steps);
 }
 
 // By groups, each in the catalog's order.
@@ -149,7 +161,7 @@ std::vector<Scene> gallery() {
 }
 
 struct Options {
-  std::string page, form;
+  std::string page, form, json;
   std::vector<std::string> scenes, contenders;  // empty: all
 
   static bool has(const std::vector<std::string>& chosen, const std::string& name) {
@@ -162,14 +174,18 @@ void write(const Options& options, std::vector<Scene> scenes) {
     return options.scenes.empty() ? !scene.in_gallery : !Options::has(options.scenes, scene.name);
   };
   scenes.erase(std::remove_if(scenes.begin(), scenes.end(), is_left_out), scenes.end());
+  JsonArray figures;
+  if (!options.json.empty() && !figures.open(options.json, 9))
+    throw std::runtime_error("--json: cannot write " + options.json);
   Progress progress(double(scenes.size()));
   Runs runs;
   for (const Scene& scene : scenes) {
     for (const Kind& kind : kinds) {
-      if (Options::has(options.contenders, kind.contender)) record(scene, kind, runs);
+      if (Options::has(options.contenders, kind.contender)) record(scene, kind, runs, figures);
     }
     progress.advance(1, scene.name);
   }
+  if (!figures.close()) throw std::runtime_error("--json: a file could not be written to its end");
   pintle::Recordings recordings;
   for (const auto& recorded : runs) recordings.push_back(recorded->recorder());
   pintle::writePage(options.page, recordings, options.form);
@@ -199,6 +215,9 @@ int main(int argc, char** argv) {
                  "Only this contender; may be given more than once")
       ->check(CLI::IsMember(contenders))
       ->allow_extra_args(false);
+  app.add_option("--json", options.json,
+                 "Also write the figures of every run as an array of objects\n"
+                 "(null: never reached, or lost)");
   app.add_flag("--list", list, "Name the scenes, and run nothing");
   CLI11_PARSE(app, argc, argv);
 

@@ -51,29 +51,21 @@ struct ChainResult {
   double microseconds_per_step = 0;  // wall-clock: does not repeat
 };
 
-inline Eigen::Vector3d chain_axis(int hinge) {
-  return hinge % 2 == 0 ? Eigen::Vector3d(0, 1, 0) : Eigen::Vector3d(0, 0.8, 0.6);
-}
-
 struct ChainErrors {
   double gap = 0;
   double axis_angle = 0;
 };
 
-// The largest gap and axis angle in the chain as it stands. The world's side of hinge 0 is the
-// origin; each other anchor is an end of a box.
-inline ChainErrors chain_errors(const std::vector<btRigidBody*>& links) {
-  const Eigen::Vector3d front(-0.5, 0, 0), back(0.5, 0, 0);
+// The largest gap and axis angle in the chain as it stands.
+inline ChainErrors chain_errors(const Scene& scene, const std::vector<btRigidBody*>& bodies) {
   ChainErrors errors;
-  for (int i = 0; i < int(links.size()); ++i) {
-    const Eigen::Vector3d axis = chain_axis(i);
-    Eigen::Vector3d other_anchor(0, 0, 0), other_axis = axis;
-    if (i > 0) {
-      other_anchor = point_in_world(*links[i - 1], back);
-      other_axis = direction_in_world(*links[i - 1], axis);
-    }
-    const double gap = (point_in_world(*links[i], front) - other_anchor).norm();
-    const double angle = angle_between(direction_in_world(*links[i], axis), other_axis);
+  for (const Joint& joint : scene.joints) {
+    const btRigidBody &a = *bodies[size_t(joint.a)], &b = *bodies[size_t(joint.b)];
+    const double gap = (point_in_world(b, joint.in_b.translation()) -
+                        point_in_world(a, joint.in_a.translation()))
+                           .norm();
+    const double angle = angle_between(direction_in_world(b, joint.in_b.linear().col(2)),
+                                       direction_in_world(a, joint.in_a.linear().col(2)));
     if (!std::isfinite(gap) || !std::isfinite(angle)) return {HUGE_VAL, HUGE_VAL};
     errors.gap = std::max(errors.gap, gap);
     errors.axis_angle = std::max(errors.axis_angle, angle);
@@ -88,10 +80,7 @@ ChainResult chain(const ChainSettings& settings, Configure configure = {}) {
   const Scene scene = chain_scene(settings.links, settings.ratio);
   const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
   const std::vector<btRigidBody*> links(bodies.begin() + 1, bodies.end());
-  for (const Joint& joint : scene.joints) {
-    configure(world.add_joint<Hinge>(*bodies[size_t(joint.a)], *bodies[size_t(joint.b)],
-                                     to_bullet(joint.in_a), to_bullet(joint.in_b)));
-  }
+  for (const Joint& joint : scene.joints) configure(world.add_joint_of<Hinge>(joint, bodies));
 
   const auto total_energy = [&links] {
     double sum = 0;
@@ -107,7 +96,7 @@ ChainResult chain(const ChainSettings& settings, Configure configure = {}) {
   const double start_energy = total_energy();
 
   ChainResult result;
-  const ChainErrors start = chain_errors(links);
+  const ChainErrors start = chain_errors(scene, bodies);
   result.start_gap = start.gap;
   result.start_axis_angle = start.axis_angle;
   const int steps = int(std::lround(settings.seconds / settings.dt));
@@ -124,7 +113,7 @@ ChainResult chain(const ChainSettings& settings, Configure configure = {}) {
     gain = std::max(gain, in_step - start_in_step);
     kinetic = kinetic_now;
     height = total_energy() - kinetic_now;
-    const ChainErrors errors = chain_errors(links);
+    const ChainErrors errors = chain_errors(scene, bodies);
     result.mean_gap += errors.gap / steps;
     result.max_gap = std::max(result.max_gap, errors.gap);
     result.max_axis_angle = std::max(result.max_axis_angle, errors.axis_angle);

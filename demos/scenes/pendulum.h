@@ -67,18 +67,19 @@ inline double pendulum_period(double inertia, double torque, double amplitude) {
 // `configure` is called with the hinge before the first step.
 template <class Hinge, class Configure = AsConstructed>
 PendulumResult pendulum(const PendulumSettings& settings, Configure configure = {}) {
-  constexpr double arm = 0.5;
-  const Eigen::Vector3d anchor(-arm, 0, 0), hinge_axis(0, 1, 0);
+  const Scene scene = pendulum_scene(settings.amplitude, settings.tilt);
+  const Joint& joint = scene.joints[0];
+  const Eigen::Vector3d anchor = joint.in_b.translation(), hinge_axis = joint.in_b.linear().col(2);
+  const double arm = anchor.norm();
 
   // The swing's plane in the world: `down` is the lowest direction square to the axis.
-  const Eigen::Vector3d axis(0, std::cos(settings.tilt), std::sin(settings.tilt));
-  const Eigen::Vector3d down(0, std::sin(settings.tilt), -std::cos(settings.tilt));
+  const Eigen::Vector3d axis = joint.in_a.linear().col(2);
+  const Eigen::Vector3d up(0, 0, 1), down = (up.dot(axis) * axis - up).normalized();
   const Eigen::Vector3d side = axis.cross(down);
 
-  World world(standard_gravity, settings.iterations, settings.make_solver);
-  const Scene scene = pendulum_scene(settings.amplitude, settings.tilt);
+  World world(scene.gravity, settings.iterations, settings.make_solver);
   const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
-  btRigidBody& box = *bodies[1];
+  btRigidBody& box = *bodies[size_t(joint.b)];
   configure(world.add_joint<Hinge>(box, to_bullet(anchor), to_bullet(hinge_axis)));
 
   const double inertia = double(box.getLocalInertia().y()) + arm * arm;

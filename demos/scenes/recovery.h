@@ -60,7 +60,7 @@ RecoveryResult recovery(const RecoverySettings& settings, Configure configure = 
   btQuaternion turn;
   b.getCenterOfMassTransform().getBasis().getRotation(turn);
   b.setCenterOfMassTransform(btTransform(turn, b.getCenterOfMassPosition()));
-  configure(world.add_joint<Hinge>(a, b, to_bullet(joint.in_a), to_bullet(joint.in_b)));
+  configure(world.add_joint_of<Hinge>(joint, bodies));
 
   const auto axis_angle = [&] {
     if (settings.lock) return angle_between(a, b);

@@ -38,15 +38,23 @@ struct BeamResult {
   double microseconds_per_step = 0;  // wall-clock: does not repeat
 };
 
+inline Scene beam_scene(double push) {
+  const Vector3d half_extents(0.5, 0.1, 0.1);
+  Scene scene{"beam", "held level by its end"};
+  const int post = scene.add(box(0, half_extents, {-1, 0, 0}));
+  const int beam = scene.add(box(1, half_extents, {0, 0, 0}));
+  scene.bodies.back().velocity = {0, push / scene.bodies.back().mass, 0};
+  scene.connect(Kind::hinge, post, beam, at({-0.5, 0, 0}));
+  return scene;
+}
+
 template <class Joint, class Configure = AsConstructed>
 BeamResult beam(const BeamSettings& settings, Configure configure = {}) {
-  World world(standard_gravity, settings.iterations);
-  const btVector3 half_extents(btScalar(0.5), btScalar(0.1), btScalar(0.1));
-  btRigidBody& post = world.add_box(0, half_extents, pose_at({-1, 0, 0}));
-  btRigidBody& beam = world.add_box(1, half_extents, pose_at({0, 0, 0}));
-  configure(world.add_joint<Joint>(post, beam, pose_at({btScalar(0.5), 0, 0}),
-                                   pose_at({btScalar(-0.5), 0, 0})));
-  beam.applyCentralImpulse(btVector3(0, btScalar(settings.push), 0));
+  const Scene scene = beam_scene(settings.push);
+  World world(scene.gravity, settings.iterations);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  configure(world.add_joint_of<Joint>(scene.joints[0], bodies));
+  const btRigidBody &post = *bodies[1], &beam = *bodies[2];
 
   const auto error = [&] {
     if (settings.lock) return angle_between(post, beam);
@@ -92,22 +100,26 @@ inline Eigen::Vector3d angular_momentum(const btRigidBody& body) {
   return position(body).cross(to_eigen(body.getLinearVelocity())) / double(body.getInvMass()) + own;
 }
 
+// Its common centre is the origin.
+inline Scene spinning_scene(double angle) {
+  const Scene pair = recovery_scene(angle);
+  const Vector3d centre =
+      (pair.bodies[1].pose.translation() + pair.bodies[2].pose.translation()) / 2;
+  Scene scene{"spin", "a free pair, violated at the start, spins"};
+  scene.append(pair, at(-centre));
+  scene.gravity = 0;
+  for (Body& body : {std::ref(scene.bodies[1]), std::ref(scene.bodies[2])})
+    spin(body, 3 * Vector3d(0.3, 0.2, 1).normalized(), {0, 0, 0});
+  return scene;
+}
+
 template <class Joint, class Configure = AsConstructed>
 SpinResult spin(const SpinSettings& settings, Configure configure = {}) {
-  World world(0, settings.iterations);
-  const btVector3 half_extents(btScalar(0.5), btScalar(0.1), btScalar(0.1));
-  const Eigen::Vector3d anchor(0.5, 0, 0);
-  const Eigen::Matrix3d turn(Eigen::AngleAxisd(settings.angle, Eigen::Vector3d(0.6, 0.8, 0)));
-  const Eigen::Vector3d b_from_a = anchor + turn * anchor, centre = b_from_a / 2;
-  btRigidBody& a = world.add_box(1, half_extents, pose_at(to_bullet(-centre)));
-  btRigidBody& b = world.add_box(1, half_extents,
-                                 btTransform(matrix_to_bullet(turn), to_bullet(b_from_a - centre)));
-  configure(world.add_joint<Joint>(a, b, pose_at(to_bullet(anchor)), pose_at(to_bullet(-anchor))));
-  const Eigen::Vector3d w = 3 * Eigen::Vector3d(0.3, 0.2, 1).normalized();
-  for (btRigidBody* body : {&a, &b}) {
-    body->setAngularVelocity(to_bullet(w));
-    body->setLinearVelocity(to_bullet(w.cross(position(*body))));
-  }
+  const Scene scene = spinning_scene(settings.angle);
+  World world(scene.gravity, settings.iterations);
+  const std::vector<btRigidBody*> bodies = world.add_bodies(scene);
+  configure(world.add_joint_of<Joint>(scene.joints[0], bodies));
+  const btRigidBody &a = *bodies[1], &b = *bodies[2];
 
   const auto momentum = [&]() -> Eigen::Vector3d {
     return angular_momentum(a) + angular_momentum(b);

@@ -115,6 +115,9 @@ class World {
   Joint& add_joint(Arguments&&... arguments) {
     return take_joint(std::make_unique<Joint>(std::forward<Arguments>(arguments)...));
   }
+  // In the frames of a scene's joint.
+  template <class Joint>
+  Joint& add_joint_of(const scenes::Joint& from, const std::vector<btRigidBody*>& bodies);
   // Joins two bodies where they stand, in a frame of the world.
   template <class Joint, class... Arguments>
   Joint& join(btRigidBody& a, btRigidBody& b, const btTransform& frame, Arguments&&... more) {
@@ -201,6 +204,12 @@ inline std::vector<btRigidBody*> World::add_bodies(const Scene& scene) {
     body.setAngularVelocity(to_bullet(from.angular_velocity));
   }
   return added;
+}
+
+template <class Joint>
+Joint& World::add_joint_of(const scenes::Joint& from, const std::vector<btRigidBody*>& bodies) {
+  return add_joint<Joint>(*bodies[size_t(from.a)], *bodies[size_t(from.b)], to_bullet(from.in_a),
+                          to_bullet(from.in_b));
 }
 
 inline btTransform pose_at(const btVector3& position) {
