@@ -28,7 +28,7 @@ constexpr double dt = 1. / 60;
 constexpr double max_poses = 20e3;  // bytes
 constexpr double max_frames = 200;
 // Bodies of a scene that is run with more iterations, too.
-constexpr double max_moving = 18;
+constexpr double max_moving = 12;
 
 // Records the engine that it drives.
 class Recorded : public Engine {
