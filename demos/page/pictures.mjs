@@ -10,7 +10,7 @@ const {chromium} = createRequire(build)('playwright-core');
 const pictures = [
   {scene: 'rope_bridge', time: 1.5, panes: ['stock', 'exact'], theme: 'light'},
   {scene: 'stairs', time: 1.05, panes: ['stock', 'exact'], theme: 'light'},
-  {scene: 'wrecking_ball', time: 1.2, panes: ['stock', 'pintle', 'exact'], theme: 'dark'},
+  {scene: 'wrecking_ball', time: 1.6, panes: ['stock', 'pintle', 'exact'], theme: 'dark'},
 ];
 
 const browser = await chromium.launch({

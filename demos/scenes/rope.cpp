@@ -34,7 +34,7 @@ Scene rope_scene(bool slack) {
   if (slack) {
     scene.show(Group::measured, "Rope", "Slack at first, then it catches a fall.");
   } else {
-    scene.show(Group::measured, "Rod", "The same with a rod.");
+    scene.show(Group::measured, "Rod", "A weight swings on a rod, from 60 degrees.");
   }
   Joint& joint = scene.connect(Kind::distance, 0, scene.probe_body, at({0, 0, 0}));
   joint.in_b.setIdentity();
