@@ -219,7 +219,10 @@ test('hulls, meshes, compounds and tilted planes are drawn as they are; joints t
   assert.equal(await anchors(frame), 1);
   await page.screenshot({path: `${pictures}/shapes.png`});
 
+  assert.match(await page.locator('.pane .note').innerText(), /^1 body not there now$/);
   const {corners, bodies, floors} = await drawnIn(0);
+  assert.ok(corners.at(-1).every((value) => value === 0), 'what is gone has no extent');
+  assert.ok(corners.at(-2).some((value) => value !== 0));
   const shapeOf = (body) => run.shapes[run.bodies[body].shape];
   const kinds = [];
   bodies.forEach((body, i) => {

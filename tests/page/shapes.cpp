@@ -1,5 +1,5 @@
 // Records what the gallery's scenes have not: a hull, a mesh, a compound and a tilted plane; joints of which one breaks, and one that
-// is taken away. Usage: shapes PAGE.html TEMPLATE
+// is taken away, with its body. Usage: shapes PAGE.html TEMPLATE
 #include <pintle/joints/ball_joint.h>
 #include <pintle/record.h>
 
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
     dumbbell->addChildShape(pose_at({end, 0, 0}), &ball);
   world.add(1, std::move(dumbbell), pose_at({-2, 0, 1}), true);
 
-  // Three weights: one that hangs, one that is too heavy for its joint, and one that is let go.
+  // Three weights: one that hangs, one that is too heavy for its joint, and one that is taken away.
   pintle::BallJoint* joints[3];
   for (int i = 0; i < 3; ++i) {
     btRigidBody& weight =
@@ -63,7 +63,10 @@ int main(int argc, char** argv) {
   options.scene = "shapes";
   pintle::Recorder record(world.bullet(), options);
   for (int step = 0; step < 60; ++step) {
-    if (step == 30) world.bullet().removeConstraint(joints[2]);
+    if (step == 30) {
+      world.bullet().removeConstraint(joints[2]);
+      world.bullet().removeRigidBody(&joints[2]->getRigidBodyA());
+    }
     world.step(1. / 60);
     record.step();
   }
