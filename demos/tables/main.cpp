@@ -58,7 +58,9 @@ void print_legend() {
       "          doc. with Formulation::document\n"
       "In rope, stock: sticks on btPoint2PointConstraint, and pintle::DistanceJoint;\n"
       "in wedge, stock: btGeneric6DofSpring2Constraint, and pintle::WedgeJoint;\n"
-      "in bounce, stock: a collision, and pintle::ContactJoint.\n",
+      "in bounce, stock: a collision, and pintle::ContactJoint.\n"
+      "In scenes without a table of their own: all of Bullet's joints, all of Pintle's,\n"
+      "and exact: Pintle's on ExactJointSolver.\n",
       engines::precision());
 }
 

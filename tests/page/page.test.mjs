@@ -17,7 +17,7 @@ const writePage = (name, texts) => {
   writeFileSync(`${file}.${name}.html`, head + texts.map((text) => `${open}${text}</script>\n`).join('') + tail);
   return `file://${file}.${name}.html`;
 };
-const few = ['rope_bridge', 'valve', 'chain_heavy', 'limits_of_turns', 'bend_rim', 'chain'];  // they open sooner than all
+const few = ['rope_bridge', 'car', 'valve', 'chain_heavy', 'limits_of_turns', 'bend_rim', 'chain'];  // they open sooner than all
 const small = writePage('few', runs.filter((run) => few.includes(run.scene)).map((run) => JSON.stringify(run)));
 
 const floats = (base64) => {
@@ -359,15 +359,29 @@ test('a link keeps scene, panes, time and camera', async () => {
   await page.keyboard.press('Shift+ArrowRight');
   await page.keyboard.press('d');
   await page.waitForTimeout(500);
-  const was = await state(), link = page.url();
-  await page.goto('about:blank');
-  await page.goto(link);
+  const isKept = async () => {
+    const was = await state(), link = page.url();
+    await page.goto('about:blank');
+    await page.goto(link);
+    await drawn();
+    const now = await state();
+    assert.equal(now.scene, was.scene);
+    assert.deepEqual(now.panes.map((pane) => pane.run), was.panes.map((pane) => pane.run));
+    assert.ok(Math.abs(now.time - was.time) < 1e-3);
+    now.view.forEach((value, i) => assert.ok(Math.abs(value - was.view[i]) < 1e-2 * (1 + Math.abs(value)), `${now.view}, ${was.view}`));
+  };
+  await isKept();
+  // Where the camera goes along with what it looks at.
+  await page.evaluate(() => (location.hash = '#scene=car&time=0&pane=exact'));
+  await page.waitForFunction(() => window.pintle.state().scene === 'car');
+  const {view} = await state();
+  await page.keyboard.press('End');
   await drawn();
-  const now = await state();
-  assert.equal(now.scene, was.scene);
-  assert.deepEqual(now.panes.map((pane) => pane.run), was.panes.map((pane) => pane.run));
-  assert.ok(Math.abs(now.time - was.time) < 1e-3);
-  now.view.forEach((value, i) => assert.ok(Math.abs(value - was.view[i]) < 1e-2 * (1 + Math.abs(value))));
+  assert.ok(distance((await state()).view.slice(0, 3), view.slice(0, 3)) > 1);
+  await page.waitForTimeout(500);
+  await isKept();
+  await page.goto(`${small}#scene=chain_heavy&time=0.2&pane=stock&pane=pintle`);
+  await drawn();
 });
 
 test('the table compares what is shown, and a point opens its run', async () => {

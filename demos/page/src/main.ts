@@ -114,6 +114,7 @@ class App {
     this.setRuns(named.length > 0 ? named : usual(scene));
     if (this.scene === null) return;
     this.seek(time);
+    this.stage.follow(this.controls.time);  // a link's camera is where it was at that time
     this.stage.fit();
     if (view !== null) this.stage.view = view;
     else if (time === 0 && !matchMedia('(prefers-reduced-motion: reduce)').matches) this.controls.setPlaying(true);

@@ -153,8 +153,8 @@ export class Stage {
     }
   }
 
-  // The camera keeps its place beside what goes far.
-  private follow(time: number): void {
+  /** The camera keeps its place beside what goes far. */
+  follow(time: number): void {
     const path = this.framing?.path ?? [];
     if (path.length === 0 || this.trusted === null) return;
     const frame = this.trusted.frameAt(time), next = Math.min(frame + 1, path.length - 1);
