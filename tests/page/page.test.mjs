@@ -395,6 +395,27 @@ test('the table compares what is shown, and a point opens its run', async () => 
   assert.deepEqual(errors, []);
 });
 
+test('the scene stays in sight when the window changes, but for a camera that was moved', async () => {
+  const far = async () => {
+    const {view} = await state();
+    return distance(view.slice(0, 3), view.slice(3));
+  };
+  const resize = async (width) => {
+    await page.setViewportSize({width, height: 720});
+    await drawn();
+    return far();
+  };
+  await page.keyboard.press('f');
+  const near = await far(), narrow = await resize(900);
+  assert.ok(narrow > 1.1 * near, `${near} m, ${narrow} m`);
+  assert.ok(Math.abs((await resize(1280)) / near - 1) < 1e-3);
+  await page.keyboard.press('q');
+  const moved = await far();
+  assert.ok(Math.abs((await resize(900)) / moved - 1) < 1e-3);
+  await resize(1280);
+  await page.keyboard.press('f');
+});
+
 test('another run is chosen in a pane, and the mouse turns the camera', async () => {
   const list = page.locator('.pane select').first();
   await list.selectOption({label: 'stock, 50 iterations'});

@@ -89,7 +89,10 @@ class App {
       void navigator.clipboard?.writeText(location.href).then(() => this.say('The link is copied.'), () => this.say('The link is in the address bar.'));
     });
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.recolour());
-    addEventListener('resize', () => this.changed());
+    addEventListener('resize', () => {
+      this.stage.resize();
+      this.changed();
+    });
     addEventListener('hashchange', () => this.follow(false));
     this.setToggles();
   }

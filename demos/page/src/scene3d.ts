@@ -34,6 +34,7 @@ export class Stage {
   framesPerSecond = 0;
   private framing: Framing | null = null;
   private trusted: OpenRun | null = null;
+  private isFitted = false;  // nobody has moved the camera since
   private kept: View3d | null = null;
   private followed = new THREE.Vector3();  // where the path was last
   private ratio = Math.min(devicePixelRatio, 2);
@@ -53,6 +54,7 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, element);
     this.controls.enableDamping = false;
     this.controls.addEventListener('change', onCamera);
+    this.controls.addEventListener('start', () => (this.isFitted = false));
   }
 
   /** Where the camera stands and looks; six numbers. */
@@ -63,6 +65,7 @@ export class Stage {
     this.camera.position.fromArray(numbers, 0);
     this.controls.target.fromArray(numbers, 3);
     this.controls.update();
+    this.isFitted = false;
   }
 
   setScene(scene: Scene): void {
@@ -106,6 +109,12 @@ export class Stage {
     this.camera.position.copy(target).addScaledVector(direction, distance);
     this.controls.target.copy(target);
     this.controls.update();
+    this.isFitted = true;
+  }
+
+  /** In panes of another size. */
+  resize(): void {
+    if (this.isFitted) this.fit();
   }
 
   /** Turns (rad), moves (parts of the distance) and nears the camera, as the mouse does. */
@@ -120,6 +129,7 @@ export class Stage {
     this.controls.target.add(shift);
     this.camera.position.copy(this.controls.target).add(offset);
     this.controls.update();
+    this.isFitted = false;
   }
 
   draw(time: number, options: ViewOptions): void {
