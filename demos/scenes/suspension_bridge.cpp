@@ -32,6 +32,12 @@ Scene suspension_bridge_scene() {
         scene.add(solid(box(80, {0.48 * length, half_width, 0.05}, start + length / 2 * x)));
     scene.connect(Kind::hinge, last, deck_of[i], with_z(start, y));
     last = deck_of[i];
+    for (const double across : {-1., 1.}) {  // kerbs: nothing else steers the carts
+      const Vector3d middle = start + length / 2 * x + 0.95 * across * y + 0.15 * z;
+      Body kerb = solid(box(8, {0.48 * length, 0.05, 0.1}, middle));
+      kerb.friction = 0;
+      scene.connect(Kind::fixed, last, scene.add(kerb), at(middle));
+    }
   }
   scene.connect(Kind::hinge, 0, last, with_z({half, 0, deck - 0.05}, y));
   for (const double across : {-1., 1.}) {

@@ -11,6 +11,7 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
     : m_island(island), m_component(component), m_options(options), m_K(K), m_work(work) {
   const auto rows = size_t(component.rows);
   work.pieces.resize(rows);
+  work.parts.clear();
   work.u.resize(rows);
   work.softness.assign(rows, 0.);
   work.y.assign(K.unknowns(), 0.);

@@ -84,7 +84,8 @@ LawPiece AxisLaw::meet(double free, double K) const {
   return {false, 0, 0, level};
 }
 
-void AxisLaw::split(double u, double impulse, double (&of)[max_parts]) const {
+void AxisLaw::split(double u, double impulse, Parts& to) const {
+  double* const of = to.data();
   double rest = impulse;
   bool open[max_parts];  // on its vertical piece, or beyond a stop: its impulse is not given by u
   for (int i = 0; i < m_parts; ++i) {

@@ -5,6 +5,7 @@
 
 #include <pintle/precision.h>
 
+#include <array>
 #include <cmath>
 
 namespace pintle {
@@ -125,8 +126,9 @@ class AxisLaw {
   }
   /// The piece on which u = free + K Lambda and Lambda(u) meet.
   LawPiece meet(double free, double K) const;
+  using Parts = std::array<double, max_parts>;
   /// How the impulse of the whole is made of its parts' at that velocity.
-  void split(double u, double impulse, double (&of)[max_parts]) const;
+  void split(double u, double impulse, Parts& of) const;
 
   static constexpr double unbounded = LawPart::unbounded;
 

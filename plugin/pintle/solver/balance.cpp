@@ -100,12 +100,10 @@ bool actsByArcs(const Island& island, const Component& component, const Workspac
   bool by_stops = false;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
     if (row.law.isEquality() || end.lambda[r] == 0) return;
-    const double lambda = end.lambda[r];
-    double impulse[AxisLaw::max_parts];
-    row.law.split(end.pieces[r].velocityAt(end.u[r], lambda), lambda, impulse);
+    const AxisLaw::Parts impulse = end.split(row.law, r);
     for (int k = 0; k < row.law.parts(); ++k)
       by_stops = by_stops || (row.law.part(k).role == Axis::limit &&
-                              std::abs(impulse[k]) > 1e-9 * std::abs(lambda));
+                              std::abs(impulse[size_t(k)]) > 1e-9 * std::abs(end.lambda[r]));
   });
   return !by_stops;
 }

@@ -156,7 +156,6 @@ class Passes {
     }
     for (std::vector<ContactRow>* rows : {&m_contacts, &m_memory.bounds})
       findAnswers(m_island, m_of, *rows, true, m_memory.sources);
-    measure();
   }
   void findAnswersWithJoints(BlockOfJoints& part) {
     const auto first = m_memory.touched.begin() + part.component->first_body;
@@ -168,9 +167,7 @@ class Passes {
     for (ContactRow& row : m_contacts) visit(row);
     for (ContactRow& row : m_memory.bounds) visit(row);
   }
-  void measure() {
-    forEachRow([&](ContactRow& row) { row.speed = row.velocity(m_velocities); });
-  }
+  void pushBodies();
   double passAtOnce();
 
   const Island& m_island;
@@ -181,16 +178,38 @@ class Passes {
   PassMemory& m_memory;
 };
 
+// By what contacts have changed in this pass.
+void Passes::pushBodies() {
+  std::vector<Vector6d>& impulses = m_memory.impulses;
+  impulses.assign(m_velocities.size(), Vector6d::Zero());
+  forEachRow([&](const ContactRow& row) {
+    const double by = row.impulse - row.before;
+    for (size_t side = 0; by != 0 && side < 2; ++side) {
+      if (row.body[side] < 0) continue;
+      Vector6d& to = impulses[size_t(row.body[side])];
+      to.head<3>() += by * row.J.L(int(side));
+      to.tail<3>() += by * row.J.A(int(side));
+    }
+  });
+  for (size_t i = 0; i < impulses.size(); ++i) {
+    if (!m_memory.touched[i]) continue;
+    const Vector3d along = impulses[i].head<3>(), about = impulses[i].tail<3>();
+    const InverseInertia* const alone = m_memory.sources[i].alone;
+    m_velocities[i] += alone != nullptr ? alone->answer(along, about)
+                                        : m_island.bodies[i].answer(along, about);
+  }
+}
+
 // Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
 double Passes::passAtOnce() {
-  std::vector<Vector6d>& start = m_memory.start;
+  std::vector<Vector6d>&start = m_memory.start, &impulses = m_memory.impulses;
   start = m_velocities;
   forEachRow([](ContactRow& row) { row.before = row.impulse; });
   for (BlockSolver& block : blocks()) block.beginPass();
   const double largest = std::fmax(sweepContacts(m_contacts, m_velocities),
                                    sweepContacts(m_memory.bounds, m_velocities));
   m_velocities = start;
-  forEachRow([&](ContactRow& row) { row.push(row.impulse - row.before, m_velocities); });
+  pushBodies();
   sweepBlocks();
   if (isUnsettled()) {
     m_velocities = start;
@@ -200,19 +219,22 @@ double Passes::passAtOnce() {
     return passAtOnce();
   }
   double slope = 0, bend = 0;
-  forEachRow([&](ContactRow& row) {
-    const double by = row.impulse - row.before, next = row.velocity(m_velocities);
-    slope += by * (row.speed + row.softness * row.before - row.target);
-    bend += by * (next - row.speed + row.softness * by);
-    row.speed = next;
+  forEachRow([&](const ContactRow& row) {
+    const double by = row.impulse - row.before;
+    slope += by * (row.softness * row.before - row.target);
+    bend += by * row.softness * by;
   });
+  for (size_t i = 0; i < start.size(); ++i) {
+    if (!m_memory.touched[i]) continue;
+    slope += impulses[i].dot(start[i]);
+    bend += impulses[i].dot(m_velocities[i] - start[i]);
+  }
   if (!(slope < 0) || !(bend > -slope)) return largest;
   const double part = -slope / bend;
   for (size_t i = 0; i < start.size(); ++i)
     m_velocities[i] = start[i] + part * (m_velocities[i] - start[i]);
   forEachRow([&](ContactRow& row) {
     row.impulse = row.before + part * (row.impulse - row.before);
-    row.speed = row.velocity(m_velocities);
   });
   for (BlockSolver& block : blocks()) block.goBack(part);
   return part * largest;

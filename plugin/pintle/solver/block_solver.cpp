@@ -32,15 +32,17 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   return std::fmax(change, pass.error / m_island.dt);
 }
 
-// All rows at once, with one factor.
+// All rows at once, with one factor. Which of them act is found before the first pass over contacts. From then on these are to change
+// nothing about it.
 BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
-  std::vector<double>&x = m_work.x, &y = m_work.y;
+  const bool among_passes = !m_alone && m_passes > 0;
   bool changes = false;
-  if (m_swept == nullptr && !m_has_bounds && !m_set.bounded().empty()) {
+  if (mayChangeSet() && !among_passes) {
+    std::vector<double>&x = m_work.x, &y = m_work.y;
     m_work.y_before_choice = y;
     m_set.measureBounded(own(velocities));
-    m_is_unsettled = !m_alone && (m_passes > 0 || m_set.factors() >= m_options.max_set_factors) &&
-                     m_set.wouldChange();
+    m_is_unsettled =
+        !m_alone && m_set.factors() >= m_options.max_set_factors && m_set.wouldChange();
     if (m_is_unsettled) return {infinity, true};
     changes = m_set.chooseAgain(m_alone && m_set.factors() >= m_options.max_set_factors);
     if (y != m_work.y_before_choice) {  // those that came to a bound
@@ -49,21 +51,32 @@ BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
     }
     if (changes) factorise();
   }
-  const double error = m_set.findResidual(own(velocities));
-  if (error <= m_options.newton_tolerance || !m_has_factor) return {error, changes};
-  m_of.K->solve(x.data());
-  respond(x, velocities);
-  for (size_t k = 0; k < y.size(); ++k) y[k] += x[k];
+  const double error = m_has_factor ? solveOnce(velocities) : 0;
+  if (mayChangeSet() && among_passes) {
+    m_set.measureBounded(own(velocities));
+    m_is_unsettled = m_set.wouldChange();
+  }
   return {error, changes};
 }
 
-void BlockSolver::finish(std::vector<Vector6d>& velocities, std::vector<ContactRow>& bounds) {
+// Returns what was left before, m or rad.
+double BlockSolver::solveOnce(std::vector<Vector6d>& velocities) {
+  std::vector<double>&x = m_work.x, &y = m_work.y;
+  const double error = m_set.findResidual(own(velocities));
+  if (error <= m_options.newton_tolerance) return error;
+  m_of.K->solve(x.data());
+  respond(x, velocities);
+  for (size_t k = 0; k < y.size(); ++k) y[k] += x[k];
+  return error;
+}
+
+void BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
+  if (m_alone)
+    while (m_has_factor && solve(velocities).changes_set) continue;
   for (double last = infinity; m_has_factor;) {
-    const Pass pass = solve(velocities);
-    if (m_is_unsettled) addBounds(bounds, velocities);
-    if (!pass.changes_set && !(pass.error > m_options.newton_tolerance && pass.error < last / 2))
-      break;
-    last = pass.changes_set ? infinity : pass.error;
+    const double error = solveOnce(velocities);
+    if (!(error > m_options.newton_tolerance && error < last / 2)) break;
+    last = error;
   }
   // A factor that rounding has spoilt leads elsewhere.
   if (m_has_factor && !(m_set.findResidual(own(velocities)) <=
@@ -79,6 +92,7 @@ void BlockSolver::finish(std::vector<Vector6d>& velocities, std::vector<ContactR
 // What the parts of its law have of its impulse.
 void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
+  m_set.measureBounded(own(velocities));
   m_is_unsettled = false;
   m_has_bounds = true;
   m_first_bound = to.size();
@@ -86,9 +100,10 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
     const IslandRow& row = *of.row;
     double& y = m_work.y[of.at];
     const double impulse = y * row.by_root_K;
-    double parts[AxisLaw::max_parts], sum = 0;
+    AxisLaw::Parts parts;
+    double sum = 0;
     row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse, parts);
-    for (int i = 0; i < row.law.parts(); ++i) sum += parts[i];
+    for (int i = 0; i < row.law.parts(); ++i) sum += parts[size_t(i)];
     m_work.x[of.at] = sum * row.root_K - y;
     y = sum * row.root_K;
     const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
@@ -103,7 +118,7 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
       bound.softness = part.softness > 0 ? part.softness : m_work.of_loop[size_t(of.joint)] * row.K;
       bound.lower = part.lower;
       bound.upper = part.upper;
-      bound.impulse = bound.before = parts[i];
+      bound.impulse = bound.before = parts[size_t(i)];
       to.push_back(bound);
     }
   }
@@ -114,11 +129,16 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
 
 void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
   if (!m_has_bounds) return;
+  m_work.parts.resize(m_work.pieces.size());
   size_t next = m_first_bound;
   for (const ActiveSet::Place& of : m_set.bounded()) {
+    AxisLaw::Parts& parts = m_work.parts[of.r];
     double impulse = 0;
-    for (int i = 0; i < of.row->law.parts(); ++i)
-      if (std::isfinite(of.row->law.part(i).target)) impulse += from[next++].impulse;
+    for (int i = 0; i < of.row->law.parts(); ++i) {
+      const bool is_there = std::isfinite(of.row->law.part(i).target);
+      parts[size_t(i)] = is_there ? from[next++].impulse : 0;
+      impulse += parts[size_t(i)];
+    }
     m_work.y[of.at] = impulse * of.row->root_K;
     m_work.pieces[of.r].impulse = impulse;
   }

@@ -41,7 +41,7 @@ class BlockSolver {
   /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
   /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are.
-  void finish(std::vector<Vector6d>& velocities, std::vector<ContactRow>& bounds);
+  void finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds);
   /// Whether rows are solved one by one.
   bool isSwept() const { return m_swept != nullptr; }
   /// Its rows with bounds go on as contacts do: each part of their laws is added to them.
@@ -80,6 +80,10 @@ class BlockSolver {
     bool changes_set;  ///< of rows that act
   };
   Pass solve(std::vector<Vector6d>& velocities);
+  double solveOnce(std::vector<Vector6d>& velocities);
+  bool mayChangeSet() const {
+    return m_swept == nullptr && !m_has_bounds && !m_set.bounded().empty();
+  }
   double sweepRows(std::vector<Vector6d>& velocities);
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
     m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);

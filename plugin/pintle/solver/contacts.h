@@ -21,7 +21,6 @@ struct ContactRow {
   int normal = -1;  ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
   double friction = 0;                 ///< of friction: its coefficient
   double impulse;                      ///< N s
-  double speed = 0;                    ///< m/s, before a pass
   double before = 0;                   ///< N s: before a pass
   btSolverConstraint* from = nullptr;  ///< null: it is of a joint
 

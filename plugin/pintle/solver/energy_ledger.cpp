@@ -31,12 +31,12 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
 namespace {
 
 // The impulse of the parts of a law that drive.
-double drivingImpulse(const AxisLaw& law, const LawPiece& on, double u, double lambda) {
+double drivingImpulse(const AxisLaw& law, const Workspace& end, size_t r) {
   if (!law.hasDrives()) return 0;
-  double impulse[AxisLaw::max_parts], driving = 0;
-  law.split(on.velocityAt(u, lambda), lambda, impulse);
+  const AxisLaw::Parts impulse = end.split(law, r);
+  double driving = 0;
   for (int k = 0; k < law.parts(); ++k)
-    if (law.part(k).drives) driving += impulse[k];
+    if (law.part(k).drives) driving += impulse[size_t(k)];
   return driving;
 }
 
@@ -73,7 +73,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       work += stored(island, row, end.u[r], end.lambda[r]);
-      const double driving = drivingImpulse(row.law, end.pieces[r], end.u[r], end.lambda[r]);
+      const double driving = drivingImpulse(row.law, end, r);
       if (driving != 0 || row.rebound_energy > 0) {
         const double u = row.J.along(mean(0), mean(1));
         work -= (over_forces && driving != 0
@@ -105,7 +105,7 @@ double workAmongContacts(const Island& island, const Component& component, const
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const double lambda = end.lambda[r], u = row.J.along(a, b),
-                   rest = lambda - drivingImpulse(row.law, end.pieces[r], end.u[r], lambda);
+                   rest = lambda - drivingImpulse(row.law, end, r);
       work += rest * u + stored(island, row, end.u[r], lambda) -
               std::fmin(row.rebound_energy, std::fmax(0, rest * u));
     }

@@ -132,6 +132,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
       std::fill_n(m_acts.begin() + first, 2 * block, 1.);
     }
   m_matrix.assign(m_factor.numbers(), 0.);
+  m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = false;
   m_places.clear();
   m_couplings.clear();
@@ -197,7 +198,7 @@ inline void addProduct(const double (&a)[3][6], const double (&J)[6][4], double*
 }  // namespace
 
 void JointMatrix::assemble() {
-  m_is_assembled = true;
+  m_is_assembled = true;  // but for nodes that are idle now
   std::fill(m_matrix.begin(), m_matrix.end(), 0.);
   const auto at = [&](size_t place) { return m_matrix.data() + place; };
   for (size_t b = 0; b < m_ends.size(); ++b) {
@@ -212,15 +213,19 @@ void JointMatrix::assemble() {
       if (!(body.angular(i, i) > 0)) angular[4 * i] = -1;
     }
   }
+  for (int k = 0; k < m_factor.blocks(); ++k) m_is_in_matrix[size_t(k)] = !isIdle(k);
   size_t next = 0;
   forEachBlock(
       [&](size_t, int i, int side_i, int k, int side_k) {
-        addProduct(rows(i, side_i).answer, rows(k, side_k).J, at(m_places[next++]));
+        double* const to = at(m_places[next++]);
+        if (m_is_in_matrix[size_t(i)] && m_is_in_matrix[size_t(k)])
+          addProduct(rows(i, side_i).answer, rows(k, side_k).J, to);
       },
       [&](int b, int i, int side) {
         const Rows& of = rows(i, side);
         for (int half = 0; half < 2; ++half) {
           double* const to = at(m_places[next++]);
+          if (!m_is_in_matrix[size_t(i)]) continue;
           const bool is_row = nodeOfBody(b) > i;
           for (int r = 0; r < block; ++r)
             for (int k = 0; k < 3; ++k)
@@ -232,6 +237,8 @@ void JointMatrix::assemble() {
 
 // Rows that do not act are coupled to nothing, and have 1 on the diagonal.
 bool JointMatrix::factorise(double least_pivot) {
+  for (int k = 0; m_is_assembled && k < m_factor.blocks(); ++k)
+    m_is_assembled = m_is_in_matrix[size_t(k)] || isIdle(k);
   if (!m_is_assembled) assemble();
   m_factor.set(m_matrix);
   for (const Coupling& of : m_couplings) {
@@ -313,6 +320,7 @@ void JointMatrix::addResponse(const double* x, Vector6d* v) const {
 void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
   for (size_t c = 0; c < m_joints.size(); ++c)
     for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node) {
+      if (isIdle(node)) continue;
       Lanes4d u = Lanes4d::Zero();
       for (int side = 0; side < 2; ++side)
         if (const int body = m_joints[c][size_t(side)]; body >= 0)
@@ -327,7 +335,7 @@ size_t JointMatrix::bytes() const {
   for (const auto& ends : m_ends) sum += bytesOf(ends);
   for (const auto& column : m_columns) sum += bytesOf(column.coupled);
   return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_places, m_rows,
-                       m_couplings, m_root_K, m_softness, m_acts, m_matrix, m_bodies, m_inverse);
+                       m_couplings, m_root_K, m_softness, m_acts, m_is_in_matrix, m_matrix, m_bodies, m_inverse);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -121,7 +121,8 @@ class JointMatrix {
   std::vector<double> m_root_K, m_softness;  ///< of each row
   std::vector<double> m_acts;                ///< of each row: 1, or 0
   bool m_is_assembled = false;
-  std::vector<double> m_matrix;  ///< of all rows, without softness, where the factor has blocks
+  std::vector<char> m_is_in_matrix;  ///< of each node
+  std::vector<double> m_matrix;  ///< of all rows of those, without softness, where the factor has blocks
   std::vector<InverseInertia> m_bodies;
   SymmetricFactor m_factor;
   std::vector<double> m_inverse;  ///< of K, where the factor has blocks

@@ -53,12 +53,11 @@ void report(const Island& island, const Component& component, const Workspace& e
         continue;
       }
       AxisState& state = JointAccess::axis(*joint.ours, row.start);
-      double impulse[AxisLaw::max_parts];
-      row.law.split(end.pieces[r].velocityAt(end.u[r], lambda), lambda, impulse);
+      const AxisLaw::Parts impulse = end.split(row.law, r);
       state.taken = 0;
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)
-        state.impulse[size_t(row.law.part(k).role)] += Scalar(impulse[k]);
+        state.impulse[size_t(row.law.part(k).role)] += Scalar(impulse[size_t(k)]);
       // As in Bullet, where each part is a row and the last one is known.
       const Axis& axis = *state.axis;
       const Axis::Part last = state.impulse[Axis::limit] != 0  ? Axis::limit

@@ -22,6 +22,8 @@ struct Workspace {
   std::vector<double> u, lambda;  ///< of each row: its velocity, and its impulse, N s or N m s
   std::vector<double> load;      ///< of each row: its mean impulse in this step and those before it
   std::vector<LawPiece> pieces;  ///< of each row: the piece of its law on which it is
+  /// Of each row: the impulses of the parts of its law, where they are found part by part. Else empty.
+  std::vector<AxisLaw::Parts> parts;
   std::vector<double> softness;  ///< of each row that acts, relative to K
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
@@ -40,10 +42,19 @@ struct Workspace {
     other.pieces = pieces;
   }
   void takeOther() {
+    parts.clear();
     v = other.v;
     u = other.u;
     lambda = other.lambda;
     pieces = other.pieces;
+  }
+
+  /// The impulses of the parts of the law of row r.
+  AxisLaw::Parts split(const AxisLaw& law, size_t r) const {
+    AxisLaw::Parts of = {};
+    if (!parts.empty() && !law.isEquality()) return parts[r];
+    law.split(pieces[r].velocityAt(u[r], lambda[r]), lambda[r], of);
+    return of;
   }
 
   // Memory of the solves.
@@ -78,14 +89,14 @@ struct Workspace {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
-    pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
+    pintle::reserve(rows, u, lambda, load, pieces, parts, softness, straight, goal, J, closes, bends,
                     bounded, last_load, other.u, other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
     broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
-    return bytesOf(v, u, lambda, load, pieces, softness, stiffness, of_loop, y, x, aim,
+    return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
                    y_before_pass, y_before_choice, touched, answers, base, moved, straight, goal, J,
                    closes, bends, bounded, all, stays, open, start, nearest, first, last_load,
                    last_stiffness, most_stiffness, other.v, other.u, other.lambda, other.pieces) +
