@@ -191,18 +191,18 @@ TEST(AxisLaw, SplitsAmongItsParts) {
     const AxisLaw law = anyLaw(1 + n % AxisLaw::max_parts, random);
     const double free = random.uniform(-20, 20), K = std::pow(10, random.uniform(-2, 2));
     const Point met(law.meet(free, K), free, K);
-    double of[AxisLaw::max_parts];
+    AxisLaw::Parts of;
     law.split(met.u, met.lambda, of);
     double sum = 0;
     for (int i = 0; i < law.parts(); ++i) {
       const LawPart& part = law.part(i);
-      EXPECT_GE(of[i], part.lower) << describe(law, free, K);
-      EXPECT_LE(of[i], part.upper) << describe(law, free, K);
+      EXPECT_GE(of[size_t(i)], part.lower) << describe(law, free, K);
+      EXPECT_LE(of[size_t(i)], part.upper) << describe(law, free, K);
       // On its own law: what another one has too little, none has made up.
       const double least = part.at(met.u + 1e-6), most = part.at(met.u - 1e-6);
-      EXPECT_GE(of[i], least - 1e-6) << describe(law, free, K);
-      EXPECT_LE(of[i], most + 1e-6) << describe(law, free, K);
-      sum += of[i];
+      EXPECT_GE(of[size_t(i)], least - 1e-6) << describe(law, free, K);
+      EXPECT_LE(of[size_t(i)], most + 1e-6) << describe(law, free, K);
+      sum += of[size_t(i)];
     }
     EXPECT_NEAR(sum, met.lambda, 1e-9 * (1 + std::abs(met.lambda))) << describe(law, free, K);
   }
@@ -215,7 +215,7 @@ TEST(AxisLaw, SplitsWhatAStopHasNotTakenYet) {
   law.add({-1, 0, 0, unbounded});
   law.add({1, 0, -unbounded, 0});
   for (const double impulse : {0., 1.5, 7.}) {
-    double of[AxisLaw::max_parts];
+    AxisLaw::Parts of;
     law.split(-3, impulse, of);
     EXPECT_EQ(of[0], std::min(impulse, 2.)) << impulse;
     EXPECT_EQ(of[1], std::max(impulse - 2, 0.)) << impulse;

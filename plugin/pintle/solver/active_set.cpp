@@ -129,16 +129,7 @@ double ActiveSet::findResidual() {
 }
 
 double ActiveSet::findResidual(const Vector6d* v) {
-  std::vector<double>& x = m_work.x;
-  for (size_t at = 0; at < x.size(); ++at)
-    x[at] = m_K.acts(at) ? m_work.aim[at] - m_K.softness(at) * m_work.y[at] : 0;
-  m_K.subtractVelocities(v, x.data());
-  double largest = 0;
-  for (size_t at = 0; at < x.size(); ++at) {
-    const double left = std::abs(x[at]) * m_K.rootK(at);
-    largest = left <= largest ? largest : left;  // and not finite if one is
-  }
-  return largest * m_island.dt;
+  return m_island.dt * m_K.findResidual(m_work.aim.data(), m_work.y.data(), v, m_work.x.data());
 }
 
 void ActiveSet::keepImpulses() {

@@ -45,7 +45,7 @@ class ActiveSet {
   template <class Visit>
   void forEachRow(const Visit& visit) const {
     pintle::forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-      visit(c, i, row, r, m_K.row(c) + size_t(i));
+      visit(c, i, row, r, m_K.row(c, i));
     });
   }
 

@@ -195,8 +195,8 @@ void Passes::pushBodies() {
     if (!m_memory.touched[i]) continue;
     const Vector3d along = impulses[i].head<3>(), about = impulses[i].tail<3>();
     const InverseInertia* const alone = m_memory.sources[i].alone;
-    m_velocities[i] += alone != nullptr ? alone->answer(along, about)
-                                        : m_island.bodies[i].answer(along, about);
+    m_velocities[i] +=
+        alone != nullptr ? alone->answer(along, about) : m_island.bodies[i].answer(along, about);
   }
 }
 
@@ -233,9 +233,8 @@ double Passes::passAtOnce() {
   const double part = -slope / bend;
   for (size_t i = 0; i < start.size(); ++i)
     m_velocities[i] = start[i] + part * (m_velocities[i] - start[i]);
-  forEachRow([&](ContactRow& row) {
-    row.impulse = row.before + part * (row.impulse - row.before);
-  });
+  forEachRow(
+      [&](ContactRow& row) { row.impulse = row.before + part * (row.impulse - row.before); });
   for (BlockSolver& block : blocks()) block.goBack(part);
   return part * largest;
 }

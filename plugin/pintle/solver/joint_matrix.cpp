@@ -122,31 +122,37 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   }
   m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
-  m_root_K.assign(size_t(block * nodes), 1.);
-  m_softness.assign(size_t(block * nodes), 1.);
-  m_acts.assign(size_t(block * nodes), 0.);
+  const auto unknowns_of_all = size_t(m_factor.unknowns());
+  m_root_K.assign(unknowns_of_all, 1.);
+  m_softness.assign(unknowns_of_all, 1.);
+  m_acts.assign(unknowns_of_all, 0.);
+  m_bodies_of.assign(size_t(nodes), {-1, -1});
+  for (size_t c = 0; c < m_joints.size(); ++c)
+    std::fill_n(m_bodies_of.begin() + m_node[c], nodesOf(int(c)), m_joints[c]);
   for (size_t b = 0; b < m_stays.size(); ++b)
-    if (m_stays[b]) {
-      const auto first = block * nodeOfBody(int(b));
-      std::fill_n(m_softness.begin() + first, 2 * block, 0.);
-      std::fill_n(m_acts.begin() + first, 2 * block, 1.);
-    }
+    for (int half = 0; m_stays[b] && half < 2; ++half)
+      for (int i = 0; i < block; ++i) {
+        const auto at = size_t(stride * (nodeOfBody(int(b)) + half) + i);
+        m_softness[at] = 0;
+        m_acts[at] = 1;
+      }
   m_matrix.assign(m_factor.numbers(), 0.);
   m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = false;
-  m_places.clear();
+  m_products.clear();
+  m_staying.clear();
   m_couplings.clear();
   forEachBlock(
-      [&](size_t, int i, int, int k, int) {
-        m_places.push_back(m_factor.place(i, k));
-        m_couplings.push_back({i, k, m_places.back()});
+      [&](size_t b, int i, int side_i, int k, int side_k) {
+        m_products.push_back({m_factor.place(i, k), int(b), i, 2 * i + side_i, k, 2 * k + side_k});
+        m_couplings.push_back({i, k, m_products.back().place});
       },
-      [&](int b, int i, int) {
+      [&](int b, int i, int side) {
         for (int half = 0; half < 2; ++half) {
           const int node = nodeOfBody(b) + half, row = std::max(i, node),
                     column = std::min(i, node);
-          m_places.push_back(m_factor.place(row, column));
-          m_couplings.push_back({row, column, m_places.back()});
+          m_staying.push_back({m_factor.place(row, column), b, i, 2 * i + side, half, row == node});
+          m_couplings.push_back({row, column, m_staying.back().place});
         }
       });
   std::sort(m_couplings.begin(), m_couplings.end(),
@@ -160,7 +166,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
 void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
   const int node = m_node[size_t(c)] + i / block;
   const double by_root = 1 / root_K;
-  m_root_K[row(c) + size_t(i)] = root_K;
+  m_root_K[row(c, i)] = root_K;
   m_is_assembled = false;
   for (int side = 0; side < 2; ++side) {
     const int body = m_joints[size_t(c)][size_t(side)];
@@ -177,62 +183,55 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
 
 namespace {
 
-using Lanes4d = Eigen::Matrix<double, 4, 1>;
-
 // J v
-inline Lanes4d velocity(const double (&J)[6][4], const double* v) {
-  const Eigen::Map<const Eigen::Matrix<double, 4, 6>> columns(J[0]);
-  Lanes4d u = v[0] * columns.col(0);
-  for (int j = 1; j < 6; ++j) u += v[j] * columns.col(j);
-  return u;
-}
-
-// to += a J^T, of three rows each.
-inline void addProduct(const double (&a)[3][6], const double (&J)[6][4], double* to) {
-  for (int r = 0; r < 3; ++r) {
-    const Lanes4d row = velocity(J, a[r]);
-    for (int s = 0; s < 3; ++s) to[3 * r + s] += row[s];
-  }
+PINTLE_INLINE void addVelocity(const double (&J)[6][FourLanes::count], const double* v,
+                               FourLanes& to) {
+  for (int j = 0; j < 6; ++j) to.add(FourLanes(J[j]), v[j]);
 }
 
 }  // namespace
 
+PINTLE_FOR_EACH_PROCESSOR void JointMatrix::addProducts() {
+  for (const Product& of : m_products) {
+    if (!m_is_in_matrix[size_t(of.i)] || !m_is_in_matrix[size_t(of.k)]) continue;
+    const Rows &i = m_rows[size_t(of.rows_i)], &k = m_rows[size_t(of.rows_k)];
+    double* const to = m_matrix.data() + of.place;
+    for (int s = 0; s < block; ++s) {
+      FourLanes column(to + stride * s);
+      addVelocity(i.J, k.answer[s], column);
+      column.store(to + stride * s);
+    }
+  }
+}
+
 void JointMatrix::assemble() {
   m_is_assembled = true;  // but for nodes that are idle now
   std::fill(m_matrix.begin(), m_matrix.end(), 0.);
-  const auto at = [&](size_t place) { return m_matrix.data() + place; };
+  const auto in = SymmetricFactor::in;
   for (size_t b = 0; b < m_ends.size(); ++b) {
     if (!m_stays[b]) continue;
     const InverseInertia& body = m_bodies[b];
-    double* const linear = at(m_factor.place(nodeOfBody(int(b)), nodeOfBody(int(b))));
-    double* const angular = at(m_factor.place(nodeOfBody(int(b)) + 1, nodeOfBody(int(b)) + 1));
+    const int node = nodeOfBody(int(b));
+    double* const linear = m_matrix.data() + m_factor.place(node, node);
+    double* const angular = m_matrix.data() + m_factor.place(node + 1, node + 1);
     for (int i = 0; i < 3; ++i) {
-      linear[4 * i] = -1;
+      linear[in(i, i)] = -1;
       for (int j = 0; j < 3; ++j)
-        angular[3 * i + j] = -body.angular(i, j) * body.scale[1] * body.scale[1];
-      if (!(body.angular(i, i) > 0)) angular[4 * i] = -1;
+        angular[in(i, j)] = -body.angular(i, j) * body.scale[1] * body.scale[1];
+      if (!(body.angular(i, i) > 0)) angular[in(i, i)] = -1;
     }
   }
   for (int k = 0; k < m_factor.blocks(); ++k) m_is_in_matrix[size_t(k)] = !isIdle(k);
-  size_t next = 0;
-  forEachBlock(
-      [&](size_t, int i, int side_i, int k, int side_k) {
-        double* const to = at(m_places[next++]);
-        if (m_is_in_matrix[size_t(i)] && m_is_in_matrix[size_t(k)])
-          addProduct(rows(i, side_i).answer, rows(k, side_k).J, to);
-      },
-      [&](int b, int i, int side) {
-        const Rows& of = rows(i, side);
-        for (int half = 0; half < 2; ++half) {
-          double* const to = at(m_places[next++]);
-          if (!m_is_in_matrix[size_t(i)]) continue;
-          const bool is_row = nodeOfBody(b) > i;
-          for (int r = 0; r < block; ++r)
-            for (int k = 0; k < 3; ++k)
-              to[is_row ? block * k + r : block * r + k] +=
-                  of.answer[r][3 * half + k] * m_bodies[size_t(b)].scale[half];
-        }
-      });
+  addProducts();
+  for (const Staying& of : m_staying) {
+    if (!m_is_in_matrix[size_t(of.node)]) continue;
+    const Rows& rows = m_rows[size_t(of.rows)];
+    double* const to = m_matrix.data() + of.place;
+    for (int r = 0; r < block; ++r)
+      for (int k = 0; k < 3; ++k)
+        to[of.is_row ? in(k, r) : in(r, k)] +=
+            rows.answer[r][3 * of.half + k] * m_bodies[size_t(of.body)].scale[of.half];
+  }
 }
 
 // Rows that do not act are coupled to nothing, and have 1 on the diagonal.
@@ -241,21 +240,82 @@ bool JointMatrix::factorise(double least_pivot) {
     m_is_assembled = m_is_in_matrix[size_t(k)] || isIdle(k);
   if (!m_is_assembled) assemble();
   m_factor.set(m_matrix);
+  const auto in = SymmetricFactor::in;
   for (const Coupling& of : m_couplings) {
     if (isWhole(of.row) && isWhole(of.column)) continue;
-    const double *const row = m_acts.data() + block * of.row, *const column =
-                                                                  m_acts.data() + block * of.column;
+    const double *const row = m_acts.data() + stride * of.row, *const column = m_acts.data() +
+                                                                               stride * of.column;
     double* const to = m_factor.at(of.place);
     for (int r = 0; r < block; ++r)
       for (int s = 0; s < block; ++s)
-        if (row[r] == 0 || column[s] == 0) to[block * r + s] = 0;
+        if (row[r] == 0 || column[s] == 0) to[in(r, s)] = 0;
   }
   for (int k = 0; k < m_factor.blocks(); ++k) {
     if (isIdle(k)) m_factor.setIdle(k);
     double* const to = m_factor.at(m_factor.place(k, k));
-    for (int i = 0; i < block; ++i) to[(block + 1) * i] += m_softness[size_t(block * k + i)];
+    for (int i = 0; i < block; ++i) to[in(i, i)] += m_softness[size_t(stride * k + i)];
   }
   return m_factor.factorise(least_pivot);
+}
+
+namespace {
+
+// A matrix of six rows: each column in twice four lanes, of which two are idle.
+struct SixRows {
+  FourLanes first, rest;
+
+  PINTLE_INLINE void add(const double* column, double by) {
+    first.add(FourLanes(column), by);
+    rest.add(FourLanes(column + FourLanes::count), by);
+  }
+  PINTLE_INLINE void store(double* column) const {
+    first.store(column);
+    rest.store(column + FourLanes::count);
+  }
+};
+
+// to += a z c^T. a and c: three columns of six rows.
+template <int stride>
+PINTLE_INLINE void addSandwich(const double (&a)[3][stride], const double (&z)[3][3],
+                               const double (&c)[3][stride], SixRows (&to)[6]) {
+  for (int s = 0; s < 3; ++s) {
+    SixRows az;
+    for (int r = 0; r < 3; ++r) az.add(a[r], z[r][s]);
+    double column[stride];
+    az.store(column);
+    for (int j = 0; j < 6; ++j) to[j].add(column, c[s][j]);
+  }
+}
+
+}  // namespace
+
+// Of each body: its products come one after the other.
+PINTLE_FOR_EACH_PROCESSOR void JointMatrix::subtractProducts(const std::vector<char>& asked,
+                                                             std::vector<Matrix6d>& answers) const {
+  for (size_t from = 0; from < m_products.size();) {
+    const int body = m_products[from].body;
+    SixRows sum[6];
+    for (; from < m_products.size() && m_products[from].body == body; ++from) {
+      const Product& of = m_products[from];
+      if (!asked[size_t(body)] || isIdle(of.i) || isIdle(of.k)) continue;
+      const Rows &i = m_rows[size_t(of.rows_i)], &k = m_rows[size_t(of.rows_k)];
+      const double* const block_of = m_inverse.data() + of.place;
+      double z[block][block], z_transposed[block][block];
+      for (int r = 0; r < block; ++r)
+        for (int s = 0; s < block; ++s)
+          z[r][s] = z_transposed[s][r] = block_of[SymmetricFactor::in(r, s)];
+      for (int r = 0; of.i == of.k && r < block; ++r)
+        if (m_acts[size_t(stride * of.i + r)] == 0) z[r][r] = 0;
+      addSandwich(i.answer, z, k.answer, sum);
+      if (of.i != of.k) addSandwich(k.answer, z_transposed, i.answer, sum);
+    }
+    if (!asked[size_t(body)]) continue;
+    for (int j = 0; j < 6; ++j) {
+      double column[2 * stride];
+      sum[j].store(column);
+      for (int r = 0; r < 6; ++r) answers[size_t(body)](r, j) -= column[r];
+    }
+  }
 }
 
 // A^-1 - A^-1 J^T K^-1 J A^-1, of which a body's own joints have their part. Of one that stays, its velocity is an unknown.
@@ -268,22 +328,7 @@ void JointMatrix::findAnswers(const std::vector<char>& asked, std::vector<Matrix
     answers[b].diagonal().head<3>() = m_bodies[b].linear;
     answers[b].bottomRightCorner<3, 3>() = m_bodies[b].angular;
   }
-  using Answers = Eigen::Map<const Eigen::Matrix<double, 6, 3>>;
-  using Square = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-  size_t next = 0;
-  const auto subtract = [&](size_t b, int i, int side_i, int k, int side_k) {
-    const double* const of = m_inverse.data() + m_places[next++];
-    if (!asked[b] || isIdle(i) || isIdle(k)) return;
-    const Answers a(rows(i, side_i).answer[0]), c(rows(k, side_k).answer[0]);
-    Eigen::Matrix<double, 3, 3> acting = Square(of);
-    for (int r = 0; i == k && r < block; ++r)
-      if (m_acts[size_t(block * i + r)] == 0) acting(r, r) = 0;
-    const Eigen::Matrix<double, 6, 3> by = a.lazyProduct(acting);
-    Matrix6d part = by.lazyProduct(c.transpose());
-    if (i != k) part += part.transpose().eval();
-    answers[b] -= part;
-  };
-  forEachBlock(subtract, [&](int, int, int) { next += 2; });
+  subtractProducts(asked, answers);
   for (size_t b = 0; b < m_ends.size(); ++b) {
     if (!m_stays[b] || !asked[b]) continue;
     const int node = nodeOfBody(int(b));
@@ -293,7 +338,7 @@ void JointMatrix::findAnswers(const std::vector<char>& asked, std::vector<Matrix
         const double* const of = m_inverse.data() + m_factor.place(node + p, node + q);
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j)
-            W(3 * p + i, 3 * q + j) = W(3 * q + j, 3 * p + i) = -of[3 * i + j];
+            W(3 * p + i, 3 * q + j) = W(3 * q + j, 3 * p + i) = -of[SymmetricFactor::in(i, j)];
       }
     by.diagonal().head<3>() = m_bodies[b].scale[0] * m_bodies[b].linear;
     by.bottomRightCorner<3, 3>() = m_bodies[b].scale[1] * m_bodies[b].angular;
@@ -301,41 +346,71 @@ void JointMatrix::findAnswers(const std::vector<char>& asked, std::vector<Matrix
   }
 }
 
-void JointMatrix::addResponse(const double* x, Vector6d* v) const {
-  for (size_t c = 0; c < m_joints.size(); ++c)
-    for (int i = 0; i < nodesOf(int(c)); ++i) {
-      const int node = m_node[c] + i;
-      const double* const by = x + block * node;
-      if (by[0] == 0 && by[1] == 0 && by[2] == 0) continue;
-      for (int side = 0; side < 2; ++side) {
-        const int body = m_joints[c][size_t(side)];
-        if (body < 0) continue;
-        const Eigen::Map<const Eigen::Matrix<double, 6, 3>> answer(
-            m_rows[size_t(2 * node + side)].answer[0]);
-        v[body] += by[0] * answer.col(0) + by[1] * answer.col(1) + by[2] * answer.col(2);
+PINTLE_FOR_EACH_PROCESSOR void JointMatrix::addResponse(const double* x, Vector6d* v) const {
+  const int nodes = m_factor.blocks();
+  for (int node = 0; node < nodes; ++node) {
+    const double* const by = x + stride * node;
+    if (by[0] == 0 && by[1] == 0 && by[2] == 0) continue;
+    for (int side = 0; side < 2; ++side) {
+      const int body = m_bodies_of[size_t(node)][size_t(side)];
+      if (body < 0) continue;
+      const Rows& rows = m_rows[size_t(2 * node + side)];
+      double* const to = v[body].data();
+      FourLanes first(to), rest;
+      for (int r = 0; r < block; ++r) {
+        first.add(FourLanes(rows.answer[r]), by[r]);
+        rest.add(FourLanes(rows.answer[r] + stride), by[r]);
       }
+      first.store(to);
+      to[4] += rest[0];
+      to[5] += rest[1];
     }
+  }
 }
 
-void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
-  for (size_t c = 0; c < m_joints.size(); ++c)
-    for (int node = m_node[c]; node < m_node[c] + nodesOf(int(c)); ++node) {
-      if (isIdle(node)) continue;
-      Lanes4d u = Lanes4d::Zero();
-      for (int side = 0; side < 2; ++side)
-        if (const int body = m_joints[c][size_t(side)]; body >= 0)
-          u += velocity(m_rows[size_t(2 * node + side)].J, v[body].data());
-      const double* const acts = m_acts.data() + block * node;
-      for (int r = 0; r < block; ++r) x[block * node + r] -= acts[r] * u[r];
-    }
+PINTLE_FOR_EACH_PROCESSOR void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
+  const int nodes = m_factor.blocks();
+  for (int node = 0; node < nodes; ++node) {
+    if (isIdle(node)) continue;
+    FourLanes u;
+    for (int side = 0; side < 2; ++side)
+      if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
+        addVelocity(m_rows[size_t(2 * node + side)].J, v[body].data(), u);
+    FourLanes left(x + stride * node);
+    left.subtract(u, FourLanes(m_acts.data() + stride * node));
+    left.store(x + stride * node);
+  }
+}
+
+PINTLE_FOR_EACH_PROCESSOR double JointMatrix::findResidual(const double* aim, const double* y,
+                                                           const Vector6d* v, double* x) const {
+  const size_t all = unknowns();
+  for (size_t at = 0; at < all; at += stride) {
+    FourLanes left(aim + at);
+    left.subtract(FourLanes(&m_softness[at]), FourLanes(y + at));
+    left.multiply(FourLanes(&m_acts[at]));
+    left.store(x + at);
+  }
+  subtractVelocities(v, x);
+  FourLanes most;
+  for (size_t at = 0; at < all; at += stride) {
+    FourLanes left(x + at);
+    left.multiply(FourLanes(&m_root_K[at]));
+    most.raiseTo(left);
+  }
+  double largest = 0;
+  for (int i = 0; i < stride; ++i)
+    if (!(most[i] <= largest)) largest = most[i];
+  return largest;
 }
 
 size_t JointMatrix::bytes() const {
   size_t sum = m_factor.bytes();
   for (const auto& ends : m_ends) sum += bytesOf(ends);
   for (const auto& column : m_columns) sum += bytesOf(column.coupled);
-  return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_places, m_rows,
-                       m_couplings, m_root_K, m_softness, m_acts, m_is_in_matrix, m_matrix, m_bodies, m_inverse);
+  return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_bodies_of,
+                       m_products, m_staying, m_rows, m_couplings, m_root_K, m_softness, m_acts,
+                       m_is_in_matrix, m_matrix, m_bodies, m_inverse);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -52,16 +52,18 @@ class JointMatrix {
   /// Whether it acts, with a softness relative to K. One that does not has the impulse that is asked for, which answers (addResponse), but
   /// is no unknown. Set before each factor.
   void setActing(int c, int i, bool acts, double softness) {
-    const size_t at = row(c) + size_t(i);
+    const size_t at = row(c, i);
     m_softness[at] = acts ? softness : 1;
     m_acts[at] = acts;
   }
   bool factorise(double least_pivot);
 
-  /// A vector of all unknowns. Those of joint c begin at row(c): velocities divided by root_K before, impulses times root_K after
+  /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
   /// x = K^-1 x. What lies between the joints' must be 0.
   size_t unknowns() const { return size_t(m_factor.unknowns()); }
-  size_t row(int c) const { return size_t(SymmetricFactor::size * m_node[size_t(c)]); }
+  size_t row(int c, int i) const {
+    return size_t(SymmetricFactor::stride * (m_node[size_t(c)] + i / block) + i % block);
+  }
   void solve(double* x) const { m_factor.solve(x); }
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
   /// Of each body of which they are `asked`: what an impulse on it gives to its own velocity, when the joints of the factor hold.
@@ -70,37 +72,48 @@ class JointMatrix {
   void addResponse(const double* x, Vector6d* v) const;
   /// x -= J v of the rows that act.
   void subtractVelocities(const Vector6d* v, double* x) const;
-  double rootK(size_t unknown) const { return m_root_K[unknown]; }
-  double softness(size_t unknown) const { return m_softness[unknown]; }
-  bool acts(size_t unknown) const { return m_acts[unknown] != 0; }
+  /// x = what velocities v are off of `aim` - softness y, of the rows that act. Returns the most, not divided by root_K.
+  double findResidual(const double* aim, const double* y, const Vector6d* v, double* x) const;
 
   size_t bytes() const;
 
  private:
-  static constexpr int block = SymmetricFactor::size;
-  /// Three rows of a joint on one of its bodies: J, column by column with a fourth row of zeros, and A^-1 J^T of each.
-  static constexpr int lanes = 4;
+  static constexpr int block = SymmetricFactor::size, stride = SymmetricFactor::stride;
+  /// Three rows of a joint on one of its bodies: J, a lane for each row, and A^-1 J^T of each, with two zeros.
   struct Rows {
-    double J[6][lanes] = {}, answer[block][6] = {};
+    double J[6][stride] = {}, answer[block][2 * stride] = {};
   };
   /// A block of K, of a row and a column.
   struct Coupling {
     int row, column;
     size_t place;
   };
+  /// What is added to one: of nodes i and k, by their rows on a body.
+  struct Product {
+    size_t place;
+    int body, i, rows_i, k, rows_k;
+  };
+  /// The same of a node and the linear or angular half of a body that stays.
+  struct Staying {
+    size_t place;
+    int body, node, rows, half;
+    bool is_row;  ///< the body is the row
+  };
   struct End {
     int joint, side;
   };
 
   bool isIdle(int node) const {
-    const double* const acts = m_acts.data() + block * node;
+    const double* const acts = m_acts.data() + stride * node;
     return acts[0] == 0 && acts[1] == 0 && acts[2] == 0;
   }
   bool isWhole(int node) const {
-    const double* const acts = m_acts.data() + block * node;
+    const double* const acts = m_acts.data() + stride * node;
     return acts[0] != 0 && acts[1] != 0 && acts[2] != 0;
   }
   void assemble();
+  void addProducts();
+  void subtractProducts(const std::vector<char>& asked, std::vector<Matrix6d>& answers) const;
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
   int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
@@ -113,16 +126,19 @@ class JointMatrix {
   /// In the order of elimination: joints, and bodies that stay (numbers from that of joints on), each with those later ones that it
   /// is coupled to.
   std::vector<MinimumDegree::Column> m_columns;
-  std::vector<int> m_size;       ///< of each joint: rows
-  std::vector<int> m_node;       ///< where each joint begins, and each body that stays
-  std::vector<size_t> m_places;  ///< of the blocks, as forEachBlock visits them
-  std::vector<Rows> m_rows;      ///< of each node on either body
+  std::vector<int> m_size;         ///< of each joint: rows
+  std::vector<int> m_node;         ///< where each joint begins, and each body that stays
+  std::vector<Joint> m_bodies_of;  ///< of each node; none: it is that of a body
+  std::vector<Product> m_products;
+  std::vector<Staying> m_staying;
+  std::vector<Rows> m_rows;  ///< of each node on either body
   std::vector<Coupling> m_couplings;
   std::vector<double> m_root_K, m_softness;  ///< of each row
   std::vector<double> m_acts;                ///< of each row: 1, or 0
   bool m_is_assembled = false;
   std::vector<char> m_is_in_matrix;  ///< of each node
-  std::vector<double> m_matrix;  ///< of all rows of those, without softness, where the factor has blocks
+  std::vector<double>
+      m_matrix;  ///< of all rows of those, without softness, where the factor has blocks
   std::vector<InverseInertia> m_bodies;
   SymmetricFactor m_factor;
   std::vector<double> m_inverse;  ///< of K, where the factor has blocks

@@ -129,7 +129,7 @@ double PoseCorrection::findResidual() {
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     if (!m_closes[r]) return;
     const double left = m_u[r] - m_goal[r];
-    m_work.x[m_K.row(c) + size_t(i)] = -left * row.by_root_K;
+    m_work.x[m_K.row(c, i)] = -left * row.by_root_K;
     largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
   });
   return largest * m_island.dt;
@@ -192,7 +192,7 @@ void PoseCorrection::shorten(PoseChange* changes) const {
   double most = 0, moved = 0;  // m
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t) {
     const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    const double open = std::abs(m_open[m_K.row(c) + size_t(i)]) * row.root_K * m_island.dt;
+    const double open = std::abs(m_open[m_K.row(c, i)]) * row.root_K * m_island.dt;
     for (int side = 0; side < 2; ++side)
       if (joint.body[size_t(side)] >= 0) {
         const IslandBody& of = m_island.bodies[size_t(joint.body[size_t(side)])];

@@ -24,7 +24,7 @@ struct Workspace {
   std::vector<LawPiece> pieces;  ///< of each row: the piece of its law on which it is
   /// Of each row: the impulses of the parts of its law, where they are found part by part. Else empty.
   std::vector<AxisLaw::Parts> parts;
-  std::vector<double> softness;  ///< of each row that acts, relative to K
+  std::vector<double> softness;     ///< of each row that acts, relative to K
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
@@ -89,8 +89,8 @@ struct Workspace {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
-    pintle::reserve(rows, u, lambda, load, pieces, parts, softness, straight, goal, J, closes, bends,
-                    bounded, last_load, other.u, other.lambda, other.pieces);
+    pintle::reserve(rows, u, lambda, load, pieces, parts, softness, straight, goal, J, closes,
+                    bends, bounded, last_load, other.u, other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
     broyden.reserve(unknowns);
   }

@@ -7,63 +7,191 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// to -= a b^T, all 3 x 3.
-inline void subtractProduct(const double* a, const double* b, double* to) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      to[3 * i + j] -=
-          a[3 * i] * b[3 * j] + a[3 * i + 1] * b[3 * j + 1] + a[3 * i + 2] * b[3 * j + 2];
+constexpr int block_size = SymmetricFactor::size, block_stride = SymmetricFactor::stride,
+              block_area = block_size * block_stride;
+
+// A block: a lane for each row.
+struct Columns {
+  FourLanes of[block_size];
+
+  PINTLE_INLINE Columns() = default;
+  PINTLE_INLINE explicit Columns(const double* from) {
+    for (int k = 0; k < block_size; ++k) of[k].load(from + block_stride * k);
+  }
+  PINTLE_INLINE void store(double* to) const {
+    for (int k = 0; k < block_size; ++k) of[k].store(to + block_stride * k);
+  }
+  // -= a b
+  PINTLE_INLINE void subtractProduct(const Columns& a, const double* b) {
+    for (int s = 0; s < block_size; ++s)
+      for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * s + k]);
+  }
+  // -= a b^T
+  PINTLE_INLINE void subtractProductTransposed(const Columns& a, const double* b) {
+    for (int s = 0; s < block_size; ++s)
+      for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * k + s]);
+  }
+};
+
+PINTLE_INLINE Columns transposed(const double* a) {
+  double t[block_area] = {};
+  for (int i = 0; i < block_size; ++i)
+    for (int j = 0; j < block_size; ++j) t[block_stride * i + j] = a[block_stride * j + i];
+  return Columns(t);
 }
 
-// x -= a y
-inline void subtract(const double* a, const double* y, double* x) {
-  for (int i = 0; i < 3; ++i) x[i] -= a[3 * i] * y[0] + a[3 * i + 1] * y[1] + a[3 * i + 2] * y[2];
-}
-
-// x -= a^T y
-inline void subtractTransposed(const double* a, const double* y, double* x) {
-  for (int i = 0; i < 3; ++i) x[i] -= a[i] * y[0] + a[3 + i] * y[1] + a[6 + i] * y[2];
-}
-
-// Of a 3 x 3 block L D L^T, by rows: 1 / d_0; l_10, 1 / d_1; l_20, l_21, 1 / d_2. It is kept so, and not as its inverse: where rows
-// repeat each other, that has large numbers, whose rounding would be more than what is left of the others.
-bool factoriseBlock(double* a, double least_pivot) {
+// Of a block L D L^T: 1 / d_0; l_10, 1 / d_1; l_20, l_21, 1 / d_2, in its lower half. It is kept so, and not as its inverse: where
+// rows repeat each other, that has large numbers, whose rounding would be more than what is left of the others.
+PINTLE_INLINE bool factoriseBlock(double* a, double least_pivot) {
+  const auto in = SymmetricFactor::in;
   const auto pivot = [&](double d) {
     return std::abs(d) < least_pivot ? std::copysign(least_pivot, d) : d;
   };
-  const double d_0 = pivot(a[0]), i_0 = 1 / d_0, l_1 = a[3] * i_0, l_2 = a[6] * i_0;
-  const double d_1 = pivot(a[4] - l_1 * a[3]), i_1 = 1 / d_1, below = a[7] - l_2 * a[3],
-               m = below * i_1;
-  const double d_2 = pivot(a[8] - l_2 * a[6] - m * below);
+  const double a_10 = a[in(1, 0)], a_20 = a[in(2, 0)];
+  const double d_0 = pivot(a[0]), i_0 = 1 / d_0, l_1 = a_10 * i_0, l_2 = a_20 * i_0;
+  const double d_1 = pivot(a[in(1, 1)] - l_1 * a_10), i_1 = 1 / d_1,
+               below = a[in(2, 1)] - l_2 * a_10, m = below * i_1;
+  const double d_2 = pivot(a[in(2, 2)] - l_2 * a_20 - m * below);
   if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !std::isfinite(d_0 + d_1 + d_2)) return false;
   a[0] = i_0;
-  a[3] = l_1;
-  a[4] = i_1;
-  a[6] = l_2;
-  a[7] = m;
-  a[8] = 1 / d_2;
+  a[in(1, 0)] = l_1;
+  a[in(1, 1)] = i_1;
+  a[in(2, 0)] = l_2;
+  a[in(2, 1)] = m;
+  a[in(2, 2)] = 1 / d_2;
   return true;
 }
 
-// to = the solution of the block for x.
-inline void solveBlock(const double* f, const double* x, double* to) {
-  const double z_1 = x[1] - f[3] * x[0], z_2 = x[2] - f[6] * x[0] - f[7] * z_1;
-  const double y_2 = f[8] * z_2, y_1 = f[4] * z_1 - f[7] * y_2;
-  to[0] = f[0] * x[0] - f[3] * y_1 - f[6] * y_2;
-  to[1] = y_1;
-  to[2] = y_2;
+// x = D^-1 x
+PINTLE_INLINE void solveBlock(const double* f, double* x) {
+  const auto in = SymmetricFactor::in;
+  x[1] -= f[in(1, 0)] * x[0];
+  x[2] -= f[in(2, 0)] * x[0] + f[in(2, 1)] * x[1];
+  x[2] *= f[in(2, 2)];
+  x[1] = f[in(1, 1)] * x[1] - f[in(2, 1)] * x[2];
+  x[0] = f[0] * x[0] - f[in(1, 0)] * x[1] - f[in(2, 0)] * x[2];
 }
 
-// to -= a b; and of the transposed a.
-inline void subtractPlainProduct(const double* a, const double* b, double* to) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      to[3 * i + j] -= a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+// a = a D^-1: the same, of all rows of a.
+PINTLE_INLINE void solveRows(const double* f, Columns& a) {
+  const auto in = SymmetricFactor::in;
+  FourLanes* const x = a.of;
+  x[1].subtract(x[0], f[in(1, 0)]);
+  x[2].subtract(x[0], f[in(2, 0)]);
+  x[2].subtract(x[1], f[in(2, 1)]);
+  x[2].scale(f[in(2, 2)]);
+  x[1].scale(f[in(1, 1)]);
+  x[1].subtract(x[2], f[in(2, 1)]);
+  x[0].scale(f[0]);
+  x[0].subtract(x[1], f[in(1, 0)]);
+  x[0].subtract(x[2], f[in(2, 0)]);
 }
-inline void subtractTransposedProduct(const double* a, const double* b, double* to) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      to[3 * i + j] -= a[i] * b[j] + a[3 + i] * b[3 + j] + a[6 + i] * b[6 + j];
+
+// Of the blocks below the diagonal: the columns, and their rows.
+struct Pattern {
+  int blocks;
+  const int *first, *row;
+  const char* idle;
+};
+
+PINTLE_FOR_EACH_PROCESSOR bool factoriseAll(const Pattern& of, double* diagonal, double* below,
+                                            double least_pivot) {
+  for (int k = 0; k < of.blocks; ++k) {
+    if (of.idle[k]) continue;
+    double* const own = diagonal + block_area * k;
+    if (!factoriseBlock(own, least_pivot)) return false;
+    const int first = of.first[k], last = of.first[k + 1];
+    for (int q = first; q < last; ++q) {
+      // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
+      const int j = of.row[q];
+      if (of.idle[j]) continue;
+      double* const a_j = below + block_area * q;
+      Columns l_j(a_j), to_j(diagonal + block_area * j);
+      solveRows(own, l_j);
+      to_j.subtractProductTransposed(l_j, a_j);
+      to_j.store(diagonal + block_area * j);
+      l_j.store(a_j);
+      int to = of.first[j];
+      const bool same = of.first[j + 1] - to == last - q - 1;
+      for (int p = q + 1; p < last; ++p, ++to) {
+        const int i = of.row[p];
+        while (!same && of.row[to] != i) ++to;
+        if (of.idle[i]) continue;
+        Columns left(below + block_area * to);
+        left.subtractProductTransposed(Columns(below + block_area * p), a_j);
+        left.store(below + block_area * to);
+      }
+    }
+  }
+  return true;
+}
+
+PINTLE_FOR_EACH_PROCESSOR void solveAll(const Pattern& of, const double* diagonal,
+                                        const double* below, double* x) {
+  for (int k = 0; k < of.blocks; ++k) {
+    if (of.idle[k]) continue;
+    const double y_0 = x[block_stride * k], y_1 = x[block_stride * k + 1],
+                 y_2 = x[block_stride * k + 2];
+    for (int p = of.first[k]; p < of.first[k + 1]; ++p) {
+      const double* const l = below + block_area * p;
+      double* const x_i = x + block_stride * of.row[p];
+      FourLanes left(x_i);
+      left.subtract(FourLanes(l), y_0);
+      left.subtract(FourLanes(l + block_stride), y_1);
+      left.subtract(FourLanes(l + 2 * block_stride), y_2);
+      left.store(x_i);
+    }
+  }
+  for (int k = of.blocks - 1; k >= 0; --k) {
+    if (of.idle[k]) continue;
+    double* const own = x + block_stride * k;
+    solveBlock(diagonal + block_area * k, own);
+    FourLanes sum[block_size];
+    for (int p = of.first[k]; p < of.first[k + 1]; ++p) {
+      const FourLanes x_i(x + block_stride * of.row[p]);
+      for (int i = 0; i < block_size; ++i)
+        sum[i].add(FourLanes(below + block_area * p + block_stride * i), x_i);
+    }
+    for (int i = 0; i < block_size; ++i) own[i] -= sum[i][0] + sum[i][1] + sum[i][2];
+  }
+}
+
+// Z_ik = -sum of Z_ij L_jk over the rows j of column k; Z_kk = D_k^-1 - sum of L_jk^T Z_jk. From the last column on.
+PINTLE_FOR_EACH_PROCESSOR void invertAll(const Pattern& of, const double* D, const double* L,
+                                         double* diagonal, double* Z) {
+  for (int k = of.blocks - 1; k >= 0; --k) {
+    if (of.idle[k]) continue;
+    const int first = of.first[k], last = of.first[k + 1];
+    for (int q = first; q < last; ++q) {
+      const int j = of.row[q];
+      if (of.idle[j]) continue;
+      const double* const L_j = L + block_area * q;
+      Columns Z_j(Z + block_area * q);
+      Z_j.subtractProduct(Columns(diagonal + block_area * j), L_j);
+      int at = of.first[j];
+      const bool same = of.first[j + 1] - at == last - q - 1;
+      for (int p = q + 1; p < last; ++p, ++at) {
+        const int i = of.row[p];
+        while (!same && of.row[at] != i) ++at;
+        if (of.idle[i]) continue;
+        const double* const Z_ij = Z + block_area * at;
+        Columns Z_i(Z + block_area * p);
+        Z_i.subtractProduct(Columns(Z_ij), L_j);
+        Z_i.store(Z + block_area * p);
+        Z_j.subtractProduct(transposed(Z_ij), L + block_area * p);
+      }
+      Z_j.store(Z + block_area * q);
+    }
+    double* const own = diagonal + block_area * k;
+    for (int i = 0; i < block_size; ++i) {
+      own[block_stride * i + i] = 1;
+      solveBlock(D + block_area * k, own + block_stride * i);
+    }
+    Columns sum(own);
+    for (int q = first; q < last; ++q)
+      sum.subtractProduct(transposed(L + block_area * q), Z + block_area * q);
+    sum.store(own);
+  }
 }
 
 }  // namespace
@@ -114,91 +242,24 @@ void SymmetricFactor::set(const std::vector<double>& numbers) {
 }
 
 bool SymmetricFactor::factorise(double least_pivot) {
-  const int n = blocks();
+  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_idle.data()};
   double* const diagonal = m_numbers.data();
-  double* const below = diagonal + area * size_t(n);
-  for (int k = 0; k < n; ++k) {
-    if (m_idle[size_t(k)]) continue;
-    double* const own = diagonal + area * size_t(k);
-    if (!factoriseBlock(own, least_pivot)) return false;
-    const int first = m_first[size_t(k)], last = m_first[size_t(k) + 1];
-    for (int q = first; q < last; ++q) {
-      // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
-      const int j = m_row[size_t(q)];
-      if (m_idle[size_t(j)]) continue;
-      double* const a_j = below + area * size_t(q);
-      double l_j[area];
-      for (int i = 0; i < size; ++i) solveBlock(own, a_j + size * i, l_j + size * i);
-      subtractProduct(l_j, a_j, diagonal + area * size_t(j));
-      int to = m_first[size_t(j)];
-      const bool same = m_first[size_t(j) + 1] - to == last - q - 1;
-      for (int p = q + 1; p < last; ++p, ++to) {
-        const int i = m_row[size_t(p)];
-        while (!same && m_row[size_t(to)] != i) ++to;
-        if (m_idle[size_t(i)]) continue;
-        subtractProduct(below + area * size_t(p), l_j, below + area * size_t(to));
-      }
-      std::copy(l_j, l_j + area, a_j);
-    }
-  }
-  return true;
+  return factoriseAll(pattern, diagonal, diagonal + area * size_t(blocks()), least_pivot);
 }
 
 void SymmetricFactor::solve(double* x) const {
-  const int n = blocks();
+  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_idle.data()};
   const double* const diagonal = m_numbers.data();
-  const double* const below = diagonal + area * size_t(n);
-  for (int k = 0; k < n; ++k) {
-    if (m_idle[size_t(k)]) continue;
-    for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
-      subtract(below + area * size_t(p), x + size * k, x + size * m_row[size_t(p)]);
-  }
-  for (int k = n - 1; k >= 0; --k) {
-    if (m_idle[size_t(k)]) continue;
-    double* const own = x + size * k;
-    const double y[size] = {own[0], own[1], own[2]};
-    solveBlock(diagonal + area * size_t(k), y, own);
-    for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
-      subtractTransposed(below + area * size_t(p), x + size * m_row[size_t(p)], own);
-  }
+  solveAll(pattern, diagonal, diagonal + area * size_t(blocks()), x);
 }
 
-// Z_ik = -sum of Z_ij L_jk over the rows j of column k; Z_kk = D_k^-1 - sum of L_jk^T Z_jk. From the last column on.
 void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
-  const int n = blocks();
+  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_idle.data()};
   to.assign(m_numbers.size(), 0.);
-  const double* const factor = m_numbers.data();
-  const double* const L = factor + area * size_t(n);
+  const double* const D = m_numbers.data();
   double* const diagonal = to.data();
-  double* const Z = diagonal + area * size_t(n);
-  for (int k = n - 1; k >= 0; --k) {
-    if (m_idle[size_t(k)]) continue;
-    const int first = m_first[size_t(k)], last = m_first[size_t(k) + 1];
-    for (int q = first; q < last; ++q) {
-      const int j = m_row[size_t(q)];
-      if (m_idle[size_t(j)]) continue;
-      const double* const L_j = L + area * size_t(q);
-      double* const Z_j = Z + area * size_t(q);
-      subtractPlainProduct(diagonal + area * size_t(j), L_j, Z_j);
-      int at = m_first[size_t(j)];
-      const bool same = m_first[size_t(j) + 1] - at == last - q - 1;
-      for (int p = q + 1; p < last; ++p, ++at) {
-        const int i = m_row[size_t(p)];
-        while (!same && m_row[size_t(at)] != i) ++at;
-        if (m_idle[size_t(i)]) continue;
-        const double* const Z_ij = Z + area * size_t(at);
-        subtractPlainProduct(Z_ij, L_j, Z + area * size_t(p));
-        subtractTransposedProduct(Z_ij, L + area * size_t(p), Z_j);
-      }
-    }
-    double* const own = diagonal + area * size_t(k);
-    for (int i = 0; i < size; ++i) {
-      const double one[size] = {double(i == 0), double(i == 1), double(i == 2)};
-      solveBlock(factor + area * size_t(k), one, own + size * i);
-    }
-    for (int q = first; q < last; ++q)
-      subtractTransposedProduct(L + area * size_t(q), Z + area * size_t(q), own);
-  }
+  const size_t below = area * size_t(blocks());
+  invertAll(pattern, D, D + below, diagonal, diagonal + below);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -4,6 +4,7 @@
 
 #include <pintle/precision.h>
 #include <pintle/solver/bytes.h>
+#include <pintle/solver/linear/four_lanes.h>
 
 #include <vector>
 
@@ -13,15 +14,20 @@ inline namespace PINTLE_PRECISION {
 class SymmetricFactor {
  public:
   static constexpr int size = 3;  ///< of a block
+  /// From one block of a vector to the next, and from one column of a block to the next: what is left between is 0.
+  static constexpr int stride = FourLanes::count;
 
   /// Symbolic. `coupled[k]`: the blocks after k, in the order of elimination, that A couples to it. Allocates.
   void analyse(std::vector<std::vector<int>> coupled);
 
   int blocks() const { return int(m_first.size()) - 1; }
-  int unknowns() const { return size * blocks(); }
+  /// The numbers of a vector.
+  int unknowns() const { return stride * blocks(); }
   /// Where the block of row `i` and column `k` <= i is, which A or its factor must have.
   size_t place(int i, int k) const;
-  /// The nine numbers of a block, row by row. Those of the diagonal are both halves.
+  /// Of row `row` and column `column` of a block: where it is among its numbers. Blocks of the diagonal have both halves.
+  static constexpr size_t in(int row, int column) { return size_t(stride * column + row); }
+  /// The numbers of a block, column by column.
   double* at(size_t place) { return m_numbers.data() + place; }
   /// All of them, in the order of their places.
   size_t numbers() const { return m_numbers.size(); }
@@ -39,7 +45,7 @@ class SymmetricFactor {
   size_t bytes() const { return bytesOf(m_row, m_first, m_idle, m_numbers); }
 
  private:
-  static constexpr size_t area = size_t(size) * size_t(size);
+  static constexpr size_t area = size_t(size) * size_t(stride);
 
   std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
   std::vector<int> m_first;  ///< of each column in m_row
