@@ -138,7 +138,8 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
       }
   m_matrix.assign(m_factor.numbers(), 0.);
   m_is_in_matrix.assign(size_t(nodes), false);
-  m_is_assembled = false;
+  m_is_assembled = m_is_factorised = false;
+  m_inertia_of.assign(m_stays.size(), Matrix3d::Zero());
   m_products.clear();
   m_staying.clear();
   m_couplings.clear();
@@ -167,17 +168,23 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
   const int node = m_node[size_t(c)] + i / block;
   const double by_root = 1 / root_K;
   m_root_K[row(c, i)] = root_K;
-  m_is_assembled = false;
   for (int side = 0; side < 2; ++side) {
     const int body = m_joints[size_t(c)][size_t(side)];
     if (body < 0) continue;
     Rows& to = rows(node, side);
     const Vector3d L = by_root * J.L(side), A = by_root * J.A(side);
+    bool is_same = true;
+    const auto set = [&](double& number, double value) {
+      is_same = is_same && number == value;
+      number = value;
+    };
+    const Vector6d answer = m_bodies[size_t(body)].answer(L, A);
     for (int k = 0; k < 3; ++k) {
-      to.J[k][i % block] = L[k];
-      to.J[3 + k][i % block] = A[k];
+      set(to.J[k][i % block], L[k]);
+      set(to.J[3 + k][i % block], A[k]);
     }
-    Eigen::Map<Vector6d>(to.answer[i % block]) = m_bodies[size_t(body)].answer(L, A);
+    for (int k = 0; k < 6; ++k) set(to.answer[i % block][k], answer[k]);
+    if (!is_same) m_is_assembled = m_is_factorised = false;
   }
 }
 
@@ -236,6 +243,13 @@ void JointMatrix::assemble() {
 
 // Rows that do not act are coupled to nothing, and have 1 on the diagonal.
 bool JointMatrix::factorise(double least_pivot) {
+  for (size_t b = 0; b < m_stays.size(); ++b) {
+    if (!m_stays[b] || m_inertia_of[b] == m_bodies[b].angular) continue;
+    m_inertia_of[b] = m_bodies[b].angular;
+    m_is_assembled = m_is_factorised = false;
+  }
+  if (m_is_factorised && m_least_pivot == least_pivot) return true;
+  m_least_pivot = least_pivot;
   for (int k = 0; m_is_assembled && k < m_factor.blocks(); ++k)
     m_is_assembled = m_is_in_matrix[size_t(k)] || isIdle(k);
   if (!m_is_assembled) assemble();
@@ -255,7 +269,8 @@ bool JointMatrix::factorise(double least_pivot) {
     double* const to = m_factor.at(m_factor.place(k, k));
     for (int i = 0; i < block; ++i) to[in(i, i)] += m_softness[size_t(stride * k + i)];
   }
-  return m_factor.factorise(least_pivot);
+  m_is_factorised = m_factor.factorise(least_pivot);
+  return m_is_factorised;
 }
 
 namespace {
@@ -410,7 +425,7 @@ size_t JointMatrix::bytes() const {
   for (const auto& column : m_columns) sum += bytesOf(column.coupled);
   return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_bodies_of,
                        m_products, m_staying, m_rows, m_couplings, m_root_K, m_softness, m_acts,
-                       m_is_in_matrix, m_matrix, m_bodies, m_inverse);
+                       m_is_in_matrix, m_matrix, m_bodies, m_inertia_of, m_inverse);
 }
 
 }  // namespace PINTLE_PRECISION

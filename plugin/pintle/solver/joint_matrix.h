@@ -53,9 +53,12 @@ class JointMatrix {
   /// is no unknown. Set before each factor.
   void setActing(int c, int i, bool acts, double softness) {
     const size_t at = row(c, i);
-    m_softness[at] = acts ? softness : 1;
+    const double next = acts ? softness : 1;
+    if (m_softness[at] != next || (m_acts[at] != 0) != acts) m_is_factorised = false;
+    m_softness[at] = next;
     m_acts[at] = acts;
   }
+  /// (Nothing is done where it is the same matrix as before.)
   bool factorise(double least_pivot);
 
   /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
@@ -135,11 +138,13 @@ class JointMatrix {
   std::vector<Coupling> m_couplings;
   std::vector<double> m_root_K, m_softness;  ///< of each row
   std::vector<double> m_acts;                ///< of each row: 1, or 0
-  bool m_is_assembled = false;
+  bool m_is_assembled = false, m_is_factorised = false;
+  double m_least_pivot = 0;          ///< of that factor
   std::vector<char> m_is_in_matrix;  ///< of each node
   std::vector<double>
       m_matrix;  ///< of all rows of those, without softness, where the factor has blocks
   std::vector<InverseInertia> m_bodies;
+  std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: its inverse in the matrix
   SymmetricFactor m_factor;
   std::vector<double> m_inverse;  ///< of K, where the factor has blocks
 };
