@@ -23,7 +23,8 @@ class Chain : public testing::Test {
  protected:
   static constexpr int bodies = 6, rows_of_joint = 4;
 
-  void make(int contact_count) {
+  void make(int contact_count, bool with_motors = false) {
+    m_with_motors = with_motors;
     m_island = {};
     m_island.dt = 1. / 60;
     m_island.unmoved_bodies.emplace_back(Vector6d::Zero(), 0);
@@ -74,6 +75,8 @@ class Chain : public testing::Test {
   pintle::PassMemory m_memory;
 
  private:
+  bool m_with_motors = false;
+
   pintle::IslandBody body() {
     pintle::IslandBody to = {};
     to.start.setIdentity();
@@ -116,6 +119,10 @@ class Chain : public testing::Test {
         row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded});
       else
         row.law.add({random.uniform(-2, 0), 0, 0, AxisLaw::unbounded});
+      if (r == 3 && m_with_motors) {
+        const double most = random.uniform(0.1, 1);
+        row.law.add({random.uniform(-5, 5), 0, -most, most, true});
+      }
       m_island.rows.push_back(row);
     }
     m_island.joints.push_back(joint);
@@ -200,6 +207,39 @@ TEST_F(Chain, AllWaysLeadToTheSameVelocities) {
     for (size_t i = 0; i < slowly.size(); ++i)
       EXPECT_LT((m_velocities[i] - slowly[i]).norm(), 1e-5) << i;
   }
+}
+
+// A motor that presses on a stop: what each of them gives is what the passes have found of it, converged or not.
+TEST_F(Chain, EachPartOfALawKeepsItsOwnImpulse) {
+  int among_contacts = 0;
+  for (int trial = 0; trial < support::trials(60); ++trial) {
+    make(4, true);
+    for (const int passes : {1, 3, 2000}) {
+      solve(pintle::Sweep::all_at_once, passes);
+      if (m_memory.bounds.empty()) continue;
+      ++among_contacts;
+      size_t next = 0;
+      for (size_t r = 3; r < m_island.rows.size(); r += rows_of_joint) {
+        const AxisLaw& law = m_island.rows[r].law;
+        const AxisLaw::Parts parts = m_work.split(law, r);
+        double sum = 0;
+        for (int i = 0; i < law.parts(); ++i) {
+          EXPECT_EQ(parts[size_t(i)], m_memory.bounds[next++].impulse);
+          sum += parts[size_t(i)];
+        }
+        EXPECT_NEAR(sum, m_work.lambda[r], 1e-9 * (1 + std::abs(sum)));
+        if (passes < 2000) continue;
+        for (int i = 0; i < law.parts(); ++i) {
+          const pintle::LawPart& part = law.part(i);
+          const double off = m_work.u[r] - part.target;
+          if (std::abs(off) < 1e-5) continue;
+          EXPECT_NEAR(parts[size_t(i)], part.at(m_work.u[r]), 1e-6) << i;
+        }
+      }
+      EXPECT_EQ(next, m_memory.bounds.size());
+    }
+  }
+  EXPECT_GT(among_contacts, support::trials(60));
 }
 
 // Contacts that see only their own bodies find in many passes what joints bear with these.

@@ -261,6 +261,77 @@ TEST(JointMatrix, IsThatOfAnyTree) { compareAll(trees(), true); }
 TEST(JointMatrix, IsThatOfAnyLoops) { compareAll(loops(), true); }
 TEST(JointMatrix, RowsThatDoNotActAnswerAlone) { compareAll(loops(), false); }
 
+// A factor serves as long as its matrix is the same. Of a body that stays an unknown, the inertia is in the matrix beside its rows.
+TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
+  Random random(8);
+  constexpr int spokes = 20;
+  JointMatrix matrix;
+  std::vector<JointMatrix::Joint> joints;
+  for (int i = 1; i <= spokes; ++i) joints.push_back({0, i});
+  matrix.analyse(joints, JointMatrix::Locks(spokes + 1));
+  matrix.setSizes(std::vector<int>(spokes, 3));
+  std::vector<IslandBody> bodies;
+  for (int i = 0; i <= spokes; ++i) bodies.push_back(body(random, false));
+  const auto solved = [&](const Matrix3d& inertia_of_hub, double lever) {
+    IslandBody hub = bodies[0];
+    hub.inertia = inertia_of_hub;
+    hub.inverse_inertia = inertia_of_hub.inverse();
+    matrix.bodies().clear();
+    for (const IslandBody& of : bodies)
+      matrix.bodies().emplace_back(&of == &bodies[0] ? hub : of, Matrix3d::Zero());
+    for (int c = 0; c < spokes; ++c)
+      for (int i = 0; i < 3; ++i) {
+        const Vector3d n = Vector3d::Unit(i), r = Vector3d(0, c % 2 ? lever : 0, 0);
+        matrix.setRow(c, i, {-n, -r.cross(n), n, Vector3d::Zero()}, 1);
+        matrix.setActing(c, i, true, 0);
+      }
+    EXPECT_TRUE(matrix.factorise(0));
+    std::vector<double> x(matrix.unknowns(), 0.);
+    for (int c = 0; c < spokes; ++c) x[matrix.row(c, 0)] = 1 + c;
+    matrix.solve(x.data());
+    return x;
+  };
+  const std::vector<double> first = solved(bodies[0].inertia, 1);
+  EXPECT_EQ(solved(bodies[0].inertia, 1), first);
+  const Matrix3d other = 2 * bodies[0].inertia;
+  const std::vector<double> second = solved(other, 1), third = solved(bodies[0].inertia, 2);
+  EXPECT_NE(second, first);
+  EXPECT_NE(third, first);
+  for (const bool is_new : {true, false}) {  // a matrix that has known no other one finds the same
+    if (is_new) matrix.setSizes(std::vector<int>(spokes, 3));
+    EXPECT_EQ(solved(other, 1), second);
+    EXPECT_EQ(solved(bodies[0].inertia, 2), third);
+    EXPECT_EQ(solved(bodies[0].inertia, 1), first);
+  }
+}
+
+TEST(FourLanes, AreFourNumbers) {
+  Random random(9);
+  for (int trial = 0; trial < 100; ++trial) {
+    double a[4], b[4], sum[4], by = random.uniform(-2, 2);
+    for (int i = 0; i < 4; ++i) {
+      a[i] = random.uniform(-2, 2);
+      b[i] = random.uniform(-2, 2);
+    }
+    pintle::FourLanes of(a);
+    of.add(pintle::FourLanes(b), by);
+    of.subtract(pintle::FourLanes(a), pintle::FourLanes(b));
+    of.scale(by);
+    of.store(sum);
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_NEAR(sum[i], (a[i] + b[i] * by - a[i] * b[i]) * by, 1e-14);
+      EXPECT_EQ(of[i], sum[i]);
+    }
+    pintle::FourLanes most;
+    for (const double* const to : {a, b}) most.raiseTo(pintle::FourLanes(to));
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(most[i], std::max(std::abs(a[i]), std::abs(b[i])));
+    b[2] = std::nan("");  // is not lost
+    for (const double* const to : {a, b, a}) most.raiseTo(pintle::FourLanes(to));
+    EXPECT_TRUE(std::isnan(most[2]));
+    EXPECT_FALSE(std::isnan(most[1]));
+  }
+}
+
 // Two bodies of many joints that are joined themselves: such a joint has no pivot before one of them.
 TEST(JointMatrix, HoldsStarsThatAreJoined) {
   Graph stars{"stars", 32, {}};
