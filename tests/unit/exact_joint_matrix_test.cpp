@@ -25,7 +25,7 @@ Eigen::MatrixXd numbers(int rows, int columns, Random& random) {
 
 // By a factor, whose vectors have gaps.
 Eigen::VectorXd solved(const SymmetricFactor& factor, const Eigen::VectorXd& b) {
-  std::vector<double> x(size_t(factor.unknowns()), 0.);
+  std::vector<double> x(size_t(factor.vectorSize()), 0.);
   const auto at = [](Eigen::Index k) { return size_t(k / 3 * SymmetricFactor::stride + k % 3); };
   for (Eigen::Index k = 0; k < b.size(); ++k) x[at(k)] = b[k];
   factor.solve(x.data());
@@ -120,6 +120,7 @@ struct Problem {
   Eigen::MatrixXd J, acting, inverse_A, K;
   std::vector<std::vector<char>> acts;  ///< of each joint
   std::vector<int> first;
+  std::vector<double> roots;  ///< of K, of each row
 
   Problem(JointMatrix& matrix, const Graph& graph, const std::vector<int>& sizes, bool all_act,
           Random& random) {
@@ -150,6 +151,7 @@ struct Problem {
         const RowJacobian row = {numbers(3, 1, random), numbers(3, 1, random),
                                  numbers(3, 1, random), numbers(3, 1, random)};
         const double root_K = random.uniform(0.5, 2);
+        roots.push_back(root_K);
         if (acts[c].back()) softness[r] = 0.1;
         for (int side = 0; side < 2; ++side) {
           const int b = graph.joints[c][size_t(side)];
@@ -172,7 +174,7 @@ struct Problem {
   void compare(JointMatrix& matrix, const std::string& name, Random& random) const {
     ASSERT_TRUE(matrix.factorise(0)) << name;
     const Eigen::VectorXd b = numbers(int(K.rows()), 1, random), x = K.llt().solve(b);
-    std::vector<double> y(matrix.unknowns(), 0.);
+    std::vector<double> y(matrix.vectorSize(), 0.);
     for (size_t c = 0; c < first.size(); ++c)
       for (size_t i = 0; i < acts[c].size(); ++i)
         y[matrix.row(int(c), int(i))] = b[first[c] + Eigen::Index(i)];
@@ -190,6 +192,7 @@ struct Problem {
       ASSERT_LT((v[k] - expected.segment<6>(6 * Eigen::Index(k))).norm(), 1e-8 * expected.norm())
           << name;
     compareAnswers(matrix, name);
+    compareResidual(matrix, name, random);
     std::vector<Vector6d> w;
     Eigen::VectorXd all_w(J.cols());
     for (size_t k = 0; k < v.size(); ++k) {
@@ -203,6 +206,41 @@ struct Problem {
       for (size_t i = 0; i < acts[c].size(); ++i)
         ASSERT_NEAR(y[matrix.row(int(c), int(i))], -along[first[c] + Eigen::Index(i)], 1e-12)
             << name;
+  }
+  void compareResidual(const JointMatrix& matrix, const std::string& name, Random& random) const {
+    const Eigen::VectorXd v = numbers(int(J.cols()), 1, random),
+                          aims = numbers(int(J.rows()), 1, random),
+                          impulses = numbers(int(J.rows()), 1, random),
+                          softness = (K - acting * inverse_A * acting.transpose()).diagonal();
+    std::vector<Vector6d> of_bodies;
+    for (Eigen::Index k = 0; k < v.size(); k += 6) of_bodies.push_back(v.segment<6>(k));
+    std::vector<double> aim(matrix.vectorSize(), 0.), y = aim, x = aim;
+    const auto forEach = [&](const auto& visit) {
+      for (size_t c = 0; c < first.size(); ++c)
+        for (size_t i = 0; i < acts[c].size(); ++i)
+          visit(first[c] + Eigen::Index(i), matrix.row(int(c), int(i)), acts[c][i] != 0);
+    };
+    forEach([&](Eigen::Index r, size_t at, bool) {
+      aim[at] = aims[r];
+      y[at] = impulses[r];
+    });
+    const auto find = [&] {
+      return matrix.findResidual(aim.data(), y.data(), of_bodies.data(), x.data());
+    };
+    const double most = find();
+    double largest = 0;
+    size_t last = aim.size();
+    forEach([&](Eigen::Index r, size_t at, bool is_acting) {
+      const double left =
+          is_acting ? aims[r] - softness[r] * impulses[r] - acting.row(r).dot(v) : 0;
+      ASSERT_NEAR(x[at], left, 1e-12) << name;
+      largest = std::max(largest, std::abs(left) * roots[size_t(r)]);
+      if (is_acting) last = at;
+    });
+    ASSERT_NEAR(most, largest, 1e-12) << name;
+    if (last == aim.size()) return;
+    aim[last] = std::nan("");
+    ASSERT_EQ(find(), pintle::infinity) << name;
   }
   // Other rows of those that are set.
   void actOtherwise(JointMatrix& matrix, Random& random) {
@@ -286,7 +324,7 @@ TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
         matrix.setActing(c, i, true, 0);
       }
     EXPECT_TRUE(matrix.factorise(0));
-    std::vector<double> x(matrix.unknowns(), 0.);
+    std::vector<double> x(matrix.vectorSize(), 0.);
     for (int c = 0; c < spokes; ++c) x[matrix.row(c, 0)] = 1 + c;
     matrix.solve(x.data());
     return x;
@@ -308,7 +346,7 @@ TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
 TEST(FourLanes, AreFourNumbers) {
   Random random(9);
   for (int trial = 0; trial < 100; ++trial) {
-    double a[4], b[4], sum[4], by = random.uniform(-2, 2);
+    double anywhere[5], *const a = anywhere + 1, b[4], sum[4], by = random.uniform(-2, 2);
     for (int i = 0; i < 4; ++i) {
       a[i] = random.uniform(-2, 2);
       b[i] = random.uniform(-2, 2);
@@ -323,10 +361,10 @@ TEST(FourLanes, AreFourNumbers) {
       EXPECT_EQ(of[i], sum[i]);
     }
     pintle::FourLanes most;
-    for (const double* const to : {a, b}) most.raiseTo(pintle::FourLanes(to));
+    for (const double* const to : {a, &b[0]}) most.maxAbs(pintle::FourLanes(to));
     for (int i = 0; i < 4; ++i) EXPECT_EQ(most[i], std::max(std::abs(a[i]), std::abs(b[i])));
     b[2] = std::nan("");  // is not lost
-    for (const double* const to : {a, b, a}) most.raiseTo(pintle::FourLanes(to));
+    for (const double* const to : {a, &b[0], a}) most.maxAbs(pintle::FourLanes(to));
     EXPECT_TRUE(std::isnan(most[2]));
     EXPECT_FALSE(std::isnan(most[1]));
   }

@@ -14,9 +14,9 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   work.parts.clear();
   work.u.resize(rows);
   work.softness.assign(rows, 0.);
-  work.y.assign(K.unknowns(), 0.);
-  work.x.assign(K.unknowns(), 0.);
-  work.aim.assign(K.unknowns(), 0.);
+  work.y.assign(K.vectorSize(), 0.);
+  work.x.assign(K.vectorSize(), 0.);
+  work.aim.assign(K.vectorSize(), 0.);
   work.bounded.clear();
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
     work.y[at] = work.lambda[r] * row.root_K;
@@ -123,7 +123,7 @@ double ActiveSet::findResidual() {
         piece.acts ? m_work.u[r] - piece.target + m_work.softness[r] * row.root_K * m_work.y[at]
                    : 0;
     m_work.x[at] = -left * row.by_root_K;
-    largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
+    largest = std::abs(left) <= largest ? largest : std::isnan(left) ? infinity : std::abs(left);
   });
   return largest * m_island.dt;
 }

@@ -178,22 +178,22 @@ class Passes {
   PassMemory& m_memory;
 };
 
-// By what contacts have changed in this pass.
+// Contacts change their bodies by what they have changed in this pass: one A^-1 for each body, and not for each row.
 void Passes::pushBodies() {
-  std::vector<Vector6d>& impulses = m_memory.impulses;
-  impulses.assign(m_velocities.size(), Vector6d::Zero());
+  std::vector<Vector6d>& changes = m_memory.changes;
+  changes.assign(m_velocities.size(), Vector6d::Zero());
   forEachRow([&](const ContactRow& row) {
     const double by = row.impulse - row.before;
     for (size_t side = 0; by != 0 && side < 2; ++side) {
       if (row.body[side] < 0) continue;
-      Vector6d& to = impulses[size_t(row.body[side])];
+      Vector6d& to = changes[size_t(row.body[side])];
       to.head<3>() += by * row.J.L(int(side));
       to.tail<3>() += by * row.J.A(int(side));
     }
   });
-  for (size_t i = 0; i < impulses.size(); ++i) {
+  for (size_t i = 0; i < changes.size(); ++i) {
     if (!m_memory.touched[i]) continue;
-    const Vector3d along = impulses[i].head<3>(), about = impulses[i].tail<3>();
+    const Vector3d along = changes[i].head<3>(), about = changes[i].tail<3>();
     const InverseInertia* const alone = m_memory.sources[i].alone;
     m_velocities[i] +=
         alone != nullptr ? alone->answer(along, about) : m_island.bodies[i].answer(along, about);
@@ -202,7 +202,7 @@ void Passes::pushBodies() {
 
 // Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
 double Passes::passAtOnce() {
-  std::vector<Vector6d>&start = m_memory.start, &impulses = m_memory.impulses;
+  std::vector<Vector6d>&start = m_memory.start, &changes = m_memory.changes;
   start = m_velocities;
   forEachRow([](ContactRow& row) { row.before = row.impulse; });
   for (BlockSolver& block : blocks()) block.beginPass();
@@ -226,8 +226,8 @@ double Passes::passAtOnce() {
   });
   for (size_t i = 0; i < start.size(); ++i) {
     if (!m_memory.touched[i]) continue;
-    slope += impulses[i].dot(start[i]);
-    bend += impulses[i].dot(m_velocities[i] - start[i]);
+    slope += changes[i].dot(start[i]);
+    bend += changes[i].dot(m_velocities[i] - start[i]);
   }
   if (!(slope < 0) || !(bend > -slope)) return largest;
   const double part = -slope / bend;

@@ -15,9 +15,9 @@ inline namespace PINTLE_PRECISION {
 
 /// Memory of the passes.
 struct PassMemory {
-  size_t bytes() const { return bytesOf(sources, touched, start, impulses, bounds, blocks); }
+  size_t bytes() const { return bytesOf(sources, touched, start, changes, bounds, blocks); }
   void reserve(size_t of_bodies, size_t components, size_t of_bounds) {
-    pintle::reserve(of_bodies, sources, touched, start, impulses);
+    pintle::reserve(of_bodies, sources, touched, start, changes);
     pintle::reserve(of_bounds, bounds);
     pintle::reserve(components, blocks);
   }
@@ -29,7 +29,7 @@ struct PassMemory {
   std::vector<Source> sources;     ///< of each body: what impulses do to it
   std::vector<char> touched;       ///< of each body: by contacts
   std::vector<Vector6d> start;     ///< of each body: its velocity before a pass
-  std::vector<Vector6d> impulses;  ///< of each body: of contacts, in a pass
+  std::vector<Vector6d> changes;   ///< of each body: of the impulses of contacts, in a pass
   std::vector<ContactRow> bounds;  ///< rows of joints that are solved as contacts are, part by part
   std::vector<BlockSolver> blocks;
 };

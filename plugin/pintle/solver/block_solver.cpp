@@ -32,8 +32,8 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   return std::fmax(change, pass.error / m_island.dt);
 }
 
-// All rows at once, with one factor. Which of them act is found before the first pass over contacts. From then on these are to change
-// nothing about it.
+// All rows at once, with one factor. Which of them act is found before the first pass over contacts. A later pass that would change
+// that is undone, and rows with bounds go on as contacts do (Passes::settle).
 BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
   const bool among_passes = !m_alone && m_passes > 0;
   bool changes = false;

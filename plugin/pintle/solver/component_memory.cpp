@@ -55,7 +55,7 @@ void remember(const Island& island, const Component& component,
   if (same_sizes) return;
   memory->K.setSizes(sizes);
   memory->work.reserve(size_t(component.bodies), size_t(component.joints), size_t(component.rows),
-                       memory->K.unknowns());
+                       memory->K.vectorSize());
 }
 
 int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {

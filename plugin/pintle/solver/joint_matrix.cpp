@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -122,7 +123,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   }
   m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
-  const auto unknowns_of_all = size_t(m_factor.unknowns());
+  const auto unknowns_of_all = size_t(m_factor.vectorSize());
   m_root_K.assign(unknowns_of_all, 1.);
   m_softness.assign(unknowns_of_all, 1.);
   m_acts.assign(unknowns_of_all, 0.);
@@ -198,7 +199,7 @@ PINTLE_INLINE void addVelocity(const double (&J)[6][FourLanes::count], const dou
 
 }  // namespace
 
-PINTLE_FOR_EACH_PROCESSOR void JointMatrix::addProducts() {
+PINTLE_TARGET_CLONES void JointMatrix::addProducts() {
   for (const Product& of : m_products) {
     if (!m_is_in_matrix[size_t(of.i)] || !m_is_in_matrix[size_t(of.k)]) continue;
     const Rows &i = m_rows[size_t(of.rows_i)], &k = m_rows[size_t(of.rows_k)];
@@ -212,7 +213,7 @@ PINTLE_FOR_EACH_PROCESSOR void JointMatrix::addProducts() {
 }
 
 void JointMatrix::assemble() {
-  m_is_assembled = true;  // but for nodes that are idle now
+  m_is_assembled = true;
   std::fill(m_matrix.begin(), m_matrix.end(), 0.);
   const auto in = SymmetricFactor::in;
   for (size_t b = 0; b < m_ends.size(); ++b) {
@@ -244,8 +245,9 @@ void JointMatrix::assemble() {
 // Rows that do not act are coupled to nothing, and have 1 on the diagonal.
 bool JointMatrix::factorise(double least_pivot) {
   for (size_t b = 0; b < m_stays.size(); ++b) {
-    if (!m_stays[b] || m_inertia_of[b] == m_bodies[b].angular) continue;
-    m_inertia_of[b] = m_bodies[b].angular;
+    const Matrix3d inertia = m_bodies[b].scale[1] * m_bodies[b].angular;
+    if (!m_stays[b] || m_inertia_of[b] == inertia) continue;
+    m_inertia_of[b] = inertia;
     m_is_assembled = m_is_factorised = false;
   }
   if (m_is_factorised && m_least_pivot == least_pivot) return true;
@@ -305,8 +307,8 @@ PINTLE_INLINE void addSandwich(const double (&a)[3][stride], const double (&z)[3
 }  // namespace
 
 // Of each body: its products come one after the other.
-PINTLE_FOR_EACH_PROCESSOR void JointMatrix::subtractProducts(const std::vector<char>& asked,
-                                                             std::vector<Matrix6d>& answers) const {
+PINTLE_TARGET_CLONES void JointMatrix::subtractProducts(const std::vector<char>& asked,
+                                                        std::vector<Matrix6d>& answers) const {
   for (size_t from = 0; from < m_products.size();) {
     const int body = m_products[from].body;
     SixRows sum[6];
@@ -361,7 +363,7 @@ void JointMatrix::findAnswers(const std::vector<char>& asked, std::vector<Matrix
   }
 }
 
-PINTLE_FOR_EACH_PROCESSOR void JointMatrix::addResponse(const double* x, Vector6d* v) const {
+PINTLE_TARGET_CLONES void JointMatrix::addResponse(const double* x, Vector6d* v) const {
   const int nodes = m_factor.blocks();
   for (int node = 0; node < nodes; ++node) {
     const double* const by = x + stride * node;
@@ -383,7 +385,7 @@ PINTLE_FOR_EACH_PROCESSOR void JointMatrix::addResponse(const double* x, Vector6
   }
 }
 
-PINTLE_FOR_EACH_PROCESSOR void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
+PINTLE_TARGET_CLONES void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
   const int nodes = m_factor.blocks();
   for (int node = 0; node < nodes; ++node) {
     if (isIdle(node)) continue;
@@ -397,9 +399,9 @@ PINTLE_FOR_EACH_PROCESSOR void JointMatrix::subtractVelocities(const Vector6d* v
   }
 }
 
-PINTLE_FOR_EACH_PROCESSOR double JointMatrix::findResidual(const double* aim, const double* y,
-                                                           const Vector6d* v, double* x) const {
-  const size_t all = unknowns();
+PINTLE_TARGET_CLONES double JointMatrix::findResidual(const double* aim, const double* y,
+                                                      const Vector6d* v, double* x) const {
+  const size_t all = vectorSize();
   for (size_t at = 0; at < all; at += stride) {
     FourLanes left(aim + at);
     left.subtract(FourLanes(&m_softness[at]), FourLanes(y + at));
@@ -411,12 +413,12 @@ PINTLE_FOR_EACH_PROCESSOR double JointMatrix::findResidual(const double* aim, co
   for (size_t at = 0; at < all; at += stride) {
     FourLanes left(x + at);
     left.multiply(FourLanes(&m_root_K[at]));
-    most.raiseTo(left);
+    most.maxAbs(left);
   }
   double largest = 0;
-  for (int i = 0; i < stride; ++i)
+  for (int i = 0; i < block; ++i)
     if (!(most[i] <= largest)) largest = most[i];
-  return largest;
+  return std::isnan(most[0] + most[1] + most[2]) ? infinity : largest;
 }
 
 size_t JointMatrix::bytes() const {

@@ -63,7 +63,7 @@ class JointMatrix {
 
   /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
   /// x = K^-1 x. What lies between the joints' must be 0.
-  size_t unknowns() const { return size_t(m_factor.unknowns()); }
+  size_t vectorSize() const { return size_t(m_factor.vectorSize()); }
   size_t row(int c, int i) const {
     return size_t(SymmetricFactor::stride * (m_node[size_t(c)] + i / block) + i % block);
   }
@@ -75,7 +75,7 @@ class JointMatrix {
   void addResponse(const double* x, Vector6d* v) const;
   /// x -= J v of the rows that act.
   void subtractVelocities(const Vector6d* v, double* x) const;
-  /// x = what velocities v are off of `aim` - softness y, of the rows that act. Returns the most, not divided by root_K.
+  /// x = `aim` - softness y - J v of the rows that act. Returns the largest, in m/s or rad/s; infinity if one is not a number.
   double findResidual(const double* aim, const double* y, const Vector6d* v, double* x) const;
 
   size_t bytes() const;
@@ -138,13 +138,14 @@ class JointMatrix {
   std::vector<Coupling> m_couplings;
   std::vector<double> m_root_K, m_softness;  ///< of each row
   std::vector<double> m_acts;                ///< of each row: 1, or 0
-  bool m_is_assembled = false, m_is_factorised = false;
+  bool m_is_assembled = false;  ///< m_matrix is that of the rows, but for nodes that were idle
+  bool m_is_factorised = false;
   double m_least_pivot = 0;          ///< of that factor
   std::vector<char> m_is_in_matrix;  ///< of each node
   std::vector<double>
       m_matrix;  ///< of all rows of those, without softness, where the factor has blocks
   std::vector<InverseInertia> m_bodies;
-  std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: its inverse in the matrix
+  std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: their scaled inverse in the matrix
   SymmetricFactor m_factor;
   std::vector<double> m_inverse;  ///< of K, where the factor has blocks
 };

@@ -44,7 +44,6 @@ class PoseCorrection {
   const double m_tolerance;
   Workspace& m_work;
   JointMatrix& m_K;
-  bool m_has_start = true;  ///< K has the rows of the start, from the solve before
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
   std::vector<char>& m_bends =
@@ -92,12 +91,10 @@ bool PoseCorrection::findGoals() {
 
 // By the rows of the start, or of where bodies are now.
 bool PoseCorrection::factorise(bool at_end) {
-  const bool moves = at_end || !m_has_start;
-  if (moves) stiffen(m_island, m_component, m_work, m_K);
+  stiffen(m_island, m_component, m_work, m_K);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
-  m_has_start = !at_end;
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    if (moves) m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K);
+    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K);
     m_K.setActing(c, i, m_closes[r], m_options.dependent_softness);
   });
   m_work.broyden.begin();
@@ -130,7 +127,7 @@ double PoseCorrection::findResidual() {
     if (!m_closes[r]) return;
     const double left = m_u[r] - m_goal[r];
     m_work.x[m_K.row(c, i)] = -left * row.by_root_K;
-    largest = std::abs(left) <= largest ? largest : std::abs(left);  // and not finite if one is
+    largest = std::abs(left) <= largest ? largest : std::isnan(left) ? infinity : std::abs(left);
   });
   return largest * m_island.dt;
 }

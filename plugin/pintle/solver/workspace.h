@@ -89,8 +89,8 @@ struct Workspace {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
-    pintle::reserve(rows, u, lambda, load, pieces, parts, softness, straight, goal, J, closes,
-                    bends, bounded, last_load, other.u, other.lambda, other.pieces);
+    pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
+                    bounded, last_load, other.u, other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
     broyden.reserve(unknowns);
   }

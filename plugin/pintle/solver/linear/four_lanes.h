@@ -1,22 +1,24 @@
-// Purpose: four numbers at once, by the registers of the processor, where compilers know how. What is asked of each lane is done in the
-// same order by any of them: results do not depend on the processor.
+// Purpose: four numbers at once, in the registers of the processor where the compiler knows how.
 #pragma once
 
 #include <pintle/precision.h>
 
-/// Before a function that is made of them: it is compiled for processors with and without registers of four doubles. Which one runs is
-/// found when the program is loaded.
-#if defined(__GNUC__) && defined(__x86_64__) && defined(__linux__) && !defined(__AVX__)
-#define PINTLE_FOR_EACH_PROCESSOR __attribute__((target_clones("avx", "default")))
+/// Before a function that is made of them. It is compiled for processors with and without registers of four doubles, and the one that
+/// fits is taken when the program is loaded. Neither has fused multiply-add: both round alike, and so do all processors. (Clang links
+/// such functions by another name in each file; musl and thread sanitizers do not load them.)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__) && \
+    !defined(__SANITIZE_THREAD__) && !defined(__AVX__)
+#define PINTLE_TARGET_CLONES __attribute__((target_clones("avx", "default")))
 #else
-#define PINTLE_FOR_EACH_PROCESSOR
+#define PINTLE_TARGET_CLONES
 #endif
 
 #if defined(__GNUC__)
-#define PINTLE_INLINE inline __attribute__((always_inline))
+#define PINTLE_ALWAYS_INLINE __attribute__((always_inline))
 #else
-#define PINTLE_INLINE inline
+#define PINTLE_ALWAYS_INLINE
 #endif
+#define PINTLE_INLINE inline PINTLE_ALWAYS_INLINE
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -39,15 +41,18 @@ class FourLanes {
   PINTLE_INLINE void add(const FourLanes& a, const FourLanes& b) { m_of += a.m_of * b.m_of; }
   PINTLE_INLINE void subtract(const FourLanes& a, const FourLanes& b) { m_of -= a.m_of * b.m_of; }
   PINTLE_INLINE void multiply(const FourLanes& by) { m_of *= by.m_of; }
-  /// Each at least |a|, or what is not a number.
-  PINTLE_INLINE void raiseTo(const FourLanes& a) {
+  /// The larger one of each and |a|. What is not a number stays.
+  PINTLE_INLINE void maxAbs(const FourLanes& a) {
     const Four size = a.m_of < 0 ? -a.m_of : a.m_of;
-    m_of = (size > m_of) | (size != size) ? size : m_of;
+    m_of = ((size > m_of) | (size != size)) ? size : m_of;
   }
 
  private:
   using Four = double __attribute__((vector_size(32)));
-  using Anywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+  // At any double. (Clang takes an alignment at the name alone.)
+  using Anywhere __attribute__((aligned(alignof(double)), may_alias)) =
+      double __attribute__((vector_size(32)));
+  static_assert(alignof(Anywhere) == alignof(double), "loads are not aligned");
   Four m_of;
 #else
   void load(const double* from) {
@@ -74,7 +79,7 @@ class FourLanes {
   void multiply(const FourLanes& by) {
     for (int i = 0; i < count; ++i) m_of[i] *= by.m_of[i];
   }
-  void raiseTo(const FourLanes& a) {
+  void maxAbs(const FourLanes& a) {
     for (int i = 0; i < count; ++i) {
       const double size = a.m_of[i] < 0 ? -a.m_of[i] : a.m_of[i];
       if (size > m_of[i] || size != size) m_of[i] = size;

@@ -90,44 +90,72 @@ PINTLE_INLINE void solveRows(const double* f, Columns& a) {
 // Of the blocks below the diagonal: the columns, and their rows.
 struct Pattern {
   int blocks;
-  const int *first, *row;
+  const int *first, *row, *last;
   const char* idle;
 };
 
-PINTLE_FOR_EACH_PROCESSOR bool factoriseAll(const Pattern& of, double* diagonal, double* below,
-                                            double least_pivot) {
-  for (int k = 0; k < of.blocks; ++k) {
-    if (of.idle[k]) continue;
-    double* const own = diagonal + block_area * k;
-    if (!factoriseBlock(own, least_pivot)) return false;
-    const int first = of.first[k], last = of.first[k + 1];
-    for (int q = first; q < last; ++q) {
+// Columns that have the same rows below them, a supernode, leave what they do to later columns until all of them are done: then each
+// block there is changed once.
+PINTLE_TARGET_CLONES bool factoriseAll(const Pattern& of, double* diagonal, double* below,
+                                       double least_pivot, double* panel) {
+  for (int from = 0, last = 0; from < of.blocks; from = last + 1) {
+    last = of.last[from];
+    const int width = last + 1 - from, rows = of.first[last + 1] - of.first[last];
+    for (int k = from; k <= last; ++k) {
       // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
-      const int j = of.row[q];
+      double* const own = diagonal + block_area * k;
+      if (!of.idle[k] && !factoriseBlock(own, least_pivot)) return false;
+      const int inside = of.first[k] + last - k, end = inside + rows;
+      for (int q = of.first[k]; q < inside && !of.idle[k]; ++q) {
+        const int j = of.row[q];
+        if (of.idle[j]) continue;
+        double* const a_j = below + block_area * q;
+        Columns l_j(a_j), to_j(diagonal + block_area * j);
+        solveRows(own, l_j);
+        to_j.subtractProductTransposed(l_j, a_j);
+        to_j.store(diagonal + block_area * j);
+        l_j.store(a_j);
+        double* to = below + block_area * of.first[j];
+        for (int p = q + 1; p < end; ++p, to += block_area) {
+          if (of.idle[of.row[p]]) continue;
+          Columns left(to);
+          left.subtractProductTransposed(Columns(below + block_area * p), a_j);
+          left.store(to);
+        }
+      }
+      for (int p = inside; p < end; ++p) {
+        Columns a(below + block_area * p);
+        a.store(panel + block_area * ((p - inside) * width + k - from));
+        if (of.idle[k]) continue;
+        solveRows(own, a);
+        a.store(below + block_area * p);
+      }
+    }
+    const auto subtract = [&](double* to, int p, int q) PINTLE_ALWAYS_INLINE {
+      Columns left(to);
+      for (int k = from; k <= last; ++k)
+        left.subtractProductTransposed(Columns(panel + block_area * (p * width + k - from)),
+                                       below + block_area * (of.first[k] + last - k + q));
+      left.store(to);
+    };
+    for (int q = 0; q < rows; ++q) {
+      const int* const row = of.row + of.first[last];
+      const int j = row[q];
       if (of.idle[j]) continue;
-      double* const a_j = below + block_area * q;
-      Columns l_j(a_j), to_j(diagonal + block_area * j);
-      solveRows(own, l_j);
-      to_j.subtractProductTransposed(l_j, a_j);
-      to_j.store(diagonal + block_area * j);
-      l_j.store(a_j);
+      subtract(diagonal + block_area * j, q, q);
       int to = of.first[j];
-      const bool same = of.first[j + 1] - to == last - q - 1;
-      for (int p = q + 1; p < last; ++p, ++to) {
-        const int i = of.row[p];
-        while (!same && of.row[to] != i) ++to;
-        if (of.idle[i]) continue;
-        Columns left(below + block_area * to);
-        left.subtractProductTransposed(Columns(below + block_area * p), a_j);
-        left.store(below + block_area * to);
+      const bool same = of.first[j + 1] - to == rows - q - 1;
+      for (int p = q + 1; p < rows; ++p, ++to) {
+        while (!same && of.row[to] != row[p]) ++to;
+        if (!of.idle[row[p]]) subtract(below + block_area * to, p, q);
       }
     }
   }
   return true;
 }
 
-PINTLE_FOR_EACH_PROCESSOR void solveAll(const Pattern& of, const double* diagonal,
-                                        const double* below, double* x) {
+PINTLE_TARGET_CLONES void solveAll(const Pattern& of, const double* diagonal, const double* below,
+                                   double* x) {
   for (int k = 0; k < of.blocks; ++k) {
     if (of.idle[k]) continue;
     const double y_0 = x[block_stride * k], y_1 = x[block_stride * k + 1],
@@ -157,8 +185,8 @@ PINTLE_FOR_EACH_PROCESSOR void solveAll(const Pattern& of, const double* diagona
 }
 
 // Z_ik = -sum of Z_ij L_jk over the rows j of column k; Z_kk = D_k^-1 - sum of L_jk^T Z_jk. From the last column on.
-PINTLE_FOR_EACH_PROCESSOR void invertAll(const Pattern& of, const double* D, const double* L,
-                                         double* diagonal, double* Z) {
+PINTLE_TARGET_CLONES void invertAll(const Pattern& of, const double* D, const double* L,
+                                    double* diagonal, double* Z) {
   for (int k = of.blocks - 1; k >= 0; --k) {
     if (of.idle[k]) continue;
     const int first = of.first[k], last = of.first[k + 1];
@@ -227,6 +255,19 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   }
   m_numbers.resize(area * (n + m_row.size()));
   m_idle.assign(n, false);
+  m_last.resize(n);
+  size_t most = 0;  // blocks of a panel
+  for (int k = int(n); k-- > 0;) {
+    const int rows = m_first[size_t(k) + 1] - m_first[size_t(k)];
+    // The next column has the same rows, but itself.
+    const bool joins = rows > 0 && m_row[size_t(m_first[size_t(k)])] == k + 1 &&
+                       m_first[size_t(k) + 2] - m_first[size_t(k) + 1] == rows - 1;
+    m_last[size_t(k)] = joins ? m_last[size_t(k) + 1] : k;
+    const int last = m_last[size_t(k)];
+    most = std::max(
+        most, size_t(last + 1 - k) * size_t(m_first[size_t(last) + 1] - m_first[size_t(last)]));
+  }
+  m_panel.resize(area * most);
 }
 
 size_t SymmetricFactor::place(int i, int k) const {
@@ -242,19 +283,20 @@ void SymmetricFactor::set(const std::vector<double>& numbers) {
 }
 
 bool SymmetricFactor::factorise(double least_pivot) {
-  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_idle.data()};
+  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
   double* const diagonal = m_numbers.data();
-  return factoriseAll(pattern, diagonal, diagonal + area * size_t(blocks()), least_pivot);
+  return factoriseAll(pattern, diagonal, diagonal + area * size_t(blocks()), least_pivot,
+                      m_panel.data());
 }
 
 void SymmetricFactor::solve(double* x) const {
-  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_idle.data()};
+  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
   const double* const diagonal = m_numbers.data();
   solveAll(pattern, diagonal, diagonal + area * size_t(blocks()), x);
 }
 
 void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
-  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_idle.data()};
+  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
   to.assign(m_numbers.size(), 0.);
   const double* const D = m_numbers.data();
   double* const diagonal = to.data();

@@ -21,8 +21,8 @@ class SymmetricFactor {
   void analyse(std::vector<std::vector<int>> coupled);
 
   int blocks() const { return int(m_first.size()) - 1; }
-  /// The numbers of a vector.
-  int unknowns() const { return stride * blocks(); }
+  /// The length of a vector, with what lies between its blocks.
+  int vectorSize() const { return stride * blocks(); }
   /// Where the block of row `i` and column `k` <= i is, which A or its factor must have.
   size_t place(int i, int k) const;
   /// Of row `row` and column `column` of a block: where it is among its numbers. Blocks of the diagonal have both halves.
@@ -42,16 +42,18 @@ class SymmetricFactor {
   /// Of A^-1, the blocks that the factor has, too: each at its place in `to` (Takahashi, Fagan and Chen 1973).
   void invertWhereFactored(std::vector<double>& to) const;
 
-  size_t bytes() const { return bytesOf(m_row, m_first, m_idle, m_numbers); }
+  size_t bytes() const { return bytesOf(m_row, m_first, m_last, m_idle, m_numbers, m_panel); }
 
  private:
   static constexpr size_t area = size_t(size) * size_t(stride);
 
   std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
   std::vector<int> m_first;  ///< of each column in m_row
+  std::vector<int> m_last;  ///< of each column: the last one of those with the same rows below them
   std::vector<char> m_idle;
   /// Of the diagonal, then of those below: A, and then D, each block by its own factor, and L.
   std::vector<double> m_numbers;
+  std::vector<double> m_panel;  ///< memory of the factorisation
 };
 
 }  // namespace PINTLE_PRECISION
