@@ -113,7 +113,6 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
     bound.J = row.J;
     for (int i = 0; i < row.law.parts(); ++i) {
       const LawPart& part = row.law.part(i);
-      if (!std::isfinite(part.target)) continue;  // a stop that is not there
       bound.target = part.target - moved;
       bound.softness = part.softness > 0 ? part.softness : m_work.of_loop[size_t(of.joint)] * row.K;
       bound.lower = part.lower;
@@ -134,11 +133,8 @@ void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
   for (const ActiveSet::Place& of : m_set.bounded()) {
     AxisLaw::Parts& parts = m_work.parts[of.r];
     double impulse = 0;
-    for (int i = 0; i < of.row->law.parts(); ++i) {
-      const bool is_there = std::isfinite(of.row->law.part(i).target);
-      parts[size_t(i)] = is_there ? from[next++].impulse : 0;
-      impulse += parts[size_t(i)];
-    }
+    for (int i = 0; i < of.row->law.parts(); ++i)
+      impulse += parts[size_t(i)] = from[next++].impulse;
     m_work.y[of.at] = impulse * of.row->root_K;
     m_work.pieces[of.r].impulse = impulse;
   }

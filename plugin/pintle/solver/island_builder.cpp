@@ -270,7 +270,7 @@ void IslandBuilder::addRigidLimit(const IslandJoint& of, const Axis& axis, const
   } else if (limit.gap > 0) {
     state.incoming = btMax(Scalar(0), -limit.inward);
   }
-  row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
+  if (low > -double(infinity)) row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
   row.open = close(q < low ? q - low : q > high ? q - high : 0);
   // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
