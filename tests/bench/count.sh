@@ -9,7 +9,7 @@ if [ "${1-}" = --publish ]; then
   cd "$(dirname "${BASH_SOURCE[0]}")/../.."
   source demos/report/report.sh
   table=$(mktemp)
-  { echo '```'; bash tests/bench/count.sh; echo '```'; } >"$table"
+  { echo '```'; bash tests/bench/count.sh | sed 's/ *$//'; echo '```'; } >"$table"
   report_replace plugin/docs/benchmarks.md count "$table"
   rm "$table"
   exit
