@@ -34,6 +34,19 @@ Eigen::VectorXd solved(const SymmetricFactor& factor, const Eigen::VectorXd& b) 
   return found;
 }
 
+// What lies between columns and blocks takes part in all sums.
+void expectGapsAreZero(SymmetricFactor& factor) {
+  std::vector<double> inverse, x(size_t(factor.vectorSize()), 0.);
+  factor.invertWhereFactored(inverse);
+  for (size_t k = 0; k < x.size(); ++k) x[k] = k % SymmetricFactor::stride < 3 ? 1 : 0;
+  factor.solve(x.data());
+  for (size_t at = 3; at < factor.numbers(); at += SymmetricFactor::stride) {
+    ASSERT_EQ(*factor.at(at), 0);
+    ASSERT_EQ(inverse[at], 0);
+  }
+  for (size_t at = 3; at < x.size(); at += SymmetricFactor::stride) ASSERT_EQ(x[at], 0);
+}
+
 TEST(SymmetricFactor, SolvesAnyQuasiDefiniteMatrix) {
   Random random(3);
   for (int n = 1; n <= 12; ++n) {
@@ -64,6 +77,7 @@ TEST(SymmetricFactor, SolvesAnyQuasiDefiniteMatrix) {
     ASSERT_TRUE(factor.factorise(0));
     const Eigen::VectorXd b = numbers(3 * n, 1, random), x = A.partialPivLu().solve(b);
     const Eigen::VectorXd y = solved(factor, b);
+    expectGapsAreZero(factor);
     ASSERT_LT((y - x).norm(), 1e-12 * x.norm()) << n;
   }
 }
@@ -310,37 +324,65 @@ TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
   matrix.setSizes(std::vector<int>(spokes, 3));
   std::vector<IslandBody> bodies;
   for (int i = 0; i <= spokes; ++i) bodies.push_back(body(random, false));
-  const auto solved = [&](const Matrix3d& inertia_of_hub, double lever) {
+  struct Numbers {
+    Matrix3d inertia_of_hub;
+    double lever = 1, least_pivot = 0;
+    bool first_acts = true;
+  };
+  const auto solved = [&](const Numbers& of) {
     IslandBody hub = bodies[0];
-    hub.inertia = inertia_of_hub;
-    hub.inverse_inertia = inertia_of_hub.inverse();
+    hub.inertia = of.inertia_of_hub;
+    hub.inverse_inertia = of.inertia_of_hub.inverse();
     matrix.bodies().clear();
-    for (const IslandBody& of : bodies)
-      matrix.bodies().emplace_back(&of == &bodies[0] ? hub : of, Matrix3d::Zero());
+    for (const IslandBody& one : bodies)
+      matrix.bodies().emplace_back(&one == &bodies[0] ? hub : one, Matrix3d::Zero());
     for (int c = 0; c < spokes; ++c)
       for (int i = 0; i < 3; ++i) {
-        const Vector3d n = Vector3d::Unit(i), r = Vector3d(0, c % 2 ? lever : 0, 0);
+        const Vector3d n = Vector3d::Unit(i), r = Vector3d(0, c % 2 ? of.lever : 0, 0);
         matrix.setRow(c, i, {-n, -r.cross(n), n, Vector3d::Zero()}, 1);
-        matrix.setActing(c, i, true, 0);
+        matrix.setActing(c, i, of.first_acts || c > 0, 1);
       }
-    EXPECT_TRUE(matrix.factorise(0));
+    EXPECT_TRUE(matrix.factorise(of.least_pivot));
     std::vector<double> x(matrix.vectorSize(), 0.);
     for (int c = 0; c < spokes; ++c) x[matrix.row(c, 0)] = 1 + c;
     matrix.solve(x.data());
     return x;
   };
-  const std::vector<double> first = solved(bodies[0].inertia, 1);
-  EXPECT_EQ(solved(bodies[0].inertia, 1), first);
-  const Matrix3d other = 2 * bodies[0].inertia;
-  const std::vector<double> second = solved(other, 1), third = solved(bodies[0].inertia, 2);
-  EXPECT_NE(second, first);
-  EXPECT_NE(third, first);
-  for (const bool is_new : {true, false}) {  // a matrix that has known no other one finds the same
-    if (is_new) matrix.setSizes(std::vector<int>(spokes, 3));
-    EXPECT_EQ(solved(other, 1), second);
-    EXPECT_EQ(solved(bodies[0].inertia, 2), third);
-    EXPECT_EQ(solved(bodies[0].inertia, 1), first);
+  const Matrix3d& inertia = bodies[0].inertia;
+  const std::vector<Numbers> different = {
+      {inertia}, {2 * inertia}, {inertia, 2}, {inertia, 1, 100}, {inertia, 1, 0, false}};
+  std::vector<std::vector<double>> alone;  // by a matrix that has known no other numbers
+  for (const Numbers& of : different) {
+    matrix.setSizes(std::vector<int>(spokes, 3));
+    alone.push_back(solved(of));
+    for (size_t k = 0; k + 1 < alone.size(); ++k) EXPECT_NE(alone[k], alone.back()) << k;
   }
+  for (size_t from = 0; from < different.size(); ++from)
+    for (size_t to = 0; to < different.size(); ++to) {
+      EXPECT_EQ(solved(different[from]), alone[from]);
+      EXPECT_EQ(solved(different[to]), alone[to]) << from << ", " << to;
+    }
+}
+
+// What has no solution leaves no factor behind.
+TEST(JointMatrix, ARefusedFactorIsNotKept) {
+  Random random(10);
+  JointMatrix matrix;
+  matrix.analyse({{-1, 0}}, JointMatrix::Locks(1));
+  matrix.setSizes({3});
+  matrix.bodies().emplace_back(body(random, false), Matrix3d::Zero());
+  const auto setRows = [&](const Vector3d& last) {
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d n = i < 2 ? Vector3d(Vector3d::Unit(i)) : last;
+      matrix.setRow(0, i, {-n, Vector3d::Zero(), n, Vector3d::Zero()}, 1);
+      matrix.setActing(0, i, true, 0);
+    }
+  };
+  setRows(Vector3d::Zero());
+  EXPECT_FALSE(matrix.factorise(0));
+  EXPECT_FALSE(matrix.factorise(0));
+  setRows(Vector3d::UnitZ());
+  EXPECT_TRUE(matrix.factorise(0));
 }
 
 TEST(FourLanes, AreFourNumbers) {
