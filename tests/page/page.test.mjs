@@ -354,12 +354,18 @@ test('keys play, step, change panes, speed and options', async () => {
 });
 
 test('a link keeps scene, panes, time and camera', async () => {
+  const linked = () => page.waitForFunction(() => {
+    const link = new URLSearchParams(location.hash.slice(1)), {time, view} = window.pintle.state();
+    const camera = (link.get('camera') ?? '').split(',').map(Number);
+    return Math.abs(Number(link.get('time')) - time) < 1e-3 &&
+           view.every((value, i) => Math.abs(value - camera[i]) < 1e-2 * (1 + Math.abs(value)));
+  });
   await page.keyboard.press('Home');
   await page.keyboard.press('2');
   await page.keyboard.press('Shift+ArrowRight');
   await page.keyboard.press('d');
-  await page.waitForTimeout(500);
   const isKept = async () => {
+    await linked();
     const was = await state(), link = page.url();
     await page.goto('about:blank');
     await page.goto(link);
@@ -378,7 +384,6 @@ test('a link keeps scene, panes, time and camera', async () => {
   await page.keyboard.press('End');
   await drawn();
   assert.ok(distance((await state()).view.slice(0, 3), view.slice(0, 3)) > 1);
-  await page.waitForTimeout(500);
   await isKept();
   await page.goto(`${small}#scene=chain_heavy&time=0.2&pane=stock&pane=pintle`);
   await drawn();

@@ -289,7 +289,8 @@ class App {
     if (this.controls?.playing || this.linkTimer !== 0) return;
     this.linkTimer = window.setTimeout(() => {
       this.linkTimer = 0;
-      this.writeLink();
+      if (this.stale) this.changed();  // the camera may go on with what it looks at when that is drawn
+      else this.writeLink();
     }, 250);
   }
 
