@@ -213,7 +213,8 @@ bool isOfArcs(const Island& island, const Component& component, const SolverOpti
 double balance(const Island& island, const Component& component, const SolverOptions& options,
                ComponentMemory& kept, PoseChange* changes) {
   EnergyLedger& ledger = kept.ledger;
-  ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
+  if (ledger.taken > 0)
+    ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
   const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
                excess = ledger.excess(kept.work_done, options.ledger_share);
   const bool by_arcs =

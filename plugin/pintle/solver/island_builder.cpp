@@ -140,13 +140,12 @@ void IslandBuilder::keepRow(IslandJoint& to) {
 void IslandBuilder::addOurs(IslandJoint& to) {
   Joint& joint = *to.ours;
   const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
-  std::array<RowShape, max_joint_rows> shapes;
-  const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, shapes.data());
+  const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
   to.equalities = rows.equalities();
   for (int i = 0; i < rows.size(); ++i) {
     IslandRow& row = newRow();
     row.start = rows[i];
-    row.shape = shapes[size_t(i)];
+    row.shape = m_shapes[size_t(i)];
     row.has_position = true;
     row.index = i;
     const bool is_axis = rows[i].axis >= 0;

@@ -60,7 +60,8 @@ class IslandBuilder {
   Island& m_island;
   const SolverOptions& m_options;
   btContactSolverInfo m_info;
-  std::vector<int> m_body_of;  ///< of Bullet's bodies
+  std::vector<int> m_body_of;                     ///< of Bullet's bodies
+  std::array<RowShape, max_joint_rows> m_shapes;  ///< of the rows of a joint
   bool m_has_springs = false;
   // Memory of `finish`.
   std::vector<double> m_springs;            ///< of each body

@@ -153,8 +153,8 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   kept.whirls = whirls(m_island, component, m_options, kept.K, kept.work);
-  return (isResolved(kept.work) && isOfArcs(m_island, component, m_options, kept)) ||
-         kept.ledger.mayGive(kept.work_done, m_options.ledger_share);
+  return kept.ledger.mayGive(kept.work_done, m_options.ledger_share) ||
+         (isResolved(kept.work) && isOfArcs(m_island, component, m_options, kept));
 }
 
 // Where the first tier gives too much, the second one may lose more than that: then it is balanced.
