@@ -93,7 +93,7 @@ void ActiveSet::release(const std::vector<Place>& rows) {
 }
 
 void ActiveSet::setRows() {
-  const bool any_moves = m_island.unmoved_bodies.size() > 1;
+  const bool any_moves = m_island.anyUnmovedMoves();
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
     const LawPiece& piece = m_work.pieces[r];
     double& softness = m_work.softness[r];

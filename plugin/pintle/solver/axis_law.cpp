@@ -7,8 +7,7 @@ inline namespace PINTLE_PRECISION {
 
 // Lambda falls with u. So u - free - K Lambda(u) rises, and has one zero: on a slope, on a level, or on the vertical piece of a
 // rigid part. Its corners are the ends of all parts. (Most laws are one rigid part, or two stops.)
-LawPiece AxisLaw::meet(double free, double K) const {
-  if (isEquality()) return {true, m_part[0].target, m_part[0].softness, 0};
+LawPiece AxisLaw::meetWithBounds(double free, double K) const {
   if (m_parts == 1 && !(m_part[0].softness > 0)) {
     const LawPart& part = m_part[0];
     const double impulse = (part.target - free) / K;

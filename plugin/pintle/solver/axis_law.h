@@ -125,7 +125,10 @@ class AxisLaw {
     return sum;
   }
   /// The piece on which u = free + K Lambda and Lambda(u) meet.
-  LawPiece meet(double free, double K) const;
+  LawPiece meet(double free, double K) const {
+    return isEquality() ? LawPiece{true, m_part[0].target, m_part[0].softness, 0}
+                        : meetWithBounds(free, K);
+  }
   using Parts = std::array<double, max_parts>;
   /// How the impulse of the whole is made of its parts' at that velocity.
   void split(double u, double impulse, Parts& of) const;
@@ -133,6 +136,8 @@ class AxisLaw {
   static constexpr double unbounded = LawPart::unbounded;
 
  private:
+  LawPiece meetWithBounds(double free, double K) const;
+
   LawPart m_part[max_parts];
   int m_parts = 0;
 };

@@ -88,7 +88,7 @@ SolveReport Chord::run() {
   if (!factorise() || !startFromForeseen()) return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.
   const bool may_wander =
-      isResolved(m_work) &&
+      m_work.is_resolved &&
       (m_options.may_wander || shareOfArcs(m_work.v, m_island.dt) > m_options.ledger_share);
   broyden.begin(may_wander);
   for (bool changed = end(); !m_report.converged; changed = end()) {

@@ -63,7 +63,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
     const Vector6d& v = end.v[size_t(i)];
     work += body.product(v - body.v_free, v + body.*start) / 2;
   }
-  const bool over_forces = start == &IslandBody::v_free;
+  const bool over_forces = start == &IslandBody::v_free, any_moves = island.anyUnmovedMoves();
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const auto mean = [&](int side) {
@@ -83,7 +83,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
                 std::fmin(row.rebound_energy, std::fmax(0, (end.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
-      work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
+      if (any_moves) work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
     }
   }
   return work;

@@ -225,6 +225,8 @@ struct Island {
   const Vector6d& velocity(int body, const Vector6d* v, int first = 0) const {
     return body < 0 ? unmovedBody(body).v : v[body - first];
   }
+  /// Whether any body that nothing else moves is moved by its owner.
+  bool anyUnmovedMoves() const { return unmoved_bodies.size() > 1; }
   /// J v of those bodies of a joint that nothing moves, but their owner.
   double velocityOfUnmoved(const IslandJoint& joint, const RowJacobian& J) const {
     double u = 0;

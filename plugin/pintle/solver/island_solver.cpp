@@ -154,7 +154,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.work_done = workOfJoints(m_island, component, kept.work);
   kept.whirls = whirls(m_island, component, m_options, kept.K, kept.work);
   return kept.ledger.mayGive(kept.work_done, m_options.ledger_share) ||
-         (isResolved(kept.work) && isOfArcs(m_island, component, m_options, kept));
+         (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));
 }
 
 // Where the first tier gives too much, the second one may lose more than that: then it is balanced.
@@ -359,7 +359,7 @@ void IslandSolver::finishComponents() {
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
     report(component, memoryOf(component));
-    m_is_resolved.push_back(isResolved(memoryOf(component).work));
+    m_is_resolved.push_back(memoryOf(component).work.is_resolved);
   }
   gatherVelocities();
   if (!m_contacts.empty())

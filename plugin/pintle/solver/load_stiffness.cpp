@@ -61,6 +61,7 @@ void findStiffness(const Island& island, const Component& component, double stab
                    Workspace& work) {
   std::vector<Matrix3d>& stiffness = work.stiffness;
   stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
+  work.is_resolved = true;
   if (!mayBeFast(island, component, stable_swing, work)) return;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
@@ -84,6 +85,7 @@ void findStiffness(const Island& island, const Component& component, double stab
     Matrix3d& of = stiffness[size_t(i)];
     of = clipped(island.dt / stable_swing * of -
                  island.bodies[size_t(component.first_body + i)].inertia);
+    work.is_resolved = work.is_resolved && of.isZero(0);
   }
 }
 
@@ -101,11 +103,6 @@ bool foreseeLoad(const Island& island, const Component& component, double stable
     if (is > 2 * was || was > 2 * is) return true;
   }
   return false;
-}
-
-bool isResolved(const Workspace& work) {
-  return std::all_of(work.stiffness.begin(), work.stiffness.end(),
-                     [](const Matrix3d& of) { return of.isZero(0); });
 }
 
 void stiffen(const Island& island, const Component& component, const Workspace& work,

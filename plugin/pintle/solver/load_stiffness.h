@@ -21,8 +21,6 @@ void findStiffness(const Island& island, const Component& component, double stab
 /// foreseen.
 bool foreseeLoad(const Island& island, const Component& component, double stable_swing,
                  Workspace& work);
-/// Whether no body swings faster than that: each step resolves what its bodies do.
-bool isResolved(const Workspace& work);
 /// The inertia of the bodies of K: their own, and work.stiffness.
 void stiffen(const Island& island, const Component& component, const Workspace& work,
              JointMatrix& K);

@@ -39,17 +39,18 @@ void findSoftness(const Island& island, const Component& component, const Solver
   const double give = options.newton_tolerance / 10 / island.dt;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& of = island.joints[size_t(component.first_joint + c)];
-    double load2 = 0;  // m/s: what its impulses change velocities by
     int with_bounds = 0;
-    for (int i = 0; i < of.rows; ++i) {
-      const IslandRow& row = island.rows[size_t(of.first_row + i)];
-      const double change = row.K * work.lambda[size_t(of.row_of_component + i)];
-      load2 += change * change;
-      if (!row.law.isEquality()) ++with_bounds;
-    }
+    for (int i = 0; i < of.rows; ++i)
+      if (!island.rows[size_t(of.first_row + i)].law.isEquality()) ++with_bounds;
     if (!in_loop[size_t(c)] && with_bounds < 2) {
       softness[size_t(c)] = 0;
       continue;
+    }
+    double load2 = 0;  // m/s: what its impulses change velocities by
+    for (int i = 0; i < of.rows; ++i) {
+      const double change =
+          island.rows[size_t(of.first_row + i)].K * work.lambda[size_t(of.row_of_component + i)];
+      load2 += change * change;
     }
     const double load = std::sqrt(load2);
     if (load * softness[size_t(c)] > give) softness[size_t(c)] = give / load;

@@ -26,6 +26,7 @@ struct Workspace {
   std::vector<AxisLaw::Parts> parts;
   std::vector<double> softness;     ///< of each row that acts, relative to K
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
+  bool is_resolved = true;          ///< none: steps resolve the swing of all bodies
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
   /// What a solve has found.
