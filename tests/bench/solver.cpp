@@ -42,6 +42,13 @@ using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
 std::unique_ptr<btConstraintSolver> exact() { return std::make_unique<ExactJointSolver>(); }
+std::unique_ptr<btConstraintSolver> toAMicrometre() {
+  auto solver = std::make_unique<ExactJointSolver>();
+  pintle::SolverOptions options = solver->options();
+  options.newton_tolerance = options.pose_tolerance = options.loose_pose_tolerance = 1e-6;
+  solver->setOptions(options);
+  return solver;
+}
 
 class Dantzig : public btMLCPSolver {
  public:
@@ -162,20 +169,30 @@ struct Measured {
 // Where body i of a chain or of a binary tree is. A chain goes to and fro in rows of a hundred, so that it stays
 // where single precision knows positions well; a tree branches in x, y and z by turns, each time by less, so that
 // its bodies are apart.
-Eigen::Vector3d place(int i, bool tree) {
+enum class Shape { chain, tree, star };
+const char* nameOf(Shape shape) {
+  return shape == Shape::chain ? "chain" : shape == Shape::tree ? "tree" : "star";
+}
+
+Eigen::Vector3d place(int i, Shape shape) {
   const int row = i / 100, in_row = i % 100;
-  if (!tree) return {double(row), 0, -0.5 - (row % 2 == 0 ? in_row : 99 - in_row)};
+  if (shape == Shape::star) {  // around the first one
+    const double angle = 0.06283 * in_row;
+    return i == 0 ? Eigen::Vector3d(0, 0, 0)
+                  : Eigen::Vector3d(8 * std::cos(angle), 8 * std::sin(angle), 2. * row);
+  }
+  if (shape == Shape::chain) return {double(row), 0, -0.5 - (row % 2 == 0 ? in_row : 99 - in_row)};
   if (i == 0) return {0, 0, 0};
   const int depth = int(std::floor(std::log2(i + 1.))) - 1;
   Eigen::Vector3d branch = Eigen::Vector3d::Zero();
   branch[depth % 3] = (i % 2 == 0 ? 1 : -1) * 12. / (1 << (depth / 3));
-  return place((i - 1) / 2, tree) + branch;
+  return place((i - 1) / 2, shape) + branch;
 }
 
 // Ball joints, each half way between two bodies, hold them to the world: without gravity, which would make the
 // load of a joint depend on how many there are.
 template <class Ball>
-Measured hang(int joints, bool tree, const SolverFactory& make_solver, int steps,
+Measured hang(int joints, Shape shape, const SolverFactory& make_solver, int steps,
               int iterations = 10) {
   ExactJointSolver* solver = nullptr;
   scenes::World world(0, iterations, [&] {
@@ -184,14 +201,16 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver, int steps
     solver = dynamic_cast<ExactJointSolver*>(made.get());
     return made;
   });
-  const auto parent = [tree](int i) { return tree ? (i - 1) / 2 : i - 1; };
+  const auto parent = [shape](int i) {
+    return shape == Shape::star ? 0 : shape == Shape::tree ? (i - 1) / 2 : i - 1;
+  };
   const auto lever = [&](int i) -> Eigen::Vector3d {
-    return (place(i, tree) - place(parent(i), tree)) / 2;
+    return (place(i, shape) - place(parent(i), shape)) / 2;
   };
   std::vector<btRigidBody*> links;
   for (int i = 0; i < joints; ++i) {
     links.push_back(&world.add_box(1, btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.5)),
-                                   scenes::pose_at(scenes::to_bullet(place(i, tree)))));
+                                   scenes::pose_at(scenes::to_bullet(place(i, shape)))));
     if (i == 0)
       world.add_joint<Ball>(*links[0], btVector3(0, 0, btScalar(0.5)));
     else
@@ -215,30 +234,29 @@ Measured hang(int joints, bool tree, const SolverFactory& make_solver, int steps
   return result;
 }
 
-Measured hang(int joints, bool tree, bool is_exact, int steps, int iterations = 10) {
-  return is_exact ? hang<pintle::BallJoint>(joints, tree, exact, steps)
-                  : hang<btPoint2PointConstraint>(joints, tree, {}, steps, iterations);
+Measured hang(int joints, Shape shape, bool is_exact, int steps, int iterations = 10) {
+  return is_exact ? hang<pintle::BallJoint>(joints, shape, exact, steps)
+                  : hang<btPoint2PointConstraint>(joints, shape, {}, steps, iterations);
 }
 
 void scaling() {
   // Without iterations Bullet's step takes what it does whatever solves it.
   std::printf("\n%-8s %8s %14s %14s %14s %8s %12s %12s\n", "", "joints", "stock us/joint",
               "0 iterations", "exact us/joint", "ratio", "bytes/joint", "gap m");
-  for (const bool tree : {false, true}) {
+  for (const Shape shape : {Shape::chain, Shape::tree, Shape::star}) {
     Each smallest = {};
     for (const int joints : {10, 100, 1000, 10000}) {
       const int steps = std::max(5, 5000 / joints);
-      const auto r = inTurn<Measured>({[&] { return hang(joints, tree, false, steps); },
-                                       [&] { return hang(joints, tree, false, steps, 0); },
-                                       [&] { return hang(joints, tree, true, steps); }},
+      const auto r = inTurn<Measured>({[&] { return hang(joints, shape, false, steps); },
+                                       [&] { return hang(joints, shape, false, steps, 0); },
+                                       [&] { return hang(joints, shape, true, steps); }},
                                       joints <= 1000 ? 25 : 5);
       const auto each = [&](size_t i) { return r[i].microseconds_per_step / joints; };
-      std::printf("%-8s %8d %14.3f %14.3f %14.3f %8.2f %12.0f %12.1e\n", tree ? "tree" : "chain",
-                  joints, each(0), each(1), each(2), each(2) / each(0), r[2].bytes / joints,
-                  r[2].max_gap);
+      std::printf("%-8s %8d %14.3f %14.3f %14.3f %8.2f %12.0f %12.1e\n", nameOf(shape), joints,
+                  each(0), each(1), each(2), each(2) / each(0), r[2].bytes / joints, r[2].max_gap);
       const Each now = {each(0), each(2)};
       if (joints == 10) smallest = now;
-      addCost(tree ? "tree" : "chain", joints, now, smallest, r[2].bytes);
+      addCost(nameOf(shape), joints, now, smallest, r[2].bytes);
     }
   }
 }
@@ -304,22 +322,31 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
 void grid() {
   std::printf("\n%-14s %8s %14s %14s %8s %12s %12s %12s\n", "net", "joints", "stock us/joint",
               "exact us/joint", "ratio", "bytes/joint", "stock gap m", "exact gap m");
-  Each smallest = {};
+  Each smallest = {}, smallest_to_micrometre = {};
   for (const int size : {5, 10, 20, 30}) {
     int joints = 0;
     const auto r =
         inTurn<Measured>({[&] { return net<btPoint2PointConstraint>(size, {}, joints); },
                           [&] { return net<pintle::BallJoint>(size, exact, joints); },
-                          [&] { return net<btPoint2PointConstraint>(size, exact, joints); }});
+                          [&] { return net<btPoint2PointConstraint>(size, exact, joints); },
+                          [&] { return net<pintle::BallJoint>(size, toAMicrometre, joints); }});
     const Each now = {r[0].microseconds_per_step / joints, r[1].microseconds_per_step / joints};
-    if (size == 5) smallest = now;
+    const Each to_micrometre = {now.stock, r[3].microseconds_per_step / joints};
+    if (size == 5) {
+      smallest = now;
+      smallest_to_micrometre = to_micrometre;
+    }
     addCost("net", joints, now, smallest, r[1].bytes);
+    addCost("net, tolerances of 1e-6 m", joints, to_micrometre, smallest_to_micrometre, r[3].bytes);
     if (size == 30)
       addHolds("net of 30 x 30 bodies, " + std::to_string(joints) + " ball joints", r[0], r[1],
                r[2]);
     std::printf("%3d x %-8d %8d %14.3f %14.3f %8.2f %12.0f %12.1e %12.1e\n", size, size, joints,
                 now.stock, now.exact, r[1].microseconds_per_step / r[0].microseconds_per_step,
                 r[1].bytes / joints, r[0].mean_gap, r[1].mean_gap);
+    std::printf("%14s %8s %14s %14.3f %8.2f %12.0f %12s %12.1e\n", "to 1e-6 m", "", "",
+                to_micrometre.exact, to_micrometre.exact / now.stock, r[3].bytes / joints, "",
+                r[3].mean_gap);
   }
 }
 
@@ -432,8 +459,8 @@ void tangles() {
 
 int main(int argc, char** argv) {
   if (argc == 6 && std::strcmp(argv[1], "steps") == 0) {
-    hang(std::atoi(argv[3]), std::strcmp(argv[2], "tree") == 0, std::strcmp(argv[4], "exact") == 0,
-         std::atoi(argv[5]));
+    hang(std::atoi(argv[3]), std::strcmp(argv[2], "tree") == 0 ? Shape::tree : Shape::chain,
+         std::strcmp(argv[4], "exact") == 0, std::atoi(argv[5]));
     return 0;
   }
   const struct {
