@@ -135,7 +135,7 @@ void record(const Scene& scene, const Kind& kind, Runs& runs, JsonArray& figures
   options.name = kind.name;
   options.scene = scene.name;
   options.title = headline(scene);
-  options.text = description(scene);
+  options.text = scene.text;
   options.group = name(scene.group);
   options.detail = kind.detail;
   options.colour = contender.colour;
@@ -179,7 +179,8 @@ void write(const Options& options, std::vector<Scene> scenes) {
     throw std::runtime_error("--json: cannot write " + options.json);
   Progress progress(double(scenes.size()));
   Runs runs;
-  for (const Scene& scene : scenes) {
+  for (Scene& scene : scenes) {
+    scene.text = description(scene);
     for (const Kind& kind : kinds) {
       if (Options::has(options.contenders, kind.contender)) record(scene, kind, runs, figures);
     }

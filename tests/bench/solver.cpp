@@ -166,14 +166,13 @@ struct Measured {
   double microseconds_per_step = 0, mean_gap = 0, max_gap = 0, bytes = 0;
 };
 
-// Where body i of a chain or of a binary tree is. A chain goes to and fro in rows of a hundred, so that it stays
-// where single precision knows positions well; a tree branches in x, y and z by turns, each time by less, so that
-// its bodies are apart.
 enum class Shape { chain, tree, star };
 const char* nameOf(Shape shape) {
   return shape == Shape::chain ? "chain" : shape == Shape::tree ? "tree" : "star";
 }
 
+// Where body i is. A chain goes to and fro in rows of a hundred, so that it stays where single precision knows
+// positions well; a binary tree branches in x, y and z by turns, each time by less, so that its bodies are apart.
 Eigen::Vector3d place(int i, Shape shape) {
   const int row = i / 100, in_row = i % 100;
   if (shape == Shape::star) {  // around the first one

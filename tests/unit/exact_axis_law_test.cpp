@@ -191,8 +191,7 @@ TEST(AxisLaw, SplitsAmongItsParts) {
     const AxisLaw law = anyLaw(1 + n % AxisLaw::max_parts, random);
     const double free = random.uniform(-20, 20), K = std::pow(10, random.uniform(-2, 2));
     const Point met(law.meet(free, K), free, K);
-    AxisLaw::Parts of;
-    law.split(met.u, met.lambda, of);
+    const AxisLaw::Parts of = law.split(met.u, met.lambda);
     double sum = 0;
     for (int i = 0; i < law.parts(); ++i) {
       const LawPart& part = law.part(i);
@@ -215,8 +214,7 @@ TEST(AxisLaw, SplitsWhatAStopHasNotTakenYet) {
   law.add({-1, 0, 0, unbounded});
   law.add({1, 0, -unbounded, 0});
   for (const double impulse : {0., 1.5, 7.}) {
-    AxisLaw::Parts of;
-    law.split(-3, impulse, of);
+    const AxisLaw::Parts of = law.split(-3, impulse);
     EXPECT_EQ(of[0], std::min(impulse, 2.)) << impulse;
     EXPECT_EQ(of[1], std::max(impulse - 2, 0.)) << impulse;
     EXPECT_EQ(of[2], 0) << impulse;

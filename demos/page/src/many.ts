@@ -9,6 +9,9 @@ const perRow = 256;   // bodies in a row of the texture
 const texels = 4;     // of a body: three rows of its matrix, and its colour
 const maxVertices = 4e6;
 
+export const sun = new THREE.Vector3(-0.45, -0.75, 1.35).normalize();  // where it stands
+const inShader = (vector: THREE.Vector3): string => `vec3(${vector.toArray().map((value) => value.toFixed(4)).join(', ')})`;
+
 const declarations = `
 attribute float many;
 uniform highp sampler2D manyData;
@@ -52,7 +55,7 @@ export const plainMaterial = (): THREE.ShaderMaterial => new THREE.ShaderMateria
     varying vec3 lit;
     void main() {
       float above = 0.5 + 0.5 * normal.z;
-      float sun = max(0.0, dot(normal, vec3(-0.28, -0.47, 0.84)));
+      float sun = max(0.0, dot(normal, ${inShader(sun)}));
       lit = sqrt(bodyColour * (0.30 + 0.22 * above + 0.62 * sun));
       gl_Position = projectionMatrix * (viewMatrix * vec4(position, 1.0));
     }`,
@@ -65,7 +68,7 @@ export const flatMaterial = ({normal, constant}: THREE.Plane): THREE.ShaderMater
   vertexShader: `
     uniform vec4 plane;
     void main() {
-      vec3 sun = vec3(-0.33, -0.56, 1.0);
+      vec3 sun = ${inShader(sun.clone().divideScalar(sun.z))};
       float way = max(0.0, dot(plane, vec4(position, 1.0))) / max(0.1, dot(plane.xyz, sun));
       gl_Position = projectionMatrix * (viewMatrix * vec4(position - way * sun, 1.0));
     }`,

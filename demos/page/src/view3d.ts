@@ -5,7 +5,7 @@ import * as THREE from 'three';
 import {mix} from './colours';
 import type {OpenRun} from './data';
 import {Joints3d, type JointOptions} from './joints3d';
-import {flatMaterial, Many, plainMaterial} from './many';
+import {flatMaterial, Many, plainMaterial, sun} from './many';
 import {geometryOf, radiusOf} from './shapes';
 
 export interface ViewOptions extends JointOptions {
@@ -24,7 +24,6 @@ export interface Framing {
   path: THREE.Vector3[];     // of the centre, by frames of the run that is trusted; empty: it stays
 }
 
-const sun = new THREE.Vector3(-0.45, -0.75, 1.35).normalize();  // where it stands
 const pose = new Float32Array(7);
 const position = new THREE.Vector3(), turn = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1),
       matrix = new THREE.Matrix4(), identity = new THREE.Matrix4();

@@ -123,7 +123,7 @@ double ActiveSet::findResidual() {
         piece.acts ? m_work.u[r] - piece.target + m_work.softness[r] * row.root_K * m_work.y[at]
                    : 0;
     m_work.x[at] = -left * row.by_root_K;
-    largest = std::abs(left) <= largest ? largest : std::isnan(left) ? infinity : std::abs(left);
+    largest = larger(largest, left);
   });
   return largest * m_island.dt;
 }

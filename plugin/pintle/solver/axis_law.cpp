@@ -83,8 +83,9 @@ LawPiece AxisLaw::meetWithBounds(double free, double K) const {
   return {false, 0, 0, level};
 }
 
-void AxisLaw::split(double u, double impulse, Parts& to) const {
-  double* const of = to.data();
+AxisLaw::Parts AxisLaw::split(double u, double impulse) const {
+  Parts parts = {};
+  double* const of = parts.data();
   double rest = impulse;
   bool open[max_parts];  // on its vertical piece, or beyond a stop: its impulse is not given by u
   for (int i = 0; i < m_parts; ++i) {
@@ -103,6 +104,7 @@ void AxisLaw::split(double u, double impulse, Parts& to) const {
       of[i] = std::clamp(before + rest, part.lower, part.upper);
       rest -= of[i] - before;
     }
+  return parts;
 }
 
 }  // namespace PINTLE_PRECISION

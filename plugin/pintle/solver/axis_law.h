@@ -131,7 +131,7 @@ class AxisLaw {
   }
   using Parts = std::array<double, max_parts>;
   /// How the impulse of the whole is made of its parts' at that velocity.
-  void split(double u, double impulse, Parts& of) const;
+  Parts split(double u, double impulse) const;
 
   static constexpr double unbounded = LawPart::unbounded;
 

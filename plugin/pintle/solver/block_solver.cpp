@@ -100,9 +100,9 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
     const IslandRow& row = *of.row;
     double& y = m_work.y[of.at];
     const double impulse = y * row.by_root_K;
-    AxisLaw::Parts parts;
+    const AxisLaw::Parts parts =
+        row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse);
     double sum = 0;
-    row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse, parts);
     for (int i = 0; i < row.law.parts(); ++i) sum += parts[size_t(i)];
     m_work.x[of.at] = sum * row.root_K - y;
     y = sum * row.root_K;

@@ -41,6 +41,11 @@ inline Vector6d freeVelocity(const btSolverBody& of) {
   return v;
 }
 
+/// The larger one of `most` and |left|; infinity where that is not a number.
+inline double larger(double most, double left) {
+  return std::abs(left) <= most ? most : std::isnan(left) ? infinity : std::abs(left);
+}
+
 /// d u / d(velocities): of body a and of body b, each linear and angular.
 struct RowJacobian {
   Vector3d L_a, A_a, L_b, A_b;

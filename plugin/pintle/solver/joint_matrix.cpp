@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -123,10 +122,10 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   }
   m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
-  const auto unknowns_of_all = size_t(m_factor.vectorSize());
-  m_root_K.assign(unknowns_of_all, 1.);
-  m_softness.assign(unknowns_of_all, 1.);
-  m_acts.assign(unknowns_of_all, 0.);
+  const auto vector_size = size_t(m_factor.vectorSize());
+  m_root_K.assign(vector_size, 1.);
+  m_softness.assign(vector_size, 1.);
+  m_acts.assign(vector_size, 0.);
   m_bodies_of.assign(size_t(nodes), {-1, -1});
   for (size_t c = 0; c < m_joints.size(); ++c)
     std::fill_n(m_bodies_of.begin() + m_node[c], nodesOf(int(c)), m_joints[c]);
@@ -245,8 +244,9 @@ void JointMatrix::assemble() {
 // Rows that do not act are coupled to nothing, and have 1 on the diagonal.
 bool JointMatrix::factorise(double least_pivot) {
   for (size_t b = 0; b < m_stays.size(); ++b) {
+    if (!m_stays[b]) continue;
     const Matrix3d inertia = m_bodies[b].scale[1] * m_bodies[b].angular;
-    if (!m_stays[b] || m_inertia_of[b] == inertia) continue;
+    if (m_inertia_of[b] == inertia) continue;
     m_inertia_of[b] = inertia;
     m_is_assembled = m_is_factorised = false;
   }
@@ -328,9 +328,8 @@ PINTLE_TARGET_CLONES double JointMatrix::findResidual(const double* aim, const d
     most.maxAbs(left);
   }
   double largest = 0;
-  for (int i = 0; i < block; ++i)
-    if (!(most[i] <= largest)) largest = most[i];
-  return std::isnan(most[0] + most[1] + most[2]) ? infinity : largest;
+  for (int i = 0; i < block; ++i) largest = larger(largest, most[i]);
+  return largest;
 }
 
 size_t JointMatrix::bytes() const {

@@ -127,7 +127,7 @@ double PoseCorrection::findResidual() {
     if (!m_closes[r]) return;
     const double left = m_u[r] - m_goal[r];
     m_work.x[m_K.row(c, i)] = -left * row.by_root_K;
-    largest = std::abs(left) <= largest ? largest : std::isnan(left) ? infinity : std::abs(left);
+    largest = larger(largest, left);
   });
   return largest * m_island.dt;
 }

@@ -52,10 +52,8 @@ struct Workspace {
 
   /// The impulses of the parts of the law of row r.
   AxisLaw::Parts split(const AxisLaw& law, size_t r) const {
-    AxisLaw::Parts of = {};
     if (!parts.empty() && !law.isEquality()) return parts[r];
-    law.split(pieces[r].velocityAt(u[r], lambda[r]), lambda[r], of);
-    return of;
+    return law.split(pieces[r].velocityAt(u[r], lambda[r]), lambda[r]);
   }
 
   // Memory of the solves.
