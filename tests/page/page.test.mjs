@@ -385,6 +385,12 @@ test('a link keeps scene, panes, time and camera', async () => {
   await drawn();
   assert.ok(distance((await state()).view.slice(0, 3), view.slice(0, 3)) > 1);
   await isKept();
+  // A link that comes just before the page would write its own.
+  await page.evaluate(() => {
+    location.hash = '#scene=valve&time=0.5';
+    document.getElementById('link').click();
+  });
+  await page.waitForFunction(() => window.pintle.state().scene === 'valve');
   await page.goto(`${small}#scene=chain_heavy&time=0.2&pane=stock&pane=pintle`);
   await drawn();
 });

@@ -28,6 +28,7 @@ class App {
   private stale = true;  // something is to be drawn
   private tab: Tab = 'plots';
   private linkTimer = 0;
+  private link = location.hash;  // as the page last read or wrote it
   private said = 0;      // ms: when the words were last brought up to date
   private saidTime = 0;  // s: and to which time
 
@@ -208,7 +209,7 @@ class App {
     this.scene = null;
     for (const id of ['heading', 'player', 'link', 'previous', 'next']) byId(id).hidden = true;
     document.title = 'Pintle';
-    history.replaceState(null, '', location.pathname + location.search);
+    this.replaceLink(location.pathname + location.search);
     this.gallery.show();
     if (last !== undefined) document.querySelector<HTMLElement>(`.card[data-scene="${CSS.escape(last)}"]`)?.focus();
   }
@@ -297,17 +298,22 @@ class App {
   // --- links and messages ----------------------------------------------------------------------------
 
   private writeLink(): void {
-    if (this.scene === null) return;
-    const link = writeLink({
+    // Another link is in the address bar already, and the browser is about to say so.
+    if (this.scene === null || location.hash !== this.link) return;
+    this.replaceLink(writeLink({
       scene: this.scene.name,
       panes: this.shown.map((run) => run.name),
       time: this.controls.time,
       view: this.stage.view,
-    });
+    }));
+  }
+  private replaceLink(link: string): void {
     history.replaceState(null, '', link);
+    this.link = location.hash;
   }
 
   private follow(first: boolean): void {
+    this.link = location.hash;
     const link = readLink(location.hash);
     const scene = this.page.scenes.find((one) => one.name === link.scene);
     if (scene !== undefined) this.open(scene, link.panes, link.time, link.view);
