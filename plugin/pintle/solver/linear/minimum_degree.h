@@ -34,6 +34,7 @@ class MinimumDegree {
 
  private:
   std::vector<int> reach(int node);
+  std::vector<int> breadthFirst(const std::vector<int>& nodes);
   void findOutside(const std::vector<int>& coupled);
 
   std::vector<std::vector<int>> m_cliques, m_cliques_of;

@@ -1,161 +1,60 @@
-#include <pintle/solver/linear/symmetric_factor.h>
+#include <pintle/solver/linear/supernode.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr int block_size = SymmetricFactor::size, block_stride = SymmetricFactor::stride,
-              block_area = block_size * block_stride;
-
-// A block: a lane for each row.
-struct Columns {
-  FourLanes of[block_size];
-
-  PINTLE_INLINE Columns() = default;
-  PINTLE_INLINE explicit Columns(const double* from) {
-    for (int k = 0; k < block_size; ++k) of[k].load(from + block_stride * k);
-  }
-  PINTLE_INLINE void store(double* to) const {
-    for (int k = 0; k < block_size; ++k) of[k].store(to + block_stride * k);
-  }
-  // -= a b
-  PINTLE_INLINE void subtractProduct(const Columns& a, const double* b) {
-    for (int s = 0; s < block_size; ++s)
-      for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * s + k]);
-  }
-  // -= a b^T
-  PINTLE_INLINE void subtractProductTransposed(const Columns& a, const double* b) {
-    for (int s = 0; s < block_size; ++s)
-      for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * k + s]);
-  }
-};
-
-PINTLE_INLINE Columns transposed(const double* a) {
-  double t[block_area] = {};
-  for (int i = 0; i < block_size; ++i)
-    for (int j = 0; j < block_size; ++j) t[block_stride * i + j] = a[block_stride * j + i];
-  return Columns(t);
-}
-
-// Of a block L D L^T: 1 / d_0; l_10, 1 / d_1; l_20, l_21, 1 / d_2, in its lower half. It is kept so, and not as its inverse: where
-// rows repeat each other, that has large numbers, whose rounding would be more than what is left of the others.
-PINTLE_INLINE bool factoriseBlock(double* a, double least_pivot) {
-  const auto in = SymmetricFactor::in;
-  const auto pivot = [&](double d) {
-    return std::abs(d) < least_pivot ? std::copysign(least_pivot, d) : d;
-  };
-  const double a_10 = a[in(1, 0)], a_20 = a[in(2, 0)];
-  const double d_0 = pivot(a[0]), i_0 = 1 / d_0, l_1 = a_10 * i_0, l_2 = a_20 * i_0;
-  const double d_1 = pivot(a[in(1, 1)] - l_1 * a_10), i_1 = 1 / d_1,
-               below = a[in(2, 1)] - l_2 * a_10, m = below * i_1;
-  const double d_2 = pivot(a[in(2, 2)] - l_2 * a_20 - m * below);
-  if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !std::isfinite(d_0 + d_1 + d_2)) return false;
-  a[0] = i_0;
-  a[in(1, 0)] = l_1;
-  a[in(1, 1)] = i_1;
-  a[in(2, 0)] = l_2;
-  a[in(2, 1)] = m;
-  a[in(2, 2)] = 1 / d_2;
-  return true;
-}
-
-// x = D^-1 x
-PINTLE_INLINE void solveBlock(const double* f, double* x) {
-  const auto in = SymmetricFactor::in;
-  x[1] -= f[in(1, 0)] * x[0];
-  x[2] -= f[in(2, 0)] * x[0] + f[in(2, 1)] * x[1];
-  x[2] *= f[in(2, 2)];
-  x[1] = f[in(1, 1)] * x[1] - f[in(2, 1)] * x[2];
-  x[0] = f[0] * x[0] - f[in(1, 0)] * x[1] - f[in(2, 0)] * x[2];
-}
-
-// a = a D^-1: the same, of all rows of a.
-PINTLE_INLINE void solveRows(const double* f, Columns& a) {
-  const auto in = SymmetricFactor::in;
-  FourLanes* const x = a.of;
-  x[1].subtract(x[0], f[in(1, 0)]);
-  x[2].subtract(x[0], f[in(2, 0)]);
-  x[2].subtract(x[1], f[in(2, 1)]);
-  x[2].scale(f[in(2, 2)]);
-  x[1].scale(f[in(1, 1)]);
-  x[1].subtract(x[2], f[in(2, 1)]);
-  x[0].scale(f[0]);
-  x[0].subtract(x[1], f[in(1, 0)]);
-  x[0].subtract(x[2], f[in(2, 0)]);
-}
-
-// Of the blocks below the diagonal: the columns, and their rows.
-struct Pattern {
-  int blocks;
-  const int *first, *row, *last;
-  const char* idle;
-};
-
-// Columns that have the same rows below them, a supernode, leave what they do to later columns until all of them are done: then each
-// block there is changed once.
-PINTLE_TARGET_CLONES bool factoriseAll(const Pattern& of, double* diagonal, double* below,
-                                       double least_pivot, double* panel) {
-  for (int from = 0, last = 0; from < of.blocks; from = last + 1) {
-    last = of.last[from];
-    const int width = last + 1 - from, rows = of.first[last + 1] - of.first[last];
-    for (int k = from; k <= last; ++k) {
-      // Column j of what is left loses A_ik D_k^-1 A_jk^T, for each i from j on.
-      double* const own = diagonal + block_area * k;
-      if (!of.idle[k] && !factoriseBlock(own, least_pivot)) return false;
-      const int inside = of.first[k] + last - k, end = inside + rows;
-      for (int q = of.first[k]; q < inside && !of.idle[k]; ++q) {
-        const int j = of.row[q];
-        if (of.idle[j]) continue;
-        double* const a_j = below + block_area * q;
-        Columns l_j(a_j), to_j(diagonal + block_area * j);
-        solveRows(own, l_j);
-        to_j.subtractProductTransposed(l_j, a_j);
-        to_j.store(diagonal + block_area * j);
-        l_j.store(a_j);
-        double* to = below + block_area * of.first[j];
-        for (int p = q + 1; p < end; ++p, to += block_area) {
-          if (of.idle[of.row[p]]) continue;
-          Columns left(to);
-          left.subtractProductTransposed(Columns(below + block_area * p), a_j);
-          left.store(to);
-        }
-      }
-      for (int p = inside; p < end; ++p) {
-        Columns a(below + block_area * p);
-        a.store(panel + block_area * ((p - inside) * width + k - from));
-        if (of.idle[k]) continue;
-        solveRows(own, a);
-        a.store(below + block_area * p);
-      }
-    }
-    const auto subtract = [&](double* to, int p, int q) PINTLE_ALWAYS_INLINE {
-      Columns left(to);
-      for (int k = from; k <= last; ++k)
-        left.subtractProductTransposed(Columns(panel + block_area * (p * width + k - from)),
-                                       below + block_area * (of.first[k] + last - k + q));
-      left.store(to);
-    };
-    for (int q = 0; q < rows; ++q) {
-      const int* const row = of.row + of.first[last];
-      const int j = row[q];
-      if (of.idle[j]) continue;
-      subtract(diagonal + block_area * j, q, q);
-      int to = of.first[j];
-      const bool same = of.first[j + 1] - to == rows - q - 1;
-      for (int p = q + 1; p < rows; ++p, ++to) {
-        while (!same && of.row[to] != row[p]) ++to;
-        if (!of.idle[row[p]]) subtract(below + block_area * to, p, q);
-      }
+// Of later columns j: A_ij -= A_ik D_k^-1 A_jk^T, for each i from j on.
+PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diagonal, double* below,
+                                   double least_pivot) {
+  if (of.idle[k]) return true;
+  double* const own = diagonal + block_area * k;
+  if (!factoriseBlock(own, least_pivot)) return false;
+  const int end = of.first[k + 1];
+  for (int q = of.first[k]; q < end; ++q) {
+    const int j = of.row[q];
+    if (of.idle[j]) continue;
+    double* const a_j = below + block_area * q;
+    Columns l_j(a_j), to_j(diagonal + block_area * j);
+    solveRows(own, l_j);
+    to_j.subtractProductTransposed(l_j, a_j);
+    to_j.store(diagonal + block_area * j);
+    l_j.store(a_j);
+    int to = of.first[j];
+    const bool same = of.first[j + 1] - to == end - q - 1;
+    for (int p = q + 1; p < end; ++p, ++to) {
+      while (!same && of.row[to] != of.row[p]) ++to;
+      if (of.idle[of.row[p]]) continue;
+      Columns left(below + block_area * to);
+      left.subtractProductTransposed(Columns(below + block_area * p), a_j);
+      left.store(below + block_area * to);
     }
   }
   return true;
 }
 
-PINTLE_TARGET_CLONES void solveAll(const Pattern& of, const double* diagonal, const double* below,
-                                   double* x) {
+// A panel is worth its memory where it has a few columns.
+constexpr int least_width = 3;
+
+PINTLE_TARGET_CLONES bool factoriseAll(const FactorPattern& of, double* diagonal, double* below,
+                                       double least_pivot, double* panel, int* places) {
+  for (int k = 0; k < of.blocks; ++k) {
+    if (of.last[k] - k < least_width - 1) {
+      if (!factoriseColumn(of, k, diagonal, below, least_pivot)) return false;
+      continue;
+    }
+    Supernode node(of, k, places);
+    if (!node.factorise(diagonal, below, least_pivot, panel)) return false;
+    node.subtractFromLater(diagonal, below, panel);
+    k = of.last[k];
+  }
+  return true;
+}
+
+PINTLE_TARGET_CLONES void solveAll(const FactorPattern& of, const double* diagonal,
+                                   const double* below, double* x) {
   for (int k = 0; k < of.blocks; ++k) {
     if (of.idle[k]) continue;
     const double y_0 = x[block_stride * k], y_1 = x[block_stride * k + 1],
@@ -185,7 +84,7 @@ PINTLE_TARGET_CLONES void solveAll(const Pattern& of, const double* diagonal, co
 }
 
 // Z_ik = -sum of Z_ij L_jk over the rows j of column k; Z_kk = D_k^-1 - sum of L_jk^T Z_jk. From the last column on.
-PINTLE_TARGET_CLONES void invertAll(const Pattern& of, const double* D, const double* L,
+PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, const double* L,
                                     double* diagonal, double* Z) {
   for (int k = of.blocks - 1; k >= 0; --k) {
     if (of.idle[k]) continue;
@@ -256,18 +155,19 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   m_numbers.resize(area * (n + m_row.size()));
   m_idle.assign(n, false);
   m_last.resize(n);
-  size_t most = 0;  // blocks of a panel
+  size_t most = 0, most_rows = 0;
   for (int k = int(n); k-- > 0;) {
     const int rows = m_first[size_t(k) + 1] - m_first[size_t(k)];
     // The next column has the same rows, but itself.
     const bool joins = rows > 0 && m_row[size_t(m_first[size_t(k)])] == k + 1 &&
                        m_first[size_t(k) + 2] - m_first[size_t(k) + 1] == rows - 1;
     m_last[size_t(k)] = joins ? m_last[size_t(k) + 1] : k;
-    const int last = m_last[size_t(k)];
-    most = std::max(
-        most, size_t(last + 1 - k) * size_t(m_first[size_t(last) + 1] - m_first[size_t(last)]));
+    const auto columns = size_t(m_last[size_t(k)] + 1 - k);
+    most_rows = std::max(most_rows, size_t(rows) + 1);
+    most = std::max(most, Supernode::panelSize(columns, size_t(rows) + 1));
   }
-  m_panel.resize(area * most);
+  m_panel.resize(most);
+  m_places.resize(most_rows);
 }
 
 size_t SymmetricFactor::place(int i, int k) const {
@@ -283,20 +183,20 @@ void SymmetricFactor::set(const std::vector<double>& numbers) {
 }
 
 bool SymmetricFactor::factorise(double least_pivot) {
-  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
+  const FactorPattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
   double* const diagonal = m_numbers.data();
   return factoriseAll(pattern, diagonal, diagonal + area * size_t(blocks()), least_pivot,
-                      m_panel.data());
+                      m_panel.data(), m_places.data());
 }
 
 void SymmetricFactor::solve(double* x) const {
-  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
+  const FactorPattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
   const double* const diagonal = m_numbers.data();
   solveAll(pattern, diagonal, diagonal + area * size_t(blocks()), x);
 }
 
 void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
-  const Pattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
+  const FactorPattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
   to.assign(m_numbers.size(), 0.);
   const double* const D = m_numbers.data();
   double* const diagonal = to.data();

@@ -42,7 +42,9 @@ class SymmetricFactor {
   /// Of A^-1, the blocks that the factor has, too: each at its place in `to` (Takahashi, Fagan and Chen 1973).
   void invertWhereFactored(std::vector<double>& to) const;
 
-  size_t bytes() const { return bytesOf(m_row, m_first, m_last, m_idle, m_numbers, m_panel); }
+  size_t bytes() const {
+    return bytesOf(m_row, m_first, m_last, m_idle, m_numbers, m_panel, m_places);
+  }
 
  private:
   static constexpr size_t area = size_t(size) * size_t(stride);
@@ -54,6 +56,7 @@ class SymmetricFactor {
   /// Of the diagonal, then of those below: A, and then D, each block by its own factor, and L.
   std::vector<double> m_numbers;
   std::vector<double> m_panel;  ///< memory of the factorisation
+  std::vector<int> m_places;
 };
 
 }  // namespace PINTLE_PRECISION
