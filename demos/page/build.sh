@@ -5,16 +5,10 @@ set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 output=$1
 work=$(dirname "$output")/work
-
-install_packages() {
-  cmp -s "$here/package-lock.json" "$work/installed.json" && return
-  cp "$here/package.json" "$here/package-lock.json" "$work/" &&
-    (cd "$work" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error) &&
-    cp "$here/package-lock.json" "$work/installed.json"
-}
+source "$here/../npm.sh"
 
 mkdir -p "$work" && rm -rf "$work/src" && cp -r "$here/src" "$here/build.mjs" "$here/tsconfig.json" "$work/" &&
-  install_packages && cd "$work" && node node_modules/typescript/bin/tsc --noEmit && node build.mjs "$output" && exit
+  pintle_npm_ci "$here" "$work" && cd "$work" && node node_modules/typescript/bin/tsc --noEmit && node build.mjs "$output" && exit
 
 rm -f "$output"
 echo "The page is left out: it could not be bundled." >&2
