@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ class Engine {
   virtual void drive(double time, double dt) = 0;
   // All that a run time counts.
   virtual void step(double dt) = 0;
+  // What the last step took, s, of an engine with a clock of its own.
+  virtual std::optional<double> step_seconds() const { return {}; }
   virtual State state(int body) const = 0;
   // Rows of all joints as they stand; 0: not known.
   virtual int rows() const { return 0; }
