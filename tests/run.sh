@@ -15,7 +15,10 @@ packages=()
 [ "$preset" != sanitizers ] || packages+=(clang libclang-rt-dev)
 pintle_install_packages ${packages[@]+"${packages[@]}"}
 # For tests that are skipped without them: of the page, of the documentation's site, and of what a recorder costs.
-[ "$preset" = sanitizers ] || pintle_install_page_packages chromium doxygen valgrind
+if [ "$preset" != sanitizers ]; then
+  pintle_install_page_packages chromium doxygen valgrind
+  bash demos/engines/jolt/install.sh "build/$preset/jolt"  # for its own tests
+fi
 
 cmake --preset "$preset"
 cmake --build --preset "$preset" --parallel "$(nproc)" --target pintle_tests

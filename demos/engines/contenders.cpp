@@ -33,7 +33,8 @@ Contender with(const char* name, const char* what, const char* colour, MakeJoint
 
 const std::vector<Contender>& contenders() {
   static const std::vector<Contender> list = {
-    // Colours are Okabe and Ito's, which the colour-blind tell apart, and a grey for stock.
+    // Colours are Okabe and Ito's, which the colour-blind tell apart, with a grey for stock and a wine red in the place of
+    // their yellow, which is lost on white.
     // A Bullet solver of one's own: with("name", "what", "#rrggbb", make_conditioned_joint, make<Solver>),
     with("stock", "Bullet's joints", "#7d8590", make_stock_joint),
     with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
@@ -46,6 +47,9 @@ const std::vector<Contender>& contenders() {
      [](const scenes::Scene& scene, int) { return make_multibody(scene); }},
 #if defined(PINTLE_ODE) && defined(BT_USE_DOUBLE_PRECISION)
     {"ode", "ODE's iterative solver", "#56b4e9", Iterates::always, make_ode},
+#endif
+#if defined(PINTLE_JOLT) && defined(BT_USE_DOUBLE_PRECISION)
+    {"jolt", "Jolt in WebAssembly, in single", "#882255", Iterates::always, make_jolt},
 #endif
 #if defined(PINTLE_MUJOCO) && defined(BT_USE_DOUBLE_PRECISION)
     {"mujoco", "MuJoCo", "#000000", Iterates::always, make_mujoco},

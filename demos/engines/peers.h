@@ -1,4 +1,5 @@
-// Other physics engines, if they were found at configuration (PINTLE_PEERS). Both compute in double.
+// Other physics engines, if they were found at configuration (PINTLE_PEERS). ODE and MuJoCo compute in double, Jolt in
+// single.
 
 #pragma once
 
@@ -8,7 +9,7 @@
 
 namespace engines {
 
-// What both leave out: contacts, Bullet's damping, lasting torques, joints that start apart, limits that give,
+// What ODE and MuJoCo leave out: contacts, Bullet's damping, lasting torques, joints that start apart, limits that give,
 // and joints that they have none of.
 inline bool is_known(const scenes::Scene& scene) {
   using scenes::Kind;
@@ -26,8 +27,9 @@ inline bool is_known(const scenes::Scene& scene) {
          });
 }
 
-// Null: the scene is not known (is_known), or has a setting that the engine cannot express.
+// Null: the scene has a joint or a setting that the engine cannot express.
 std::unique_ptr<Engine> make_ode(const scenes::Scene& scene, int iterations);
 std::unique_ptr<Engine> make_mujoco(const scenes::Scene& scene, int iterations);
+std::unique_ptr<Engine> make_jolt(const scenes::Scene& scene, int iterations);
 
 }  // namespace engines

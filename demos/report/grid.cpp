@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <fstream>
 #include <set>
 #include <string>
@@ -238,5 +239,9 @@ int main(int argc, char** argv) {
   if (!from.empty() || !to.empty()) {
     for (const std::string& name : range(scenes, from, to)) options.scenes.push_back(name);
   }
-  return run_grid(options);
+  try {
+    return run_grid(options);
+  } catch (const std::exception& error) {  // of another engine
+    return std::fprintf(stderr, "\n%s\n", error.what()), EXIT_FAILURE;
+  }
 }

@@ -7,7 +7,8 @@ bash demos/run.sh report [options]
   --scene NAME            only this scene; may be given more than once
   --from NAME --to NAME   a range of scenes
   --contender NAME        only this contender; may be given more than once
-  --peers                 also ODE and MuJoCo, if their Debian packages are installed
+  --peers                 also Jolt, by npm's package, if there are node and npm, and ODE and MuJoCo, if their Debian
+                          packages are installed
   --fresh                 forget what an earlier run has measured
   --json FILE             also write all that was measured as an array of objects
   --publish               copy the plots and tables that the pages show to demos/results, the README and plugin/docs
@@ -61,14 +62,15 @@ report_replace() {  # page, mark, file
   sed -i -e "/<!-- $2 begin/,/<!-- $2 end/{/<!-- $2 end/!{/<!-- $2 begin/!d}}" -e "/<!-- $2 begin/r $3" "$1"
 }
 
-# The README's five figures, from the summary: double precision, as other engines have it, each contender's mean error against stock's.
+# The README's five figures, from the summary: each contender's mean error against stock's, which is the column of ones. Of the
+# double program, which alone has the other engines.
 report_figures() {  # summary
   awk -F ' *[|] *' '
     BEGIN {
       scenes = split("chain crane ragdoll cone_shoulder drive_shaft", scene, " ")
-      contenders = split("pintle exact dantzig multibody ode mujoco", contender, " ")
-      print "| scene | error | Pintle\047s joints | on `ExactJointSolver` | Bullet\047s joints on `btMLCPSolver` | `btMultiBody` | ODE | MuJoCo |"
-      print "|---|---|---|---|---|---|---|---|"
+      contenders = split("pintle exact dantzig multibody jolt mujoco ode", contender, " ")
+      print "| scene | error | stock: Bullet\047s joints | Pintle\047s joints | on `ExactJointSolver` | Bullet\047s on `btMLCPSolver` | `btMultiBody` | Jolt | MuJoCo | ODE |"
+      print "|---|---|---|---|---|---|---|---|---|---|"
     }
     /^## / { who = $0; if (!sub(/ against stock$/, "", who)) who = ""; sub(/^## /, "", who) }
     who != "" && $4 == "double" && $3 ~ /^[*]/ {
@@ -79,7 +81,7 @@ report_figures() {  # summary
     }
     END {
       for (i = 1; i <= scenes; ++i) {
-        line = "| " scene[i] " | " error[scene[i]] " |"
+        line = "| " scene[i] " | " error[scene[i]] " | 1 |"
         for (k = 1; k <= contenders; ++k) line = line ((scene[i], contender[k]) in mean ? " " mean[scene[i], contender[k]] " |" : " |")
         print line
       }
@@ -113,13 +115,14 @@ report() {
   done
 
   pintle_install_packages gnuplot-nox
+  [ $peers = OFF ] || bash demos/engines/jolt/install.sh build/release/jolt
   cmake --preset release -DPINTLE_PEERS=$peers
   cmake --build --preset release --parallel "$(nproc)" --target pintle_report_single pintle_report_double pintle_summary
   local programs=build/release/demos/pintle_report precision
   mkdir -p "$folder"
   # What another build has measured is no part of this report.
   local built
-  built=$(cat ${programs}_single ${programs}_double | cksum)
+  built=$(cat ${programs}_single ${programs}_double $([ $peers = OFF ] || echo demos/engines/jolt/*.mjs) | cksum)
   if [ -n "$fresh" ] || [ "$built" != "$(cat "$folder/built" 2>/dev/null)" ]; then
     rm -rf "$folder"
     mkdir -p "$folder"

@@ -214,15 +214,16 @@ void write_brief(std::ostream& out, const Results& results, const StepErrors& st
 constexpr const char* legend =
     "Run time is that of the steps alone, for a second of the scene; both sides choose their best "
     "iterations and step (Pareto fronts, straight between their points). A ratio below 1 is "
-    "better. At equal time: the geometric "
-    "mean over the times from where both have a result, and the range. At equal error: over "
-    "the other side's errors, and the part of them that is reached at all. Errors below rounding "
-    "(8 epsilon: 1e-6, 2e-15) count as that.\n\n";
+    "better. At equal time: the geometric mean over the times from where both have a result, and "
+    "the range. At equal error: over the other side's errors, and the part of them that is reached "
+    "at all. Errors below rounding (8 epsilon: 1e-6, 2e-15) count as that.";
 
 void write_summary(std::ostream& out, const Results& results, const StepErrors& steps,
                    const std::vector<Scene>& all) {
-  out << "# Error against run time\n\nBy `bash demos/run.sh report`. " << legend;
   const auto& who = results.contenders();
+  out << "# Error against run time\n\nBy `bash demos/run.sh report`. " << legend;
+  const bool has_jolt = std::count(who.begin(), who.end(), "jolt") > 0;
+  out << (has_jolt ? " Jolt computes in single, and in WebAssembly.\n\n" : "\n\n");
   for (const std::string& ours : who) {
     if (ours == "stock") continue;
     out << "\n## " << ours << " against stock\n\n";

@@ -89,9 +89,9 @@ TEST_P(Scenes, OnTheExactSolverJointsHoldNoWorseThanStocks) {
   }
 }
 
-/// Each has its own of Okabe and Ito's colours, which the colour-blind tell apart; stock is grey.
+/// Each has its own of Okabe and Ito's colours, which the colour-blind tell apart; stock is grey, and their yellow a wine red.
 TEST(Contenders, HaveColoursOfTheirOwn) {
-  std::set<std::string> left = {"#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2",
+  std::set<std::string> left = {"#e69f00", "#56b4e9", "#009e73", "#882255", "#0072b2",
                                 "#d55e00", "#cc79a7", "#000000", "#7d8590"};
   for (const engines::Contender& contender : engines::contenders())
     EXPECT_EQ(left.erase(contender.colour), 1u) << contender.name << ": " << contender.colour;
