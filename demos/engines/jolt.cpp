@@ -47,7 +47,10 @@ class Server {
                                    const_cast<char**>(arguments), environ);
     posix_spawn_file_actions_destroy(&files);
     close(ends[1]);
-    if (failed != 0) fail("could not be started");
+    if (failed != 0) {
+      close(ours_);
+      fail("could not be started");
+    }
   }
   ~Server() {
     close(ours_);  // by which it ends
@@ -75,6 +78,7 @@ class Server {
     const char* at = reinterpret_cast<const char*>(numbers);
     for (size_t left = count * sizeof(double); left > 0;) {
       const ssize_t sent = send(ours_, at, left, MSG_NOSIGNAL);
+      if (sent < 0 && errno == EINTR) continue;
       if (sent <= 0) fail("has ended");
       at += sent;
       left -= size_t(sent);
@@ -84,6 +88,7 @@ class Server {
     char* at = reinterpret_cast<char*>(numbers);
     for (size_t left = count * sizeof(double); left > 0;) {
       const ssize_t received = recv(ours_, at, left, 0);
+      if (received < 0 && errno == EINTR) continue;
       if (received < 0 && errno == EAGAIN) {
         kill(process_, SIGKILL);
         fail("does not answer");
@@ -98,9 +103,19 @@ class Server {
   pid_t process_ = 0;
 };
 
-Server& server() {
-  static Server only;
+// One for all engines. Who finds that it has ended says so, and the next engine has another one.
+std::unique_ptr<Server>& server() {
+  static std::unique_ptr<Server> only;
   return only;
+}
+Message ask(const Message& question) {
+  if (!server()) throw std::runtime_error("Jolt's process has ended");
+  try {
+    return server()->ask(question);
+  } catch (const std::runtime_error&) {
+    server().reset();
+    throw;
+  }
 }
 
 // What jolt.mjs reads, in its order.
@@ -176,11 +191,12 @@ class JoltEngine : public Engine {
     }
     message.push_back(double(scene.joints.size()));
     for (const Joint& joint : scene.joints) writer.add(scene, joint);
-    server().ask(message);
+    if (!server()) server() = std::make_unique<Server>();
+    ask(message);
   }
   ~JoltEngine() override {
     try {
-      server().ask({double(Request::destroy), id_});
+      ask({double(Request::destroy), id_});
     } catch (const std::runtime_error&) {  // it has ended, and all is destroyed
     }
   }
@@ -194,7 +210,7 @@ class JoltEngine : public Engine {
   void step(double dt) override {
     Message message = {double(Request::step), id_, dt};
     message.insert(message.end(), speeds_.begin(), speeds_.end());
-    const Message answer = server().ask(message);
+    const Message answer = ask(message);
     step_seconds_ = answer.front();
     const double* from = answer.data() + 1;
     for (State& state : states_) {
@@ -225,6 +241,10 @@ class JoltEngine : public Engine {
 
 bool is_known(const Joint& joint) {
   const scenes::Range& range = joint.range;
+  const bool may_give =
+      joint.kind == Kind::distance || (joint.kind == Kind::slider && !range.limited());
+  const bool may_drive = joint.kind == Kind::hinge || joint.kind == Kind::slider;
+  if ((joint.spring.frequency > 0 && !may_give) || (joint.motor.speed && !may_drive)) return false;
   const bool has_zero = !range.limited() || (range.low <= 0 && range.high >= 0);
   const bool in_a_turn = !range.limited() || (range.low >= -scenes::pi && range.high <= scenes::pi);
   switch (joint.kind) {
@@ -232,8 +252,8 @@ bool is_known(const Joint& joint) {
     case Kind::fixed:
     case Kind::cone_twist:
     case Kind::distance: return true;
-    case Kind::hinge: return has_zero && in_a_turn && joint.spring.frequency == 0;
-    case Kind::universal: return has_zero && in_a_turn;
+    case Kind::hinge: return has_zero && in_a_turn;
+    case Kind::universal: return !range.limited();
     case Kind::slider: return has_zero && joint.restitution == 0;
     // Its six degrees of freedom with a fixed twist hold a constant velocity joint's angle, but not its speed.
     case Kind::constant_velocity:

@@ -122,7 +122,7 @@ report() {
   mkdir -p "$folder"
   # What another build has measured is no part of this report.
   local built
-  built=$(cat ${programs}_single ${programs}_double $([ $peers = OFF ] || echo demos/engines/jolt/*.mjs) | cksum)
+  built=$(cat ${programs}_single ${programs}_double $([ $peers = OFF ] || echo demos/engines/jolt/*.{mjs,json}) | cksum)
   if [ -n "$fresh" ] || [ "$built" != "$(cat "$folder/built" 2>/dev/null)" ]; then
     rm -rf "$folder"
     mkdir -p "$folder"

@@ -169,7 +169,7 @@ const makeFixed = (joint) => {
   settings.mAxisY2 = vec(joint.inB.y);
   return settings;
 };
-// Its cone is an ellipse in sines of half angles, from that in angles by less than 1e-4 rad at the scenes' spans.
+// Its cone is an ellipse in sines of half angles. At the scenes' spans it differs from that in angles by less than 1e-4 rad.
 const makeConeTwist = (joint) => {
   const settings = new Jolt.SwingTwistConstraintSettings();
   settings.mPosition1 = point(joint.inA.origin);
@@ -197,7 +197,6 @@ const makeUniversal = (joint) => {
   settings.mAxisY2 = vec(minus(joint.inB.x));
   for (const axis of ['TranslationX', 'TranslationY', 'TranslationZ', 'RotationY'])
     settings.MakeFixedAxis(Jolt[`SixDOFConstraintSettings_EAxis_${axis}`]);
-  if (joint.limited) settings.SetLimitedAxis(Jolt.SixDOFConstraintSettings_EAxis_RotationX, joint.low, joint.high);
   return settings;
 };
 const makeDistance = (joint) => {
