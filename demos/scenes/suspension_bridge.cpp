@@ -17,13 +17,22 @@ Scene suspension_bridge_scene() {
   scene.show(
       Group::known, "Suspension bridge",
       "Four carts of 150 kg roll over planks that hang by ropes from two cables of thin links.");
+  // Nothing else steers the carts.
+  constexpr double kerb_at = 0.95;  // m, from the middle
+  const auto kerb = [](double mass, double half_length, const Vector3d& middle) {
+    Body of = solid(box(mass, {half_length, 0.05, 0.1}, middle));
+    of.friction = 0;
+    return of;
+  };
   for (const double side : {-1., 1.}) {  // banks and towers
     Body bank = solid(box(0, {4.5, 1.6, deck / 2}, {side * (half + 4.5), 0, deck / 2 - 0.05}));
     bank.friction = 0.9;
     scene.add(bank);
-    for (const double across : {-1., 1.})
+    for (const double across : {-1., 1.}) {
       scene.add(box(0, {0.12, 0.12, (low + sag) / 2},
                     {side * (half + 0.1), 1.35 * across, (low + sag) / 2}));
+      scene.add(kerb(0, 4.5, {side * (half + 4.5), kerb_at * across, deck + 0.1}));
+    }
   }
   int deck_of[planks], last = 0;
   for (int i = 0; i < planks; ++i) {
@@ -32,11 +41,9 @@ Scene suspension_bridge_scene() {
         scene.add(solid(box(80, {0.48 * length, half_width, 0.05}, start + length / 2 * x)));
     scene.connect(Kind::hinge, last, deck_of[i], with_z(start, y));
     last = deck_of[i];
-    for (const double across : {-1., 1.}) {  // kerbs: nothing else steers the carts
-      const Vector3d middle = start + length / 2 * x + 0.95 * across * y + 0.15 * z;
-      Body kerb = solid(box(8, {0.48 * length, 0.05, 0.1}, middle));
-      kerb.friction = 0;
-      scene.connect(Kind::fixed, last, scene.add(kerb), at(middle));
+    for (const double across : {-1., 1.}) {
+      const Vector3d middle = start + length / 2 * x + kerb_at * across * y + 0.15 * z;
+      scene.connect(Kind::fixed, last, scene.add(kerb(8, 0.48 * length, middle)), at(middle));
     }
   }
   scene.connect(Kind::hinge, 0, last, with_z({half, 0, deck - 0.05}, y));

@@ -113,11 +113,9 @@ TEST(RealScenes, AnExcavatorMovesItsBucketThereAndBack) {
 void expectAcross(const Played& bridge) {
   for (const int cart : {-20, -15, -10, -5}) {
     EXPECT_GT(bridge.place(9, cart).x(), 7);
-    EXPECT_NEAR(bridge.place(9, cart).y(), 0, 0.5);
     EXPECT_NEAR(bridge.place(9, cart).z(), 1.85, 0.05);
     for (const std::vector<State>& states : bridge.steps) {
       const scenes::Vector3d at = states[states.size() - size_t(-cart)].pose.translation();
-      if (std::abs(at.x()) > 5.5) continue;
       EXPECT_LT(std::abs(at.y()), 0.3) << at.transpose();
     }
   }

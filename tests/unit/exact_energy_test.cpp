@@ -559,6 +559,39 @@ TEST(ExactEnergy, AWallThatBreaksGainsNothing) {
   EXPECT_GT(broken, 5);
 }
 
+// Bullet hands over many islands at once. Each is done when it is solved, and not when all are.
+TEST(ExactEnergy, WhatFallsElsewhereCostsNoPasses) {
+  const auto passes = [](int chains, int heaps) {
+    Books books(60);
+    books.world.getSolverInfo().m_minimumSolverBatchSize = 1000;
+    books.add(0, vec(500, 50, 1), at(vec(0, 0, -1)), true);
+    double x = 0;
+    const auto drop = [&](int links, double last_mass) {
+      btRigidBody* last = nullptr;
+      x += 20;
+      for (int i = 0; i < links; ++i) {
+        btRigidBody& link = books.add(i + 1 < links ? 1 : last_mass, vec(0.3, 0.1, 0.1),
+                                      at(vec(x + 0.7 * i, 0, 0.3 + 0.2 * i)), true);
+        if (last != nullptr)
+          books.join(std::make_unique<pintle::BallJoint>(*last, link, vec(0.35, 0, 0.1),
+                                                         vec(-0.35, 0, -0.1)));
+        last = &link;
+      }
+    };
+    for (int i = 0; i < chains; ++i) drop(2, 1);
+    for (int i = 0; i < heaps; ++i) drop(8, 200);
+    double sum = 0;
+    for (int step = 0; step < 120; ++step) {
+      books.step();
+      sum += pintle::lastStep(books.world).newton_steps;
+    }
+    return sum;
+  };
+  const double chain = passes(1, 0), heap = passes(0, 1);
+  EXPECT_GT(heap, 1.3 * chain) << "it is harder";
+  EXPECT_NEAR(passes(4, 1), 4 * chain + heap, 0.1 * heap);
+}
+
 // 0.98 N s: a body of 6 kg at 60 Hz.
 TEST(ExactEnergy, AThresholdIsComparedWithTheLoad) {
   for (const double part : {0.9, 1.1}) {

@@ -6,7 +6,10 @@
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -95,6 +98,84 @@ void expectRejected(const pintle::SolverOptions& options, const std::string& wit
   EXPECT_EQ(solver.options().ledger_share, pintle::SolverOptions().ledger_share);
 }
 
+/// 8 x 8 plates, each joined to its neighbours, that swing from two corners.
+template <class Ball>
+struct Net {
+  static constexpr int size = 8;
+
+  explicit Net(btConstraintSolver& solver)
+      : world(&dispatcher, &broadphase, &solver, &configuration) {
+    world.setGravity(vec(0, 0, -9.81));
+    const btVector3 x = vec(0.5, 0, 0), y = vec(0, 0.5, 0);
+    for (int i = 0; i < size * size; ++i) {
+      btRigidBody::btRigidBodyConstructionInfo info(1, nullptr, &shape, vec(0.06, 0.06, 0.1));
+      info.m_startWorldTransform.setOrigin(vec(i % size, double(i / size), 0));
+      bodies.push_back(std::make_unique<btRigidBody>(info));
+      world.addRigidBody(bodies.back().get(), 0, 0);
+      if (i % size > 0) join(i - 1, x, i);
+      if (i >= size) join(i - size, y, i);
+    }
+    for (const int corner : {0, size - 1}) {
+      joints.push_back(std::make_unique<Ball>(*bodies[size_t(corner)], (corner > 0 ? x : -x) - y));
+      world.addConstraint(joints.back().get(), true);
+    }
+  }
+  ~Net() {
+    for (const auto& joint : joints) world.removeConstraint(joint.get());
+    for (const auto& body : bodies) world.removeRigidBody(body.get());
+  }
+  void join(int a, const btVector3& half, int b) {
+    joints.push_back(std::make_unique<Ball>(*bodies[size_t(a)], *bodies[size_t(b)], half, -half));
+    world.addConstraint(joints.back().get(), true);
+    ends.push_back({a, b});
+  }
+  /// m: the largest.
+  double gap() const {
+    double most = 0;
+    for (size_t c = 0; c < ends.size(); ++c) {
+      const btVector3 half =
+          vec(ends[c][1] - ends[c][0] == 1 ? 0.5 : 0, ends[c][1] - ends[c][0] == 1 ? 0 : 0.5, 0);
+      const auto at = [&](int body, const btVector3& point) {
+        return bodies[size_t(body)]->getCenterOfMassTransform()(point);
+      };
+      most = std::max(most, double((at(ends[c][0], half) - at(ends[c][1], -half)).length()));
+    }
+    return most;
+  }
+
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btDiscreteDynamicsWorld world;
+  btBoxShape shape{vec(0.4, 0.4, 0.1)};
+  std::vector<std::unique_ptr<btRigidBody>> bodies;
+  std::vector<std::unique_ptr<btTypedConstraint>> joints;
+  std::vector<std::array<int, 2>> ends;
+};
+
+TEST(SolverOptions, OneMoreFactorAStepHoldsANet) {
+  btSequentialImpulseConstraintSolver bullet;
+  pintle::ExactJointSolver exact, cheap;
+  pintle::SolverOptions options;
+  options.max_new_factors = 1;
+  cheap.setOptions(options);
+  Net<btPoint2PointConstraint> stock(bullet);
+  Net<pintle::BallJoint> all(exact), few(cheap);
+  double stock_gap = 0, gap = 0;
+  int most = 0;
+  for (int i = 0; i < 60; ++i) {
+    stock.world.stepSimulation(scalar(dt), 0, scalar(dt));
+    all.world.stepSimulation(scalar(dt), 0, scalar(dt));
+    few.world.stepSimulation(scalar(dt), 0, scalar(dt));
+    stock_gap += stock.gap() / 60;
+    gap += few.gap() / 60;
+    most = std::max(most, exact.lastStep().factorisations);
+    EXPECT_LE(cheap.lastStep().factorisations, 2) << i;
+  }
+  EXPECT_LT(gap, stock_gap / 100);
+  EXPECT_GT(most, 2) << "of which it has need";
+}
+
 TEST(SolverOptions, AreChecked) {
   pintle::SolverOptions options;
   options.ledger_share = 0.05;
@@ -110,6 +191,9 @@ TEST(SolverOptions, AreChecked) {
   options = {};
   options.max_iterations = 0;
   expectRejected(options, "max_iterations = 0: must be 1 or more");
+  options = {};
+  options.max_new_factors = -1;
+  expectRejected(options, "max_new_factors = -1: must be 0 or more");
   options = {};
   options.ledger_share = 1;
   expectRejected(options, "ledger_share = 1: must be above 0 and below 1");

@@ -23,11 +23,11 @@ void addStiffness(const Island& island, const BlockOfJoints& of,
 constexpr double least_part_free = 1e-9;
 
 // What impulses of contacts do. `with_joints`: of components whose joints hold.
-void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
-                 std::vector<ContactRow>& contacts, bool with_joints,
+void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of, Span<const int> bodies,
+                 Span<ContactRow> contacts, bool with_joints,
                  std::vector<PassMemory::Source>& source) {
   using Source = PassMemory::Source;
-  source.assign(island.bodies.size(), {nullptr, nullptr});
+  for (const int i : bodies) source[size_t(i)] = {nullptr, nullptr};
   for (const BlockOfJoints& part : of)
     for (int i = 0; i < part.component->bodies; ++i) {
       Source& to = source[size_t(part.component->first_body + i)];
@@ -57,7 +57,7 @@ void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of,
 }
 
 // One pass. Returns the largest change, m/s.
-double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& velocities) {
+double sweepContacts(Span<ContactRow> contacts, std::vector<Vector6d>& velocities) {
   double largest = 0;
   for (ContactRow& row : contacts) {
     if (!(row.K > 0)) continue;
@@ -73,22 +73,23 @@ double sweepContacts(std::vector<ContactRow>& contacts, std::vector<Vector6d>& v
 
 class Passes {
  public:
-  Passes(const Island& island, std::vector<BlockOfJoints>& of, std::vector<ContactRow>& contacts,
-         const SolverOptions& options, Sweep sweep, std::vector<Vector6d>& velocities,
-         PassMemory& memory)
+  Passes(const Island& island, std::vector<BlockOfJoints>& of, Span<const int> bodies,
+         Span<ContactRow> contacts, const SolverOptions& options, Sweep sweep,
+         std::vector<Vector6d>& velocities, PassMemory& memory)
       : m_island(island),
         m_of(of),
+        m_bodies(bodies),
         m_contacts(contacts),
         m_velocities(velocities),
         m_sweep(sweep),
         m_memory(memory) {
-    velocities.clear();
-    for (const IslandBody& body : island.bodies) velocities.push_back(body.v_free);
+    memory.prepare(island.bodies.size());
+    for (const int i : bodies) velocities[size_t(i)] = island.bodies[size_t(i)].v_free;
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
     if (sweep != Sweep::all_at_once)
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
-    findAnswers(island, of, contacts, false, memory.sources);
+    findAnswers(island, of, bodies, contacts, false, memory.sources);
     for (ContactRow& row : contacts) row.push(row.impulse, velocities);
     blocks().clear();
     blocks().reserve(of.size());
@@ -98,7 +99,8 @@ class Passes {
     }
     if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
     for (BlockSolver& block : blocks()) block.settle(velocities);
-    findTouched(contacts, island.bodies.size(), memory.touched);
+    for (const int i : bodies) memory.touched[size_t(i)] = false;
+    touch(contacts, memory.touched);
     for (size_t i = 0; i < of.size(); ++i)
       if (!blocks()[i].isUnsettled()) findAnswersWithJoints(of[i]);
     settle();
@@ -123,13 +125,8 @@ class Passes {
     const double largest = sweepContacts(m_contacts, m_velocities);
     return std::fmax(largest, sweepBlocks());
   }
-  int finish() {
-    int factors = 0;
-    for (BlockSolver& block : blocks()) {
-      block.finish(m_velocities, m_memory.bounds);
-      factors += block.factors();
-    }
-    return factors;
+  void finish() {
+    for (BlockSolver& block : blocks()) block.finish(m_velocities, m_memory.bounds);
   }
 
  private:
@@ -154,8 +151,8 @@ class Passes {
       touch(m_memory.bounds, m_memory.touched);
       findAnswersWithJoints(m_of[i]);
     }
-    for (std::vector<ContactRow>* rows : {&m_contacts, &m_memory.bounds})
-      findAnswers(m_island, m_of, *rows, true, m_memory.sources);
+    for (const Span<ContactRow>& rows : {m_contacts, Span<ContactRow>(m_memory.bounds)})
+      findAnswers(m_island, m_of, m_bodies, rows, true, m_memory.sources);
   }
   void findAnswersWithJoints(BlockOfJoints& part) {
     const auto first = m_memory.touched.begin() + part.component->first_body;
@@ -168,11 +165,13 @@ class Passes {
     for (ContactRow& row : m_memory.bounds) visit(row);
   }
   void pushBodies();
+  void goBack();
   double passAtOnce();
 
   const Island& m_island;
   std::vector<BlockOfJoints>& m_of;
-  std::vector<ContactRow>& m_contacts;
+  const Span<const int> m_bodies;
+  const Span<ContactRow> m_contacts;
   std::vector<Vector6d>& m_velocities;
   const Sweep m_sweep;
   PassMemory& m_memory;
@@ -181,7 +180,7 @@ class Passes {
 // Contacts change their bodies by what they have changed in this pass: one A^-1 for each body, and not for each row.
 void Passes::pushBodies() {
   std::vector<Vector6d>& changes = m_memory.changes;
-  changes.assign(m_velocities.size(), Vector6d::Zero());
+  for (const int i : m_bodies) changes[size_t(i)].setZero();
   forEachRow([&](const ContactRow& row) {
     const double by = row.impulse - row.before;
     for (size_t side = 0; by != 0 && side < 2; ++side) {
@@ -191,7 +190,8 @@ void Passes::pushBodies() {
       to.tail<3>() += by * row.J.A(int(side));
     }
   });
-  for (size_t i = 0; i < changes.size(); ++i) {
+  for (const int body : m_bodies) {
+    const auto i = size_t(body);
     if (!m_memory.touched[i]) continue;
     const Vector3d along = changes[i].head<3>(), about = changes[i].tail<3>();
     const InverseInertia* const alone = m_memory.sources[i].alone;
@@ -200,19 +200,24 @@ void Passes::pushBodies() {
   }
 }
 
+// To the velocities before the pass.
+void Passes::goBack() {
+  for (const int i : m_bodies) m_velocities[size_t(i)] = m_memory.start[size_t(i)];
+}
+
 // Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
 double Passes::passAtOnce() {
   std::vector<Vector6d>&start = m_memory.start, &changes = m_memory.changes;
-  start = m_velocities;
+  for (const int i : m_bodies) start[size_t(i)] = m_velocities[size_t(i)];
   forEachRow([](ContactRow& row) { row.before = row.impulse; });
   for (BlockSolver& block : blocks()) block.beginPass();
   const double largest = std::fmax(sweepContacts(m_contacts, m_velocities),
                                    sweepContacts(m_memory.bounds, m_velocities));
-  m_velocities = start;
+  goBack();
   pushBodies();
   sweepBlocks();
   if (isUnsettled()) {
-    m_velocities = start;
+    goBack();
     forEachRow([](ContactRow& row) { row.impulse = row.before; });
     for (BlockSolver& block : blocks()) block.goBack(0);
     settle();
@@ -224,15 +229,18 @@ double Passes::passAtOnce() {
     slope += by * (row.softness * row.before - row.target);
     bend += by * row.softness * by;
   });
-  for (size_t i = 0; i < start.size(); ++i) {
+  for (const int body : m_bodies) {
+    const auto i = size_t(body);
     if (!m_memory.touched[i]) continue;
     slope += changes[i].dot(start[i]);
     bend += changes[i].dot(m_velocities[i] - start[i]);
   }
   if (!(slope < 0) || !(bend > -slope)) return largest;
   const double part = -slope / bend;
-  for (size_t i = 0; i < start.size(); ++i)
+  for (const int body : m_bodies) {
+    const auto i = size_t(body);
     m_velocities[i] = start[i] + part * (m_velocities[i] - start[i]);
+  }
   forEachRow(
       [&](ContactRow& row) { row.impulse = row.before + part * (row.impulse - row.before); });
   for (BlockSolver& block : blocks()) block.goBack(part);
@@ -252,11 +260,11 @@ bool stopRebounds(Island& island, const Component& component) {
 }
 
 SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of,
-                            std::vector<ContactRow>& contacts, const SolverOptions& options,
-                            Sweep sweep, int most, std::vector<Vector6d>& velocities,
-                            PassMemory& memory) {
+                            Span<const int> bodies, Span<ContactRow> contacts,
+                            const SolverOptions& options, Sweep sweep, int most,
+                            std::vector<Vector6d>& velocities, PassMemory& memory) {
   SolveReport report;
-  Passes passes(island, of, contacts, options, sweep, velocities, memory);
+  Passes passes(island, of, bodies, contacts, options, sweep, velocities, memory);
   report.is_solvable = passes.isSolvable();
   for (bool go_on = report.is_solvable; go_on;) {
     report.error = passes.pass() * island.dt;
@@ -266,7 +274,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
     report.is_solvable = report.is_solvable && passes.isSolvable();
     go_on = passes.isSwept() && report.is_solvable && !report.converged && report.steps < most;
   }
-  report.factors = passes.finish();
+  passes.finish();
   report.is_solvable = report.is_solvable && passes.isSolvable();
   return report;
 }

@@ -26,6 +26,12 @@ struct PassMemory {
     const InverseInertia* alone;  ///< null: it has no joints
     const JointMatrix::Matrix6d* with_joints;
   };
+  void prepare(size_t of_bodies) {
+    sources.resize(of_bodies);
+    touched.resize(of_bodies);
+    start.resize(of_bodies);
+    changes.resize(of_bodies);
+  }
   std::vector<Source> sources;     ///< of each body: what impulses do to it
   std::vector<char> touched;       ///< of each body: by contacts
   std::vector<Vector6d> start;     ///< of each body: its velocity before a pass
@@ -37,11 +43,12 @@ struct PassMemory {
 /// No stop of the component gives back any of the speed with which it is met. Returns whether one would have.
 bool stopRebounds(Island& island, const Component& component);
 
-/// Of all bodies of the island: `velocities`, m/s and rad/s. Of each component: v, u, lambda and pieces of its workspace.
+/// Of these bodies of the island: `velocities`, m/s and rad/s (it has room for all). Of each component: v, u, lambda and pieces of its
+/// workspace.
 SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& blocks,
-                            std::vector<ContactRow>& contacts, const SolverOptions& options,
-                            Sweep sweep, int most, std::vector<Vector6d>& velocities,
-                            PassMemory& memory);
+                            Span<const int> bodies, Span<ContactRow> contacts,
+                            const SolverOptions& options, Sweep sweep, int most,
+                            std::vector<Vector6d>& velocities, PassMemory& memory);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

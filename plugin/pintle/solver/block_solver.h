@@ -55,7 +55,6 @@ class BlockSolver {
   bool isUnsettled() const { return m_is_unsettled; }
   /// Whether there is a factor where one is needed.
   bool isSolvable() const { return m_solvable; }
-  int factors() const { return m_set.factors(); }
   /// Whether the last pass did.
   bool changesSet() const { return m_changes; }
   /// Its impulses before a pass, and back to a part of the way from there.

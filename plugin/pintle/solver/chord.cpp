@@ -92,7 +92,6 @@ SolveReport Chord::run() {
       (m_options.may_wander || shareOfArcs(m_work.v, m_island.dt) > m_options.ledger_share);
   broyden.begin(may_wander);
   for (bool changed = end(); !m_report.converged; changed = end()) {
-    m_report.factors = m_set.factors();
     if (m_report.steps >= m_options.max_iterations) return m_report;
     if (changed) {
       if (!factorise()) return m_report;
@@ -102,7 +101,6 @@ SolveReport Chord::run() {
     }
     if (!broyden.step(m_K, m_work.x, m_work.y)) return m_report;
   }
-  m_report.factors = m_set.factors();
   m_set.keepImpulses();
   return m_report;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/solver/island.h>
+#include <pintle/solver/span.h>
 
 #include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
@@ -43,19 +44,13 @@ struct ContactRow {
   }
 };
 /// The bodies that such a row is on.
-inline void touch(const std::vector<ContactRow>& rows, std::vector<char>& touched) {
+inline void touch(Span<const ContactRow> rows, std::vector<char>& touched) {
   for (const ContactRow& row : rows)
     for (const int body : row.body)
       if (body >= 0) touched[size_t(body)] = true;
 }
-/// Of each of so many bodies: whether a contact is on it.
-inline void findTouched(const std::vector<ContactRow>& rows, size_t bodies,
-                        std::vector<char>& touched) {
-  touched.assign(bodies, false);
-  touch(rows, touched);
-}
 /// Friction by its contact's impulse.
-inline void boundFriction(const std::vector<ContactRow>& rows, ContactRow& row) {
+inline void boundFriction(Span<const ContactRow> rows, ContactRow& row) {
   if (!row.isFriction()) return;
   row.upper = row.friction * rows[size_t(row.normal)].impulse;
   row.lower = -row.upper;

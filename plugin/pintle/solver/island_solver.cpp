@@ -8,6 +8,7 @@
 #include <pintle/solver/softness.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -46,10 +47,10 @@ void IslandSolver::enter(const btDispatcher* world) {
 
 size_t IslandSolver::bytes() const {
   return m_memory->bytes() + m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() +
+         m_groups.bytes() +
          bytesOf(m_island.unmoved_bodies, m_island.bodies, m_island.joints, m_island.rows,
                  m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
-                 m_touched_bodies, m_touched, m_counted, m_is_resolved, m_alone, m_among_contacts,
-                 m_blocks);
+                 m_counted, m_is_resolved, m_bodies_alone, m_blocks);
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -164,9 +165,10 @@ void IslandSolver::solveAlone(const Component& component) {
   const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
   if (has_end) kept.work.keepAsOther();
   const double given = kept.work_done;
-  m_alone.assign(1, &component);
-  std::vector<ContactRow> none;
-  solveInVelocity(m_alone, none);
+  m_bodies_alone.resize(size_t(component.bodies));
+  std::iota(m_bodies_alone.begin(), m_bodies_alone.end(), component.first_body);
+  const Component* const alone = &component;
+  solveInVelocity({{&alone, 1}, m_bodies_alone, {}});
   if (!has_end || kept.ledger.mayGive(-kept.work_done, m_options.ledger_share)) return;
   kept.work.takeOther();
   kept.work_done = given;
@@ -176,27 +178,30 @@ void IslandSolver::solveAlone(const Component& component) {
 
 // J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each
 // other.
-double IslandSolver::gainInVelocity(const Components& those, const std::vector<ContactRow>& rows) {
-  double gain = 0;
-  std::vector<char>& counted = m_counted;
-  counted.assign(m_island.bodies.size(), false);
-  for (const Component* of : those) {
+double IslandSolver::gainInVelocity(const ContactGroup& group) {
+  double gain = 0, rebounds = 0, fastest = 0, mass = 0;
+  m_counted.resize(m_island.bodies.size());
+  for (const int i : group.bodies) m_counted[size_t(i)] = false;
+  for (const Component* of : group.components) {
     gain += gainOverForces(m_island, *of, memoryOf(*of).work);
-    std::fill_n(counted.begin() + of->first_body, of->bodies, true);
+    std::fill_n(m_counted.begin() + of->first_body, of->bodies, true);
   }
-  for (size_t i = 0; !rows.empty() && i < counted.size(); ++i)
-    if (!counted[i]) gain += gainOf(m_island.bodies[i], m_island.bodies[i].v_free, m_velocities[i]);
-  double rebounds = 0, fastest = 0, mass = 0;
-  for (const ContactRow& row : rows) {
+  for (const int i : group.bodies) {
+    const IslandBody& body = m_island.bodies[size_t(i)];
+    mass += body.mass;
+    if (!m_counted[size_t(i)]) gain += gainOf(body, body.v_free, m_velocities[size_t(i)]);
+  }
+  for (const ContactRow& row : group.rows) {
     rebounds += std::fmax(row.impulse * row.target, 0);
     fastest = std::fmax(fastest, std::abs(row.target));
   }
-  for (const IslandBody& body : m_island.bodies) mass += body.mass;
   return gain - std::fmin(rebounds, mass * fastest * fastest / 2);
 }
 
-// The second tier: one component alone, or those that contacts touch.
-void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactRow>& rows) {
+// The second tier: one component alone, or what contacts join.
+void IslandSolver::solveInVelocity(const ContactGroup& group) {
+  const auto& those = group.components;
+  const auto& rows = group.rows;
   m_report.second_tier += int(those.size());
   m_report.tier = std::max(m_report.tier, 2);
   std::vector<BlockOfJoints>& blocks = m_blocks;
@@ -207,13 +212,15 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
     blocks.push_back({of, &kept.K, &kept.work});
     largest += kept.ledger.largest();
   }
-  for (const IslandBody& body : m_island.bodies)
-    if (!rows.empty()) largest += gainOf(body, Vector6d::Zero(), body.v_free);
+  for (const int i : group.bodies)
+    if (!rows.empty())
+      largest +=
+          gainOf(m_island.bodies[size_t(i)], Vector6d::Zero(), m_island.bodies[size_t(i)].v_free);
   SolveReport done;
   const auto solve = [&](Sweep sweep) {
     const int most = rows.empty() ? m_options.max_sweeps : m_sweeps;
-    done = pintle::solveInVelocity(m_island, blocks, rows, m_options, sweep, most, m_velocities,
-                                   m_pass_memory);
+    done = pintle::solveInVelocity(m_island, blocks, group.bodies, rows, m_options, sweep, most,
+                                   m_velocities, m_pass_memory);
     count(done, int(those.size()));
   };
   // Again, where bodies swing fast, and under another load than was foreseen.
@@ -223,8 +230,8 @@ void IslandSolver::solveInVelocity(const Components& those, std::vector<ContactR
     bool again = false;
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
-    if (again) solve(sweep);
-    return done.is_solvable && gainInVelocity(those, rows) <= m_options.ledger_share * largest;
+    if (again && m_options.max_new_factors > 1) solve(sweep);  // the first one is for poses
+    return done.is_solvable && gainInVelocity(group) <= m_options.ledger_share * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
   const auto attemptWithoutRebounds = [&](Sweep sweep) {
@@ -275,10 +282,10 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
 // `of`: so many components, solved together.
 void IslandSolver::count(const SolveReport& done, int of) {
   m_report.newton_steps += done.steps * of;
-  m_report.factorisations += done.factors;
 }
 
-void IslandSolver::report(const Component& component, const ComponentMemory& kept) {
+void IslandSolver::report(const Component& component, ComponentMemory& kept) {
+  m_report.factorisations += kept.K.takeFactorisations();
   m_report.residual = std::max(m_report.residual, kept.residual);
   m_report.not_converged += !kept.converged || !(kept.residual <= kept.tolerance);
   forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
@@ -290,24 +297,16 @@ void IslandSolver::report(const Component& component, const ComponentMemory& kep
   m_report.ledger_limit += m_options.ledger_share * kept.ledger.peak;
 }
 
-void IslandSolver::findTouched() {
-  std::vector<char>& body = m_touched_bodies;
-  pintle::findTouched(m_contacts, m_island.bodies.size(), body);
-  m_touched.clear();
-  for (const Component& component : m_components) {
-    const auto first = body.begin() + component.first_body, last = first + component.bodies;
-    m_touched.push_back(std::find(first, last, true) != last);
-  }
-}
-
 void IslandSolver::beginComponents() {
   const size_t bodies = m_island.bodies.size(), components = m_components.size();
   size_t bounds = 0;  // parts of rows that contacts may take
   for (size_t r = 0; !m_contacts.empty() && r < m_island.rows.size(); ++r)
     if (!m_island.rows[r].law.isEquality()) bounds += size_t(m_island.rows[r].law.parts());
   m_pass_memory.reserve(bodies, components, bounds);
-  reserve(components, m_alone, m_among_contacts, m_blocks);
-  reserve(bodies, m_counted);
+  reserve(components, m_blocks);
+  reserve(bodies, m_counted, m_bodies_alone, m_velocities);
+  m_groups.reserve(bodies, components);
+  m_groups.find(m_components, bodies, m_contacts);
   m_kept.clear();
   for (const Component& component : m_components) {
     std::unique_ptr<ComponentMemory>& slot =
@@ -321,20 +320,11 @@ void IslandSolver::beginComponents() {
 }
 
 void IslandSolver::solveJoints() {
-  findTouched();
-  m_among_contacts.clear();
-  for (size_t c = 0; c < m_components.size(); ++c) {
-    if (m_touched[c])
-      m_among_contacts.push_back(&m_components[c]);
-    else
-      solveAlone(m_components[c]);
-  }
-  if (m_contacts.empty()) {  // who has no joint with rows is free
-    m_velocities.clear();
-    for (const IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
-  } else {
-    solveInVelocity(m_among_contacts, m_contacts);
-  }
+  m_velocities.clear();
+  for (const IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
+  for (const Component& component : m_components)
+    if (!m_groups.has(component)) solveAlone(component);
+  for (size_t group = 0; group < m_groups.count(); ++group) solveInVelocity(m_groups[group]);
   gatherVelocities();
 }
 

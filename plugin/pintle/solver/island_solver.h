@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/solver/block_gauss_seidel.h>
+#include <pintle/solver/contact_groups.h>
 #include <pintle/solver/contact_poses.h>
 #include <pintle/solver/island_builder.h>
 #include <pintle/solver/pose_correction.h>
@@ -42,8 +43,6 @@ class IslandSolver {
   void movePoses() const;
 
  private:
-  using Components = std::vector<const Component*>;
-
   void beginComponents();
   void solveInTurns(SolverBodies& bodies, const PassOverOthers& others);
   void solveJoints();
@@ -53,12 +52,11 @@ class IslandSolver {
   ComponentMemory& begin(const Component& component);
   void solveAlone(const Component& component);
   bool solveByChord(const Component& component);
-  void solveInVelocity(const Components& those, std::vector<ContactRow>& rows);
-  double gainInVelocity(const Components& those, const std::vector<ContactRow>& rows);
+  void solveInVelocity(const ContactGroup& group);
+  double gainInVelocity(const ContactGroup& group);
   void finish(const Component& component, ComponentMemory& kept);
-  void findTouched();
   void count(const SolveReport& done, int components);
-  void report(const Component& component, const ComponentMemory& kept);
+  void report(const Component& component, ComponentMemory& kept);
   void gatherVelocities();
   void writeVelocities(SolverBodies& bodies) const;
   ComponentMemory& memoryOf(const Component& component) const {
@@ -80,11 +78,11 @@ class IslandSolver {
   std::vector<PoseChange> m_pose_changes;
 
   // Memory of the solve.
-  std::vector<Vector6d> m_before_others;          ///< of each body: its change of velocity
-  std::vector<char> m_touched_bodies, m_touched;  ///< of each body, and component: by a contact
-  std::vector<char> m_counted;                    ///< of each body
-  std::vector<char> m_is_resolved;                ///< of each component
-  Components m_alone, m_among_contacts;
+  std::vector<Vector6d> m_before_others;  ///< of each body: its change of velocity
+  std::vector<char> m_counted;            ///< of each body
+  std::vector<char> m_is_resolved;        ///< of each component
+  std::vector<int> m_bodies_alone;        ///< of a component
+  ContactGroups m_groups;
   std::vector<BlockOfJoints> m_blocks;
   PassMemory m_pass_memory;
   ContactPosesMemory m_poses_memory;

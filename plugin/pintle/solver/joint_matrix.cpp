@@ -271,6 +271,7 @@ bool JointMatrix::factorise(double least_pivot) {
     double* const to = m_factor.at(m_factor.place(k, k));
     for (int i = 0; i < block; ++i) to[in(i, i)] += m_softness[size_t(stride * k + i)];
   }
+  ++m_factorisations;
   m_is_factorised = m_factor.factorise(least_pivot);
   return m_is_factorised;
 }

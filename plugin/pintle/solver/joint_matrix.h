@@ -10,6 +10,8 @@
 #include <pintle/solver/linear/minimum_degree.h>
 #include <pintle/solver/linear/symmetric_factor.h>
 
+#include <utility>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -60,6 +62,8 @@ class JointMatrix {
   }
   /// (Nothing is done where it is the same matrix as before.)
   bool factorise(double least_pivot);
+  /// How often it was, since the last time that this was asked.
+  int takeFactorisations() { return std::exchange(m_factorisations, 0); }
 
   /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
   /// x = K^-1 x. What lies between the joints' must be 0.
@@ -140,7 +144,8 @@ class JointMatrix {
   std::vector<double> m_acts;                ///< of each row: 1, or 0
   bool m_is_assembled = false;  ///< m_matrix is that of the rows, but for nodes that were idle
   bool m_is_factorised = false;
-  double m_least_pivot = 0;          ///< of that factor
+  double m_least_pivot = 0;  ///< of that factor
+  int m_factorisations = 0;
   std::vector<char> m_is_in_matrix;  ///< of each node
   std::vector<double>
       m_matrix;  ///< of all rows of those, without softness, where the factor has blocks

@@ -17,8 +17,8 @@ void addLoad(Workspace& work);
 void findStiffness(const Island& island, const Component& component, double stable_swing,
                    Workspace& work);
 
-/// The same with the impulses that are found. Returns whether a body has swung faster than explicit steps are stable, with what was
-/// foreseen. (Too much only takes energy.)
+/// The same with the impulses that are found. Returns whether these make a body unstable with the inertia that was foreseen. (Too much
+/// inertia only takes energy.)
 bool foreseeLoad(const Island& island, const Component& component, double stable_swing,
                  Workspace& work);
 /// The inertia of the bodies of K: their own, and work.stiffness.

@@ -26,6 +26,7 @@ class PoseCorrection {
  private:
   void begin();
   bool findGoals();
+  bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
   bool factorise(bool at_end);
   bool straighten();
   double measure();
@@ -44,6 +45,7 @@ class PoseCorrection {
   const double m_tolerance;
   Workspace& m_work;
   JointMatrix& m_K;
+  int m_factors = 0;
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
   std::vector<char>& m_bends =
@@ -91,6 +93,8 @@ bool PoseCorrection::findGoals() {
 
 // By the rows of the start, or of where bodies are now.
 bool PoseCorrection::factorise(bool at_end) {
+  if (!mayFactorise()) return false;
+  ++m_factors;
   stiffen(m_island, m_component, m_work, m_K);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
@@ -150,7 +154,7 @@ double PoseCorrection::step(double open, bool is_fresh) {
 // Returns what is left open.
 double PoseCorrection::iterate(double open) {
   bool is_fresh = false;
-  for (int steps = 0, factors = 0; steps < m_options.max_iterations; ++steps) {
+  for (int steps = 0; steps < m_options.max_iterations; ++steps) {
     const double now = step(open, is_fresh);
     const bool closes = now < open, is_fast = now < m_options.contraction * open;
     if (closes) {
@@ -164,7 +168,9 @@ double PoseCorrection::iterate(double open) {
     const bool is_rounding = is_fresh && open <= m_options.loose_pose_tolerance;
     is_fresh = is_fresh && !closes;
     if (is_fast) continue;
-    if (is_rounding || is_fresh || factors++ >= m_options.max_pose_factors) break;
+    if (is_rounding) break;
+    if (closes && !mayFactorise()) continue;
+    if (is_fresh) break;
     if (!closes) m_work.moved = m_nearest;
     if (!factorise(true)) break;
     measure();
@@ -235,7 +241,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
   const double met = m_options.loose_pose_tolerance;  // but for rounding
-  if (!(left <= met) && straighten()) {
+  if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
     m_first.clear();
     if (!factorise(false)) return open;

@@ -24,8 +24,9 @@ struct SolverOptions {
   /// rows come to another piece one at a time from then on, each twice at most; then those with bounds are solved one by one. Among
   /// contacts they go on as contacts do; also where a pass over these asks for another set.
   int max_set_factors = 4;
-  /// Factors of the correction of poses, each where the last one has led.
-  int max_pose_factors = 20;
+  /// Factors of the correction of poses, each where the last one has led. From 2 on, velocities may be solved for again, too, where the
+  /// load that was found makes a body unstable with the inertia that was foreseen.
+  int max_new_factors = 20;
   /// Such a factor is kept while a step with it leaves less than this part open.
   double contraction = 0.3;
   /// Steps with a new one are halved down to this part.

@@ -13,7 +13,7 @@ inline namespace PINTLE_PRECISION {
 struct SolveReport {
   bool converged = false;
   bool is_solvable = true;  ///< which rows act was found, and they have a factor
-  int steps = 0, factors = 0;
+  int steps = 0;
   double error = 0;  ///< the largest, m or rad
 };
 

@@ -53,19 +53,19 @@ std::vector<MinimumDegree::Column> inPostorder(std::vector<MinimumDegree::Column
     place[size_t(columns[k].node)] = int(k);
   }
   std::vector<std::vector<int>> children(columns.size());
-  std::vector<int> waiting;  // roots, and then what is below them
+  std::vector<int> stack;  // roots, and then what is below them
   for (size_t k = 0; k < columns.size(); ++k) {
     int parent = int(columns.size());
     for (const int i : columns[k].coupled) parent = std::min(parent, place[size_t(i)]);
-    (parent < int(columns.size()) ? children[size_t(parent)] : waiting).push_back(int(k));
+    (parent < int(columns.size()) ? children[size_t(parent)] : stack).push_back(int(k));
   }
   // A parent before its children, all backwards.
   std::vector<MinimumDegree::Column> ordered;
-  while (!waiting.empty()) {
-    const auto k = size_t(waiting.back());
-    waiting.pop_back();
+  while (!stack.empty()) {
+    const auto k = size_t(stack.back());
+    stack.pop_back();
     ordered.push_back(std::move(columns[k]));
-    waiting.insert(waiting.end(), children[k].begin(), children[k].end());
+    stack.insert(stack.end(), children[k].begin(), children[k].end());
   }
   std::reverse(ordered.begin(), ordered.end());
   return ordered;
@@ -73,39 +73,54 @@ std::vector<MinimumDegree::Column> inPostorder(std::vector<MinimumDegree::Column
 
 }  // namespace
 
-// All that are coupled to the first one, by how far they are from it; then the others.
-std::vector<int> MinimumDegree::breadthFirst(const std::vector<int>& nodes) {
-  std::vector<int> found;
-  std::vector<char> is_found(m_degree.size(), false);
-  const auto find = [&](int i) {
-    if (is_found[size_t(i)]) return;
-    is_found[size_t(i)] = true;
-    found.push_back(i);
-  };
-  size_t next = 0;
-  for (const int i : nodes) {
-    find(i);
-    for (; next < found.size(); ++next)
-      for (const int k : reach(found[next])) find(k);
-  }
+// Of those that are coupled to `root`, directly or by others: by how many steps (George and Liu 1981). Returns them, the nearest first.
+std::vector<int> MinimumDegree::findLevels(int root, std::vector<int>& level) {
+  std::vector<int> found = {root};
+  level[size_t(root)] = 0;
+  for (size_t next = 0; next < found.size(); ++next)
+    for (const int i : reach(found[next])) {
+      if (level[size_t(i)] >= 0) continue;
+      level[size_t(i)] = level[size_t(found[next])] + 1;
+      found.push_back(i);
+    }
   return found;
+}
+
+// By their levels from a peripheral node, and then from one that is far from it and from its opposite. So neighbours stay together,
+// however nodes are numbered.
+std::vector<int> MinimumDegree::orderByLevels(const std::vector<int>& nodes) {
+  const std::vector<int> unknown(m_degree.size(), -1);
+  std::vector<int> from_any = unknown, first = unknown, opposite = unknown, second = unknown, all;
+  for (const int node : nodes) {
+    if (first[size_t(node)] >= 0) continue;
+    const int peripheral = findLevels(node, from_any).back();
+    std::vector<int> part = findLevels(peripheral, first);
+    findLevels(part.back(), opposite);
+    const auto leastLevel = [&](int i) { return std::min(first[size_t(i)], opposite[size_t(i)]); };
+    const int aside = *std::max_element(
+        part.begin(), part.end(), [&](int a, int b) { return leastLevel(a) < leastLevel(b); });
+    findLevels(aside, second);
+    std::stable_sort(part.begin(), part.end(), [&](int a, int b) {
+      return std::pair(first[size_t(a)], second[size_t(a)]) <
+             std::pair(first[size_t(b)], second[size_t(b)]);
+    });
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
 }
 
 std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& nodes) {
   std::vector<Column> columns;
-  // Ties go by how far a node is from one at the rim, and not by how nodes are numbered.
-  std::vector<int> near = breadthFirst(nodes);
-  std::reverse(near.begin(), near.end());
-  near = breadthFirst(near);
+  const std::vector<int> ordered = orderByLevels(nodes);
   std::vector<int> rank(m_degree.size());
-  for (size_t k = 0; k < near.size(); ++k) rank[size_t(near[k])] = int(k);
+  for (size_t k = 0; k < ordered.size(); ++k) rank[size_t(ordered[k])] = int(k);
   // Degree, since when, and rank. Of the same degree, those come first that were coupled anew last: so what is eliminated is in one piece.
   using Entry = std::tuple<int, int, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
   for (const int i : nodes) queue.push({m_degree[size_t(i)], 0, rank[size_t(i)]});
   while (!queue.empty()) {
     const auto [degree, since, place] = queue.top();
-    const int node = near[size_t(place)];
+    const int node = ordered[size_t(place)];
     queue.pop();
     if (m_gone[size_t(node)] || m_waits[size_t(node)] || degree != m_degree[size_t(node)]) continue;
     std::vector<int> coupled = reach(node);

@@ -34,7 +34,8 @@ class MinimumDegree {
 
  private:
   std::vector<int> reach(int node);
-  std::vector<int> breadthFirst(const std::vector<int>& nodes);
+  std::vector<int> findLevels(int root, std::vector<int>& level);
+  std::vector<int> orderByLevels(const std::vector<int>& nodes);
   void findOutside(const std::vector<int>& coupled);
 
   std::vector<std::vector<int>> m_cliques, m_cliques_of;

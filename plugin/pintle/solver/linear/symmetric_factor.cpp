@@ -6,7 +6,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Of later columns j: A_ij -= A_ik D_k^-1 A_jk^T, for each i from j on.
+// Where columns are alone, or nearly, what they do to later ones is done at once: to copy them to a panel would take longer.
 PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diagonal, double* below,
                                    double least_pivot) {
   if (of.idle[k]) return true;
@@ -17,7 +17,7 @@ PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diago
     const int j = of.row[q];
     if (of.idle[j]) continue;
     double* const a_j = below + block_area * q;
-    Columns l_j(a_j), to_j(diagonal + block_area * j);
+    Block l_j(a_j), to_j(diagonal + block_area * j);
     solveRows(own, l_j);
     to_j.subtractProductTransposed(l_j, a_j);
     to_j.store(diagonal + block_area * j);
@@ -27,21 +27,18 @@ PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diago
     for (int p = q + 1; p < end; ++p, ++to) {
       while (!same && of.row[to] != of.row[p]) ++to;
       if (of.idle[of.row[p]]) continue;
-      Columns left(below + block_area * to);
-      left.subtractProductTransposed(Columns(below + block_area * p), a_j);
+      Block left(below + block_area * to);
+      left.subtractProductTransposed(Block(below + block_area * p), a_j);
       left.store(below + block_area * to);
     }
   }
   return true;
 }
 
-// A panel is worth its memory where it has a few columns.
-constexpr int least_width = 3;
-
 PINTLE_TARGET_CLONES bool factoriseAll(const FactorPattern& of, double* diagonal, double* below,
                                        double least_pivot, double* panel, int* places) {
   for (int k = 0; k < of.blocks; ++k) {
-    if (of.last[k] - k < least_width - 1) {
+    if (of.last[k] + 1 - k < Supernode::least_columns) {
       if (!factoriseColumn(of, k, diagonal, below, least_pivot)) return false;
       continue;
     }
@@ -93,8 +90,8 @@ PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, co
       const int j = of.row[q];
       if (of.idle[j]) continue;
       const double* const L_j = L + block_area * q;
-      Columns Z_j(Z + block_area * q);
-      Z_j.subtractProduct(Columns(diagonal + block_area * j), L_j);
+      Block Z_j(Z + block_area * q);
+      Z_j.subtractProduct(Block(diagonal + block_area * j), L_j);
       int at = of.first[j];
       const bool same = of.first[j + 1] - at == last - q - 1;
       for (int p = q + 1; p < last; ++p, ++at) {
@@ -102,8 +99,8 @@ PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, co
         while (!same && of.row[at] != i) ++at;
         if (of.idle[i]) continue;
         const double* const Z_ij = Z + block_area * at;
-        Columns Z_i(Z + block_area * p);
-        Z_i.subtractProduct(Columns(Z_ij), L_j);
+        Block Z_i(Z + block_area * p);
+        Z_i.subtractProduct(Block(Z_ij), L_j);
         Z_i.store(Z + block_area * p);
         Z_j.subtractProduct(transposed(Z_ij), L + block_area * p);
       }
@@ -114,7 +111,7 @@ PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, co
       own[block_stride * i + i] = 1;
       solveBlock(D + block_area * k, own + block_stride * i);
     }
-    Columns sum(own);
+    Block sum(own);
     for (int q = first; q < last; ++q)
       sum.subtractProduct(transposed(L + block_area * q), Z + block_area * q);
     sum.store(own);
@@ -161,10 +158,12 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
     // The next column has the same rows, but itself.
     const bool joins = rows > 0 && m_row[size_t(m_first[size_t(k)])] == k + 1 &&
                        m_first[size_t(k) + 2] - m_first[size_t(k) + 1] == rows - 1;
-    m_last[size_t(k)] = joins ? m_last[size_t(k) + 1] : k;
+    const int last = joins ? m_last[size_t(k) + 1] : k;
+    m_last[size_t(k)] = last - k < Supernode::most_columns ? last : k;
     const auto columns = size_t(m_last[size_t(k)] + 1 - k);
     most_rows = std::max(most_rows, size_t(rows) + 1);
-    most = std::max(most, Supernode::panelSize(columns, size_t(rows) + 1));
+    if (columns >= size_t(Supernode::least_columns))
+      most = std::max(most, Supernode::panelSize(columns, size_t(rows) + 1));
   }
   m_panel.resize(most);
   m_places.resize(most_rows);
