@@ -13,33 +13,33 @@ constexpr int block_size = SymmetricFactor::size, block_stride = SymmetricFactor
               block_area = block_size * block_stride;
 
 /// A block.
-struct Block {
+struct MatrixBlock {
   FourLanes of[block_size];
 
-  PINTLE_INLINE Block() = default;
-  PINTLE_INLINE explicit Block(const double* from, int length = block_stride) {
+  PINTLE_INLINE MatrixBlock() = default;
+  PINTLE_INLINE explicit MatrixBlock(const double* from, int length = block_stride) {
     for (int k = 0; k < block_size; ++k) of[k].load(from + length * k);
   }
   PINTLE_INLINE void store(double* to, int length = block_stride) const {
     for (int k = 0; k < block_size; ++k) of[k].store(to + length * k);
   }
   /// -= a b
-  PINTLE_INLINE void subtractProduct(const Block& a, const double* b) {
+  PINTLE_INLINE void subtractProduct(const MatrixBlock& a, const double* b) {
     for (int s = 0; s < block_size; ++s)
       for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * s + k]);
   }
   /// -= a b^T
-  PINTLE_INLINE void subtractProductTransposed(const Block& a, const double* b) {
+  PINTLE_INLINE void subtractProductTransposed(const MatrixBlock& a, const double* b) {
     for (int s = 0; s < block_size; ++s)
       for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * k + s]);
   }
 };
 
-PINTLE_INLINE Block transposed(const double* a) {
+PINTLE_INLINE MatrixBlock transposed(const double* a) {
   double t[block_area] = {};
   for (int i = 0; i < block_size; ++i)
     for (int j = 0; j < block_size; ++j) t[block_stride * i + j] = a[block_stride * j + i];
-  return Block(t);
+  return MatrixBlock(t);
 }
 
 /// Of a block L D L^T: 1 / d_0; l_10, 1 / d_1; l_20, l_21, 1 / d_2, in its lower half. It is kept so, and not as its inverse: where
@@ -75,7 +75,7 @@ PINTLE_INLINE void solveBlock(const double* f, double* x) {
 }
 
 /// a = a D^-1: the same, of all rows of a.
-PINTLE_INLINE void solveRows(const double* f, Block& a) {
+PINTLE_INLINE void solveRows(const double* f, MatrixBlock& a) {
   const auto in = SymmetricFactor::in;
   FourLanes* const x = a.of;
   x[1].subtract(x[0], f[in(1, 0)]);
@@ -94,8 +94,8 @@ PINTLE_INLINE void solveRows(const double* f, Block& a) {
 template <int blocks>
 PINTLE_INLINE void subtractColumns(double* const* to, int to_length, const double* a, int length,
                                    int columns, const double* l) {
-  Block left[blocks];
-  for (int i = 0; i < blocks; ++i) left[i] = Block(to[i], to_length);
+  MatrixBlock left[blocks];
+  for (int i = 0; i < blocks; ++i) left[i] = MatrixBlock(to[i], to_length);
   for (int c = 0; c < columns; ++c, a += length, l += block_stride)
     for (int i = 0; i < blocks; ++i) {
       const FourLanes a_i(a + block_stride * i);

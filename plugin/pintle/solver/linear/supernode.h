@@ -52,10 +52,10 @@ class Supernode {
         subtractRows(to, m_length, p, k, panel);
       }
       double* const pivot = diagonal + block_area * index(k);
-      Block(own + block_stride * k, m_length).store(pivot);
+      MatrixBlock(own + block_stride * k, m_length).store(pivot);
       if (!factoriseBlock(pivot, least_pivot)) return false;
       for (int p = k + 1; p < m_rows; ++p) {
-        Block l(own + block_stride * p, m_length);
+        MatrixBlock l(own + block_stride * p, m_length);
         solveRows(pivot, l);
         l.store(below + block_area * place(p, k));
       }
@@ -99,14 +99,14 @@ class Supernode {
   PINTLE_INLINE void takeColumn(int k, const double* diagonal, const double* below,
                                 double* panel) const {
     double* const own = panel + m_length * block_size * k;
-    Block(diagonal + block_area * index(k)).store(own + block_stride * k, m_length);
+    MatrixBlock(diagonal + block_area * index(k)).store(own + block_stride * k, m_length);
     for (int p = k + 1; p < m_rows; ++p)
-      Block(below + block_area * place(p, k)).store(own + block_stride * p, m_length);
+      MatrixBlock(below + block_area * place(p, k)).store(own + block_stride * p, m_length);
   }
   // Row p of L, of so many columns: as columns of its blocks.
   PINTLE_INLINE void takeRow(int p, int columns, const double* below, double* panel) const {
     for (int k = 0; k < columns; ++k)
-      Block(below + block_area * place(p, k)).store(rowOf(panel) + block_area * k);
+      MatrixBlock(below + block_area * place(p, k)).store(rowOf(panel) + block_area * k);
   }
   // Of rows from p on, by so many columns, with the row of L at hand.
   PINTLE_INLINE void subtractRows(double* const* to, int to_length, int p, int columns,

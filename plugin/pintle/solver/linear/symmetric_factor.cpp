@@ -17,7 +17,7 @@ PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diago
     const int j = of.row[q];
     if (of.idle[j]) continue;
     double* const a_j = below + block_area * q;
-    Block l_j(a_j), to_j(diagonal + block_area * j);
+    MatrixBlock l_j(a_j), to_j(diagonal + block_area * j);
     solveRows(own, l_j);
     to_j.subtractProductTransposed(l_j, a_j);
     to_j.store(diagonal + block_area * j);
@@ -27,8 +27,8 @@ PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diago
     for (int p = q + 1; p < end; ++p, ++to) {
       while (!same && of.row[to] != of.row[p]) ++to;
       if (of.idle[of.row[p]]) continue;
-      Block left(below + block_area * to);
-      left.subtractProductTransposed(Block(below + block_area * p), a_j);
+      MatrixBlock left(below + block_area * to);
+      left.subtractProductTransposed(MatrixBlock(below + block_area * p), a_j);
       left.store(below + block_area * to);
     }
   }
@@ -90,8 +90,8 @@ PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, co
       const int j = of.row[q];
       if (of.idle[j]) continue;
       const double* const L_j = L + block_area * q;
-      Block Z_j(Z + block_area * q);
-      Z_j.subtractProduct(Block(diagonal + block_area * j), L_j);
+      MatrixBlock Z_j(Z + block_area * q);
+      Z_j.subtractProduct(MatrixBlock(diagonal + block_area * j), L_j);
       int at = of.first[j];
       const bool same = of.first[j + 1] - at == last - q - 1;
       for (int p = q + 1; p < last; ++p, ++at) {
@@ -99,8 +99,8 @@ PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, co
         while (!same && of.row[at] != i) ++at;
         if (of.idle[i]) continue;
         const double* const Z_ij = Z + block_area * at;
-        Block Z_i(Z + block_area * p);
-        Z_i.subtractProduct(Block(Z_ij), L_j);
+        MatrixBlock Z_i(Z + block_area * p);
+        Z_i.subtractProduct(MatrixBlock(Z_ij), L_j);
         Z_i.store(Z + block_area * p);
         Z_j.subtractProduct(transposed(Z_ij), L + block_area * p);
       }
@@ -111,7 +111,7 @@ PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, co
       own[block_stride * i + i] = 1;
       solveBlock(D + block_area * k, own + block_stride * i);
     }
-    Block sum(own);
+    MatrixBlock sum(own);
     for (int q = first; q < last; ++q)
       sum.subtractProduct(transposed(L + block_area * q), Z + block_area * q);
     sum.store(own);
