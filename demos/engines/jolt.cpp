@@ -164,13 +164,6 @@ class Writer {
  private:
   void add(bool is) { add(is ? 1. : 0.); }
   void add(int number) { add(double(number)); }
-  static double reduced_mass(const Scene& scene, const Joint& joint) {
-    const auto inverse = [&](int body) {
-      const double mass = scene.bodies[size_t(body)].mass;
-      return mass > 0 ? 1 / mass : 0;
-    };
-    return 1 / (inverse(joint.a) + inverse(joint.b));
-  }
 
   Message& to_;
 };

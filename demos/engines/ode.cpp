@@ -35,7 +35,8 @@ class OdeEngine : public Engine {
         dJointSetHingeParam(joints_[i], dParamFMax, joint.motor.max_torque);
       }
       if (joint.spring.frequency > 0) {
-        const double w = 2 * scenes::pi * joint.spring.frequency, mass = reduced_mass(joint);
+        const double w = 2 * scenes::pi * joint.spring.frequency,
+                     mass = reduced_mass(scene_, joint);
         const double k = mass * w * w, c = 2 * joint.spring.damping_ratio * mass * w;
         dJointSetSliderParam(joints_[i], dParamStopERP, dt * k / (dt * k + c));
         dJointSetSliderParam(joints_[i], dParamStopCFM, 1 / (dt * k + c));
@@ -58,13 +59,6 @@ class OdeEngine : public Engine {
   }
 
  private:
-  double reduced_mass(const Joint& joint) const {
-    const auto inverse = [&](int body) {
-      return body == 0 ? 0 : 1 / scene_.bodies[size_t(body)].mass;
-    };
-    return 1 / (inverse(joint.a) + inverse(joint.b));
-  }
-
   void add(const scenes::Body& from) {
     if (from.mass == 0) return bodies_.push_back(nullptr);
     const dBodyID body = dBodyCreate(world_);

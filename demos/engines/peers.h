@@ -27,6 +27,15 @@ inline bool is_known(const scenes::Scene& scene) {
          });
 }
 
+// kg: of its two bodies, one of which may rest.
+inline double reduced_mass(const scenes::Scene& scene, const scenes::Joint& joint) {
+  const auto inverse = [&](int body) {
+    const double mass = scene.bodies[size_t(body)].mass;
+    return mass > 0 ? 1 / mass : 0;
+  };
+  return 1 / (inverse(joint.a) + inverse(joint.b));
+}
+
 // Null: the scene has a joint or a setting that the engine cannot express.
 std::unique_ptr<Engine> make_ode(const scenes::Scene& scene, int iterations);
 std::unique_ptr<Engine> make_mujoco(const scenes::Scene& scene, int iterations);

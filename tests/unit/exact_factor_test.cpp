@@ -18,10 +18,6 @@ using Eigen::Matrix3d;
 using pintle::SymmetricFactor;
 using namespace joint_graphs;
 
-Eigen::MatrixXd numbers(int rows, int columns, Random& random) {
-  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1, 1); });
-}
-
 // By a factor, whose vectors have gaps.
 Eigen::VectorXd solved(const SymmetricFactor& factor, const Eigen::VectorXd& b) {
   std::vector<double> x(size_t(factor.vectorSize()), 0.);

@@ -19,10 +19,6 @@ using pintle::Vector3d;
 using pintle::Vector6d;
 using namespace joint_graphs;
 
-Eigen::MatrixXd numbers(int rows, int columns, Random& random) {
-  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1, 1); });
-}
-
 IslandBody body(Random& random, bool is_locked) {
   IslandBody of = {};
   of.mass = random.uniform(0.1, 3);

@@ -1,6 +1,7 @@
 // Who is joined to whom: graphs of bodies and joints for tests of the solvers' equations.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <string>
@@ -20,6 +21,10 @@ struct Graph {
   std::vector<Joint> joints;
 };
 
+/// From -1 to 1.
+inline Eigen::MatrixXd numbers(int rows, int columns, Random& random) {
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1, 1); });
+}
 inline int below(Random& random, int n) { return std::min(int(random.uniform(0, n)), n - 1); }
 
 inline Graph chain(int bodies) {

@@ -13,28 +13,6 @@ double speedOut(const ContactRow& row) {
   return inverse_K > 0 ? double(row.from->m_rhsPenetration) / inverse_K : 0;
 }
 
-// Bodies that joints and contacts join with those of `first`: `is_of_it`, of each body.
-void findJoined(const std::vector<Component>& components, const Component& first,
-                const std::vector<ContactRow>& contacts, std::vector<char>& is_of_it) {
-  const auto take = [&](const Component& of) {
-    std::fill_n(is_of_it.begin() + of.first_body, of.bodies, true);
-  };
-  take(first);
-  for (bool grows = true; grows;) {
-    grows = false;
-    for (const ContactRow& row : contacts) {
-      const int a = row.body[0], b = row.body[1];
-      if (a < 0 || b < 0 || is_of_it[size_t(a)] == is_of_it[size_t(b)]) continue;
-      is_of_it[size_t(a)] = is_of_it[size_t(b)] = true;
-      grows = true;
-    }
-    for (const Component& of : components) {
-      const auto begin = is_of_it.begin() + of.first_body, end = begin + of.bodies;
-      if (std::find(begin, end, true) != end) take(of);
-    }
-  }
-}
-
 }  // namespace
 
 // No body goes further than all of its contacts ask for, and they lift by no more than impulses have taken in this step.
@@ -82,34 +60,24 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
   for (IslandBody& body : island.bodies) body.push *= share;
 }
 
-void followPoses(const Island& island, const std::vector<Component>& components,
-                 const std::vector<char>& is_resolved, const std::vector<ContactRow>& contacts,
-                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes,
-                 ContactPosesMemory& memory) {
-  std::vector<char>&is_done = memory.is_done, &is_of_it = memory.is_of_it;
-  is_done.assign(island.bodies.size(), false);
-  for (size_t c = 0; c < components.size(); ++c) {
-    if (is_resolved[c] || is_done[size_t(components[c].first_body)]) continue;
-    is_of_it.assign(island.bodies.size(), false);
-    findJoined(components, components[c], contacts, is_of_it);
-    const auto by = [&](size_t i) {
-      return Vector6d(changes[i] / island.dt + island.bodies[i].push);
-    };
-    double slope = 0, bend = 0;
-    for (size_t i = 0; i < is_of_it.size(); ++i) {
-      if (!is_of_it[i]) continue;
-      is_done[i] = true;
-      slope += island.bodies[i].product(by(i), velocities[i]);
-      bend += island.bodies[i].product(by(i), by(i));
-    }
-    if (!(slope < 0)) continue;
-    const double part = std::fmin(1, -slope / bend);
-    for (size_t i = 0; i < is_of_it.size(); ++i) {
-      if (!is_of_it[i]) continue;
-      const Vector6d next = velocities[i] + part * by(i);
-      changes[i] = changeFor(next, velocities[i], changes[i], island.dt);
-      velocities[i] = next;
-    }
+void followPoses(const Island& island, Span<const int> bodies, std::vector<Vector6d>& velocities,
+                 std::vector<PoseChange>& changes) {
+  const auto by = [&](size_t i) {
+    return Vector6d(changes[i] / island.dt + island.bodies[i].push);
+  };
+  double slope = 0, bend = 0;
+  for (const int body : bodies) {
+    const auto i = size_t(body);
+    slope += island.bodies[i].product(by(i), velocities[i]);
+    bend += island.bodies[i].product(by(i), by(i));
+  }
+  if (!(slope < 0)) return;
+  const double part = std::fmin(1, -slope / bend);
+  for (const int body : bodies) {
+    const auto i = size_t(body);
+    const Vector6d next = velocities[i] + part * by(i);
+    changes[i] = changeFor(next, velocities[i], changes[i], island.dt);
+    velocities[i] = next;
   }
 }
 

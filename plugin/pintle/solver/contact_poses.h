@@ -11,10 +11,9 @@ inline namespace PINTLE_PRECISION {
 /// Memory of both.
 struct ContactPosesMemory {
   std::vector<ContactRow> rows;
-  std::vector<Vector6d> push;           ///< of each body
-  std::vector<double> most;             ///< of each body, m/s
-  std::vector<char> is_done, is_of_it;  ///< of each body
-  size_t bytes() const { return bytesOf(rows, push, most, is_done, is_of_it); }
+  std::vector<Vector6d> push;  ///< of each body
+  std::vector<double> most;    ///< of each body, m/s
+  size_t bytes() const { return bytesOf(rows, push, most); }
 };
 
 /// Split impulses: `push` of each body moves it out of those that it is in, as far as Bullet's solver asks for. A contact sees what
@@ -24,13 +23,11 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
                const std::vector<Vector6d>& velocities, int passes, double turn_share,
                ContactPosesMemory& memory);
 
-/// Where bodies of a component swing faster than a step resolves (`is_resolved`, of each component), rows of the start hold its
-/// velocities in hardly any of the ways that it may go, and poses have to take back the rest. Then velocities follow the poses, of
-/// all bodies that contacts join with it: by that part of their changes that takes most energy. It never gives any.
-void followPoses(const Island& island, const std::vector<Component>& components,
-                 const std::vector<char>& is_resolved, const std::vector<ContactRow>& contacts,
-                 std::vector<Vector6d>& velocities, std::vector<PoseChange>& changes,
-                 ContactPosesMemory& memory);
+/// Where bodies of a component swing faster than a step resolves, rows of the start hold its velocities in hardly any of the ways that
+/// it may go, and poses have to take back the rest. Then velocities follow the poses, of all `bodies` that contacts join with it: by
+/// that part of their changes that takes most energy. It never gives any.
+void followPoses(const Island& island, Span<const int> bodies, std::vector<Vector6d>& velocities,
+                 std::vector<PoseChange>& changes);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

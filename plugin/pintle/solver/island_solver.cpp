@@ -50,7 +50,7 @@ size_t IslandSolver::bytes() const {
          m_groups.bytes() +
          bytesOf(m_island.unmoved_bodies, m_island.bodies, m_island.joints, m_island.rows,
                  m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
-                 m_counted, m_is_resolved, m_bodies_alone, m_blocks);
+                 m_counted, m_bodies_alone, m_blocks);
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -165,10 +165,8 @@ void IslandSolver::solveAlone(const Component& component) {
   const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
   if (has_end) kept.work.keepAsOther();
   const double given = kept.work_done;
-  m_bodies_alone.resize(size_t(component.bodies));
-  std::iota(m_bodies_alone.begin(), m_bodies_alone.end(), component.first_body);
   const Component* const alone = &component;
-  solveInVelocity({{&alone, 1}, m_bodies_alone, {}});
+  solveInVelocity({{&alone, 1}, bodiesOf(component), {}});
   if (!has_end || kept.ledger.mayGive(-kept.work_done, m_options.ledger_share)) return;
   kept.work.takeOther();
   kept.work_done = given;
@@ -345,16 +343,30 @@ bool IslandSolver::breakOverloaded() {
 
 void IslandSolver::finishComponents() {
   pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_poses_memory);
-  m_is_resolved.clear();
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
     report(component, memoryOf(component));
-    m_is_resolved.push_back(memoryOf(component).work.is_resolved);
   }
   gatherVelocities();
-  if (!m_contacts.empty())
-    followPoses(m_island, m_components, m_is_resolved, m_contacts, m_velocities, m_pose_changes,
-                m_poses_memory);
+  if (!m_contacts.empty()) followPoses();
+}
+
+Span<const int> IslandSolver::bodiesOf(const Component& component) {
+  m_bodies_alone.resize(size_t(component.bodies));
+  std::iota(m_bodies_alone.begin(), m_bodies_alone.end(), component.first_body);
+  return m_bodies_alone;
+}
+
+void IslandSolver::followPoses() {
+  const auto isResolved = [&](const Component* of) { return memoryOf(*of).work.is_resolved; };
+  for (const Component& component : m_components)
+    if (!m_groups.has(component) && !isResolved(&component))
+      pintle::followPoses(m_island, bodiesOf(component), m_velocities, m_pose_changes);
+  for (size_t g = 0; g < m_groups.count(); ++g) {
+    const ContactGroup group = m_groups[g];
+    if (!std::all_of(group.components.begin(), group.components.end(), isResolved))
+      pintle::followPoses(m_island, group.bodies, m_velocities, m_pose_changes);
+  }
 }
 
 }  // namespace PINTLE_PRECISION

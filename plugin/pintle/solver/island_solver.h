@@ -48,6 +48,8 @@ class IslandSolver {
   void solveJoints();
   bool breakOverloaded();
   void finishComponents();
+  void followPoses();
+  Span<const int> bodiesOf(const Component& component);
 
   ComponentMemory& begin(const Component& component);
   void solveAlone(const Component& component);
@@ -80,7 +82,6 @@ class IslandSolver {
   // Memory of the solve.
   std::vector<Vector6d> m_before_others;  ///< of each body: its change of velocity
   std::vector<char> m_counted;            ///< of each body
-  std::vector<char> m_is_resolved;        ///< of each component
   std::vector<int> m_bodies_alone;        ///< of a component
   ContactGroups m_groups;
   std::vector<BlockOfJoints> m_blocks;

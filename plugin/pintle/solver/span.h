@@ -4,7 +4,6 @@
 #include <pintle/precision.h>
 
 #include <cstddef>
-#include <vector>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
