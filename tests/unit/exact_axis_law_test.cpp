@@ -1,10 +1,12 @@
 // Where a row meets the law of its impulse.
 #include <pintle/solver/axis_law.h>
+#include <pintle/solver/pool.h>
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -20,6 +22,12 @@ using support::Random;
 constexpr double unbounded = AxisLaw::unbounded;
 
 bool oneIn(int n, Random& random) { return random.uniform(0, n) < 1; }
+
+// With room for all parts.
+AxisLaw emptyLaw() {
+  static pintle::Pool<std::array<LawPart, AxisLaw::max_parts>> rooms;
+  return AxisLaw(rooms.take().data());
+}
 
 // Lambda just below or above u. Parts without a bound outweigh those that have one.
 double impulse(const AxisLaw& law, double u) {
@@ -67,7 +75,7 @@ LawPart anyPart(Random& random) {
 
 // Rigid parts that have no bound do not contradict each other: limits of an axis have a lower and an upper end.
 AxisLaw anyLaw(int parts, Random& random) {
-  AxisLaw law;
+  AxisLaw law = emptyLaw();
   double least = -1e9, most = 1e9;  // where the others let u be
   while (law.parts() < parts) {
     LawPart part = anyPart(random);
@@ -134,7 +142,7 @@ TEST(AxisLaw, PieceIsThatOfTheNeighbourhood) {
 
 TEST(AxisLaw, AnEqualityActsEverywhere) {
   for (const double softness : {0., 0.5}) {
-    AxisLaw law;
+    AxisLaw law = emptyLaw();
     law.add({2, softness, -unbounded, unbounded});
     EXPECT_TRUE(law.isEquality());
     for (const double free : {-1e6, 0., 2., 1e6}) {
@@ -147,7 +155,7 @@ TEST(AxisLaw, AnEqualityActsEverywhere) {
 }
 
 TEST(AxisLaw, OneBoundMakesNoEquality) {
-  AxisLaw law;
+  AxisLaw law = emptyLaw();
   law.add({0, 0, 0, unbounded});
   EXPECT_FALSE(law.isEquality());
   law.clear();
@@ -159,7 +167,7 @@ TEST(AxisLaw, OneBoundMakesNoEquality) {
 // Two springs in parallel, without bounds: a law without corners.
 TEST(AxisLaw, SpringsAddUp) {
   for (const double softness : {1e-14, 1e-3, 1.}) {
-    AxisLaw law;
+    AxisLaw law = emptyLaw();
     law.add({1, softness, -unbounded, unbounded});
     law.add({4, 2 * softness, -unbounded, unbounded});
     for (const double free : {-10., 0., 2., 10.}) {
@@ -173,7 +181,7 @@ TEST(AxisLaw, SpringsAddUp) {
 
 // A limit at both ends that are one, a friction beside it.
 TEST(AxisLaw, LimitsThatMeetHoldLikeAnEquality) {
-  AxisLaw law;
+  AxisLaw law = emptyLaw();
   law.add({0, 0, -2, 2});
   law.add({1, 0, 0, unbounded});
   law.add({1, 0, -unbounded, 0});
@@ -209,7 +217,7 @@ TEST(AxisLaw, SplitsAmongItsParts) {
 
 // Of a law that is not met yet, as between two passes: a stop that is passed has what is left, not all that it could have.
 TEST(AxisLaw, SplitsWhatAStopHasNotTakenYet) {
-  AxisLaw law;
+  AxisLaw law = emptyLaw();
   law.add({0, 0, -2, 2, true});
   law.add({-1, 0, 0, unbounded});
   law.add({1, 0, -unbounded, 0});
@@ -223,7 +231,7 @@ TEST(AxisLaw, SplitsWhatAStopHasNotTakenYet) {
 
 // Between two stops a law has no impulse, and at the target of a rigid part as little as can be.
 TEST(AxisLaw, IsAsLittleAsCanBe) {
-  AxisLaw law;
+  AxisLaw law = emptyLaw();
   law.add({-1, 0, 0, unbounded});
   law.add({1, 0, -unbounded, 0});
   for (const double u : {-1., 0., 1.}) EXPECT_EQ(law.at(u), 0) << u;

@@ -110,10 +110,10 @@ class Chain : public testing::Test {
     pintle::IslandJoint joint = {};
     joint.body = {i - 1, i};
     joint.first_row = joint.row_of_component = rows_of_joint * i;
-    joint.rows = rows_of_joint;
     for (int r = 0; r < rows_of_joint; ++r) {
       pintle::IslandRow row;
-      row.has_position = row.start.limit = row.start.angular = false;
+      row.has_position = false;
+      row.law = AxisLaw(m_island.giveExtras(row).parts);
       Vector3d n = Vector3d::Zero();
       if (r < 3) n[r] = 1;
       const Vector3d A = numbers(random.vector(1)),
@@ -128,6 +128,7 @@ class Chain : public testing::Test {
         const double most = random.uniform(0.1, 1);
         row.law.add({random.uniform(-5, 5), 0, -most, most, true});
       }
+      joint.add(row);
       m_island.rows.push_back(row);
     }
     m_island.joints.push_back(joint);

@@ -81,7 +81,7 @@ struct Problem {
           J.block<1, 3>(r, 6 * b + 3) = row.A(side).transpose() / root_K;
         }
         matrix.setRow(int(c), i, row, root_K);
-        matrix.setActing(int(c), i, acts[c].back(), softness[r]);
+        matrix.setActing(matrix.row(int(c), i), acts[c].back(), softness[r]);
       }
     }
     acting = J;
@@ -170,7 +170,7 @@ struct Problem {
       for (size_t i = 0; i < acts[c].size(); ++i) {
         const Eigen::Index r = first[c] + Eigen::Index(i);
         acts[c][i] = below(random, 2);
-        matrix.setActing(int(c), int(i), acts[c][i], 0.2);
+        matrix.setActing(matrix.row(int(c), int(i)), acts[c][i], 0.2);
         if (!acts[c][i]) acting.row(r).setZero();
       }
     K = acting * inverse_A * acting.transpose();
@@ -247,7 +247,7 @@ TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
       for (int i = 0; i < 3; ++i) {
         const Vector3d n = Vector3d::Unit(i), r = Vector3d(0, c % 2 ? of.lever : 0, 0);
         matrix.setRow(c, i, {-n, -r.cross(n), n, Vector3d::Zero()}, 1);
-        matrix.setActing(c, i, of.first_acts || c > 0, 1);
+        matrix.setActing(matrix.row(c, i), of.first_acts || c > 0, 1);
       }
     EXPECT_TRUE(matrix.factorise(of.least_pivot));
     std::vector<double> x(matrix.vectorSize(), 0.);
@@ -282,7 +282,7 @@ TEST(JointMatrix, ARefusedFactorIsNotKept) {
     for (int i = 0; i < 3; ++i) {
       const Vector3d n = i < 2 ? Vector3d(Vector3d::Unit(i)) : last;
       matrix.setRow(0, i, {-n, Vector3d::Zero(), n, Vector3d::Zero()}, 1);
-      matrix.setActing(0, i, true, 0);
+      matrix.setActing(matrix.row(0, i), true, 0);
     }
   };
   setRows(Vector3d::Zero());

@@ -43,11 +43,9 @@ struct Loaded {
       joint.body = {-1, 0};
       joint.first_row = joint.row_of_component = 3 * c;
       joint.rows = 3;
-      island.joints.push_back(joint);
       const Vector3d r = vector(random), p = load * vector(random);
       for (int i = 0; i < 3; ++i) {
         pintle::IslandRow row;
-        row.start.limit = row.start.angular = false;
         row.has_position = true;
         row.shape.kind = pintle::RowShape::point;
         row.shape.b = r.cast<pintle::Scalar>();
@@ -56,6 +54,8 @@ struct Loaded {
         island.rows.push_back(row);
         work.load.push_back(p[i]);
       }
+      joint.findLevers(&island.rows[size_t(3 * c)]);
+      island.joints.push_back(joint);
       const Matrix3d rp = pintle::inDouble(row(3 * c).shape.b) * p.transpose();
       expected += rp.trace() * Matrix3d::Identity() - (rp + rp.transpose()) / 2;
     }

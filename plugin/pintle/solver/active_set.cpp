@@ -18,9 +18,14 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   work.x.assign(K.vectorSize(), 0.);
   work.aim.assign(K.vectorSize(), 0.);
   work.bounded.clear();
+  work.scales.clear();
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
+    work.scales.push_back({row.root_K, row.by_root_K, at});
     work.y[at] = work.lambda[r] * row.root_K;
-    if (!row.law.isEquality()) work.bounded.push_back({&row, c, r, at});
+    if (row.law.isEquality())
+      work.pieces[r] = row.law.meet(0, row.K);  // wherever it is
+    else
+      work.bounded.push_back({&row, c, r, at});
     K.setRow(c, i, row.J, row.root_K);
   });
 }
@@ -31,9 +36,7 @@ void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& p
 }
 
 void ActiveSet::choose() {
-  forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {
-    set(row, r, at, pieceOf(row, r, at));
-  });
+  for (const Place& of : m_work.bounded) set(*of.row, of.r, of.at, pieceOf(*of.row, of.r, of.at));
 }
 
 namespace {
@@ -94,18 +97,23 @@ void ActiveSet::release(const std::vector<Place>& rows) {
 
 void ActiveSet::setRows() {
   const bool any_moves = m_island.anyUnmovedMoves();
-  forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
-    const LawPiece& piece = m_work.pieces[r];
-    double& softness = m_work.softness[r];
-    softness = m_work.of_loop[size_t(c)];
-    if (piece.softness > 0) softness = std::max(softness, piece.softness / row.K);
-    m_K.setActing(c, i, piece.acts, softness);
-    double aim = piece.target;
-    if (any_moves)
-      aim -=
-          m_island.velocityOfUnmoved(m_island.joints[size_t(m_component.first_joint + c)], row.J);
-    m_work.aim[at] = aim * row.by_root_K;
-  });
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const Workspace::Scale& scale = m_work.scales[r];
+      const LawPiece& piece = m_work.pieces[r];
+      double& softness = m_work.softness[r];
+      softness = m_work.of_loop[size_t(c)];
+      if (piece.softness > 0)
+        softness = std::max(softness, piece.softness / (scale.root_K * scale.root_K));
+      m_K.setActing(scale.at, piece.acts, softness);
+      double aim = piece.target;
+      if (any_moves)
+        aim -= m_island.velocityOfUnmoved(joint, m_island.rows[size_t(joint.first_row + i)].J);
+      m_work.aim[scale.at] = aim * scale.by_root_K;
+    }
+  }
 }
 
 bool ActiveSet::factorise(int most) {
@@ -117,14 +125,14 @@ bool ActiveSet::factorise(int most) {
 
 double ActiveSet::findResidual() {
   double largest = 0;
-  forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {
+  for (size_t r = 0; r < m_work.scales.size(); ++r) {
     const LawPiece& piece = m_work.pieces[r];
+    const auto& [root_K, by_root_K, at] = m_work.scales[r];
     const double left =
-        piece.acts ? m_work.u[r] - piece.target + m_work.softness[r] * row.root_K * m_work.y[at]
-                   : 0;
-    m_work.x[at] = -left * row.by_root_K;
+        piece.acts ? m_work.u[r] - piece.target + m_work.softness[r] * root_K * m_work.y[at] : 0;
+    m_work.x[at] = -left * by_root_K;
     largest = larger(largest, left);
-  });
+  }
   return largest * m_island.dt;
 }
 
@@ -133,10 +141,9 @@ double ActiveSet::findResidual(const Vector6d* v) {
 }
 
 void ActiveSet::keepImpulses() {
-  m_work.lambda.resize(m_work.pieces.size());
-  forEachRow([&](int, int, const IslandRow& row, size_t r, size_t at) {
-    m_work.lambda[r] = m_work.y[at] * row.by_root_K;
-  });
+  m_work.lambda.clear();
+  for (const auto& [root_K, by_root_K, at] : m_work.scales)
+    m_work.lambda.push_back(m_work.y[at] * by_root_K);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -8,18 +8,18 @@ inline namespace PINTLE_PRECISION {
 // Lambda falls with u. So u - free - K Lambda(u) rises, and has one zero: on a slope, on a level, or on the vertical piece of a
 // rigid part. Its corners are the ends of all parts. (Most laws are one rigid part, or two stops.)
 LawPiece AxisLaw::meetWithBounds(double free, double K) const {
-  if (m_parts == 1 && !(m_part[0].softness > 0)) {
-    const LawPart& part = m_part[0];
+  const LawPart* const all = first();
+  if (m_parts == 1 && !(all[0].softness > 0)) {
+    const LawPart& part = all[0];
     const double impulse = (part.target - free) / K;
     if (impulse > part.upper) return {false, 0, 0, part.upper};
     if (impulse < part.lower) return {false, 0, 0, part.lower};
     return {true, part.target, 0, 0};
   }
-  if (m_parts == 2 && m_part[0].isLowerStop() && m_part[1].isUpperStop() &&
-      !(m_part[0].softness > 0) && !(m_part[1].softness > 0) &&
-      m_part[0].target <= m_part[1].target) {
-    if (free <= m_part[0].target) return {true, m_part[0].target, 0, 0};
-    if (free >= m_part[1].target) return {true, m_part[1].target, 0, 0};
+  if (m_parts == 2 && all[0].isLowerStop() && all[1].isUpperStop() && !(all[0].softness > 0) &&
+      !(all[1].softness > 0) && all[0].target <= all[1].target) {
+    if (free <= all[0].target) return {true, all[0].target, 0, 0};
+    if (free >= all[1].target) return {true, all[1].target, 0, 0};
     return {false, 0, 0, 0};
   }
   double corner[2 * max_parts];
@@ -30,7 +30,7 @@ LawPiece AxisLaw::meetWithBounds(double free, double K) const {
     corner[i] = u;
   };
   for (int i = 0; i < m_parts; ++i) {
-    const LawPart& part = m_part[i];
+    const LawPart& part = all[i];
     if (part.softness > 0) {
       if (part.upper < unbounded) insert(part.target - part.softness * part.upper);
       if (part.lower > -unbounded) insert(part.target - part.softness * part.lower);
@@ -40,15 +40,15 @@ LawPiece AxisLaw::meetWithBounds(double free, double K) const {
   }
   // The impulse just before or after u.
   const auto sum = [&](double u, bool after) {
-    double all = 0;
+    double total = 0;
     for (int i = 0; i < m_parts; ++i) {
-      const LawPart& part = m_part[i];
+      const LawPart& part = all[i];
       if (part.softness > 0)
-        all += part.at(u);
+        total += part.at(u);
       else
-        all += u < part.target || (u == part.target && !after) ? part.upper : part.lower;
+        total += u < part.target || (u == part.target && !after) ? part.upper : part.lower;
     }
-    return all;
+    return total;
   };
   int k = 0;
   for (; k < corners; ++k) {
@@ -57,7 +57,7 @@ LawPiece AxisLaw::meetWithBounds(double free, double K) const {
     if (u - free - K * sum(u, false) <= 0) {  // on the vertical piece at u
       bool rigid = false;
       for (int i = 0; i < m_parts; ++i)
-        rigid = rigid || (!(m_part[i].softness > 0) && m_part[i].target == u);
+        rigid = rigid || (!(all[i].softness > 0) && all[i].target == u);
       if (rigid) return {true, u, 0, 0};
     }
     break;
@@ -70,7 +70,7 @@ LawPiece AxisLaw::meetWithBounds(double free, double K) const {
                         : k == corners ? left + 1
                                        : (left + right) / 2;
   for (int i = 0; i < m_parts; ++i) {
-    const LawPart& part = m_part[i];
+    const LawPart& part = all[i];
     const double at = part.at(inside);
     if (part.softness > 0 && at > part.lower && at < part.upper) {
       slope += 1 / part.softness;
@@ -85,11 +85,12 @@ LawPiece AxisLaw::meetWithBounds(double free, double K) const {
 
 AxisLaw::Parts AxisLaw::split(double u, double impulse) const {
   Parts parts = {};
+  const LawPart* const all = first();
   double* const of = parts.data();
   double rest = impulse;
   bool open[max_parts];  // on its vertical piece, or beyond a stop: its impulse is not given by u
   for (int i = 0; i < m_parts; ++i) {
-    const LawPart& part = m_part[i];
+    const LawPart& part = all[i];
     open[i] = !(part.softness > 0) && (std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u)) ||
                                        std::abs(part.at(u)) >= unbounded);
     of[i] = open[i] ? std::clamp(0., part.lower, part.upper) : part.at(u);
@@ -99,7 +100,7 @@ AxisLaw::Parts AxisLaw::split(double u, double impulse) const {
   for (const bool to_open : {true, false})
     for (int i = 0; i < m_parts && rest != 0; ++i) {
       if (open[i] != to_open) continue;
-      const LawPart& part = m_part[i];
+      const LawPart& part = all[i];
       const double before = of[i];
       of[i] = std::clamp(before + rest, part.lower, part.upper);
       rest -= of[i] - before;

@@ -63,22 +63,27 @@ class AxisLaw {
  public:
   static constexpr int max_parts = 4;
 
+  /// Of one part.
+  AxisLaw() = default;
+  /// Of max_parts, for which there must be `room` as long as the law is in use. Copies share it.
+  explicit AxisLaw(LawPart* room) : m_room(room) {}
+
   void clear() { m_parts = 0; }
-  void add(const LawPart& part) { m_part[m_parts++] = part; }
+  void add(const LawPart& part) { own(m_parts++) = part; }
   /// Changes the target of a law of one part.
-  void aim(double target) { m_part[0].target = target; }
+  void aim(double target) { own(0).target = target; }
   /// Whether one of its stops sends it back with this velocity.
   bool rebounds(double u) const {
     for (int i = 0; i < m_parts; ++i)
-      if (m_part[i].rebounds() && m_part[i].target == u) return true;
+      if (part(i).rebounds() && part(i).target == u) return true;
     return false;
   }
   /// Stops give back nothing of the speed with which they are met. Returns whether they did.
   bool stopRebound() {
     bool any = false;
     for (int i = 0; i < m_parts; ++i) {
-      if (!m_part[i].rebounds()) continue;
-      m_part[i].target = 0;
+      if (!part(i).rebounds()) continue;
+      own(i).target = 0;
       any = true;
     }
     return any;
@@ -86,8 +91,8 @@ class AxisLaw {
   /// Whether u is beyond one of its stops.
   bool isBeyondStop(double u) const {
     for (int i = 0; i < m_parts; ++i)
-      if ((m_part[i].isLowerStop() && u < m_part[i].target) ||
-          (m_part[i].isUpperStop() && u > m_part[i].target))
+      if ((part(i).isLowerStop() && u < part(i).target) ||
+          (part(i).isUpperStop() && u > part(i).target))
         return true;
     return false;
   }
@@ -95,21 +100,21 @@ class AxisLaw {
   double springs() const {
     double sum = 0;
     for (int i = 0; i < m_parts; ++i)
-      if (m_part[i].spring_share > 0) sum += m_part[i].spring_share / m_part[i].softness;
+      if (part(i).spring_share > 0) sum += part(i).spring_share / part(i).softness;
     return sum;
   }
   void foresee(double share) {
     for (int i = 0; i < m_parts; ++i)
-      if (m_part[i].spring_share > 0) m_part[i].foresee(share);
+      if (part(i).spring_share > 0) own(i).foresee(share);
   }
   int parts() const { return m_parts; }
-  const LawPart& part(int i) const { return m_part[i]; }
+  const LawPart& part(int i) const { return first()[i]; }
   bool isEquality() const {
-    return m_parts == 1 && m_part[0].lower == -unbounded && m_part[0].upper == unbounded;
+    return m_parts == 1 && part(0).lower == -unbounded && part(0).upper == unbounded;
   }
   bool hasDrives() const {
     for (int i = 0; i < m_parts; ++i)
-      if (m_part[i].drives) return true;
+      if (part(i).drives) return true;
     return false;
   }
 
@@ -117,16 +122,15 @@ class AxisLaw {
   double at(double u) const {
     double sum = 0;
     for (int i = 0; i < m_parts; ++i) {
-      const LawPart& part = m_part[i];
-      sum += !(part.softness > 0) && u == part.target
-                 ? std::fmin(std::fmax(0, part.lower), part.upper)
-                 : part.at(u);
+      const LawPart& of = part(i);
+      sum += !(of.softness > 0) && u == of.target ? std::fmin(std::fmax(0, of.lower), of.upper)
+                                                  : of.at(u);
     }
     return sum;
   }
   /// The piece on which u = free + K Lambda and Lambda(u) meet.
   LawPiece meet(double free, double K) const {
-    return isEquality() ? LawPiece{true, m_part[0].target, m_part[0].softness, 0}
+    return isEquality() ? LawPiece{true, part(0).target, part(0).softness, 0}
                         : meetWithBounds(free, K);
   }
   using Parts = std::array<double, max_parts>;
@@ -138,7 +142,11 @@ class AxisLaw {
  private:
   LawPiece meetWithBounds(double free, double K) const;
 
-  LawPart m_part[max_parts];
+  const LawPart* first() const { return m_room != nullptr ? m_room : &m_only; }
+  LawPart& own(int i) { return m_room != nullptr ? m_room[i] : m_only; }
+
+  LawPart m_only;
+  LawPart* m_room = nullptr;
   int m_parts = 0;
 };
 

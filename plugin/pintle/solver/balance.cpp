@@ -97,29 +97,32 @@ double energyOfTurns(const Island& island, const Component& component, const Wor
 bool actsByArcs(const Island& island, const Component& component, const Workspace& end) {
   for (const Vector6d& v : end.v)
     if (!RotationOfStep::follows(v.tail<3>(), island.dt)) return false;
-  bool by_stops = false;
-  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    if (row.law.isEquality() || end.lambda[r] == 0) return;
-    const AxisLaw::Parts impulse = end.split(row.law, r);
-    for (int k = 0; k < row.law.parts(); ++k)
-      by_stops = by_stops || (row.law.part(k).role == Axis::limit &&
-                              std::abs(impulse[size_t(k)]) > 1e-9 * std::abs(end.lambda[r]));
-  });
-  return !by_stops;
+  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(c)];
+    for (int i = 0; joint.bounded > 0 && i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      const auto r = size_t(joint.row_of_component + i);
+      if (row.law.isEquality() || end.lambda[r] == 0) continue;
+      const AxisLaw::Parts impulse = end.split(row.law, r);
+      for (int k = 0; k < row.law.parts(); ++k)
+        if (row.law.part(k).role == Axis::limit &&
+            std::abs(impulse[size_t(k)]) > 1e-9 * std::abs(end.lambda[r]))
+          return false;
+    }
+  }
+  return true;
 }
 
 // J: what joints may do that are open by `tolerance` (m or rad) at the end of the step.
-double workOfGaps(const Island& island, const Component& component, const Workspace& end,
-                  double tolerance) {
+double workOfGaps(const Workspace& end, double tolerance, double dt) {
   double sum = 0;
-  forEachRow(island, component,
-             [&](int, int, const IslandRow&, size_t r) { sum += std::abs(end.lambda[r]); });
-  return sum * tolerance / island.dt;
+  for (const double lambda : end.lambda) sum += std::abs(lambda);
+  return sum * tolerance / dt;
 }
 
 bool isOfArcs(double energy, const Island& island, const Component& component,
               const SolverOptions& options, const Workspace& end) {
-  const double gaps = workOfGaps(island, component, end, options.newton_tolerance);
+  const double gaps = workOfGaps(end, options.newton_tolerance, island.dt);
   return (isAnchored(island, component) || isFree(island, component)) &&
          actsByArcs(island, component, end) && std::abs(energy) > gaps &&
          energyOfTurns(island, component, end) > gaps &&
@@ -159,16 +162,9 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   return done + workOfPoses(island, component, changes);
 }
 
-}  // namespace
-
 // Both are impulses along the rows of the start: l = -A^-1 J^T K^-1 J (v_base - v0) stops what forces would do to them, and c follows
 // their bend.
-bool whirls(const Island& island, const Component& component, const SolverOptions& options,
-            JointMatrix& K, Workspace& work) {
-  if (!actsByArcs(island, component, work) ||
-      !(energyOfTurns(island, component, work) >
-        workOfGaps(island, component, work, options.newton_tolerance)))
-    return false;
+bool findWhirls(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
   std::vector<Vector6d>& change = work.stays;
   std::vector<double>&x = work.x, &by_forces = work.y_before_pass,
@@ -199,6 +195,13 @@ bool whirls(const Island& island, const Component& component, const SolverOption
   return all2 - 2 * al + ll > 2 * std::abs(al - ll);
 }
 
+}  // namespace
+
+bool whirls(const Island& island, const Component& component, ComponentMemory& kept) {
+  if (!kept.whirls) kept.whirls = findWhirls(island, component, kept.K, kept.work);
+  return *kept.whirls;
+}
+
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
   double turn2 = 0;
   for (const Vector6d& of : v) turn2 = std::fmax(turn2, of.tail<3>().squaredNorm() * dt * dt);
@@ -217,8 +220,8 @@ double balance(const Island& island, const Component& component, const SolverOpt
     ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
   const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
                excess = ledger.excess(kept.work_done, options.ledger_share);
-  const bool by_arcs =
-      kept.holds_end && kept.whirls && isOfArcs(of_arcs, island, component, options, kept.work);
+  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work) &&
+                       whirls(island, component, kept);
   const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);

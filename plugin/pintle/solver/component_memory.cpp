@@ -119,20 +119,26 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
 // (which is relative to K).
 void ComponentMemory::stretchSprings(Island& island, const Component& component) {
   m_last_stretch.swap(m_stretch);
-  m_stretch.assign(size_t(component.rows), {});
+  m_stretch.clear();
+  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
+  if (std::none_of(joints, joints + component.joints,
+                   [](const IslandJoint& joint) { return joint.has_springs; }))
+    return;
+  m_stretch.resize(size_t(component.rows));
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    const int rows = knownRows(c, joint);
-    for (int i = 0; i < joint.rows; ++i) {
+    const int rows = joint.has_springs && !m_last_stretch.empty() ? knownRows(c, joint) : 0;
+    for (int i = 0; i < rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!(row.spring.erp > 0) || i >= rows) continue;
+      if (!row.isSoft()) continue;
+      RowSpring& spring = row.extras->spring;
       const Stretch& last = m_last_stretch[before + size_t(i)];
-      const double most = row.spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
-      row.spring.stretch = std::clamp(std::clamp(last.length, -most, most),
-                                      std::fmin(row.spring.open, 0), std::fmax(row.spring.open, 0));
-      row.law.aim(row.law.part(0).target - row.spring.stretch / island.dt);
-      row.open -= row.spring.stretch;
+      const double most = spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
+      spring.stretch = std::clamp(std::clamp(last.length, -most, most), std::fmin(spring.open, 0),
+                                  std::fmax(spring.open, 0));
+      row.law.aim(row.law.part(0).target - spring.stretch / island.dt);
+      row.open -= spring.stretch;
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }
@@ -148,14 +154,14 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
   m_load = work.load;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i) {
+    for (int i = 0; joint.has_springs && i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!(row.spring.erp > 0)) continue;
+      if (!row.isSoft()) continue;
       const double u = work.u[r];
       m_stretch[r] = {
-          row.spring.length(u, island.dt),
-          row.spring.energyAfter(u, work.lambda[r], row.law.part(0).softness, island.dt)};
+          row.extras->spring.length(u, island.dt),
+          row.extras->spring.energyAfter(u, work.lambda[r], row.law.part(0).softness, island.dt)};
     }
   }
 }

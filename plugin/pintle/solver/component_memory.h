@@ -7,6 +7,7 @@
 #include <pintle/solver/workspace.h>
 
 #include <memory>
+#include <optional>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -20,10 +21,11 @@ struct ComponentMemory {
   JointMatrix K;
   bool has_factor = false;  ///< K is that with which the step was solved
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
-  bool whirls = false;      ///< what holds its bodies on arcs is more than what bears their load
-  double tolerance = 0;     ///< m and rad: how far its joints may be open at the end of the step
-  double residual = 0;      ///< m and rad: how far they miss their goals there
-  bool converged = false;   ///< its contacts and bounded rows have settled
+  /// Whether what holds its bodies on arcs is more than what bears their load: found when it is asked for (balance.h).
+  std::optional<bool> whirls;
+  double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
+  double residual = 0;     ///< m and rad: how far they miss their goals there
+  bool converged = false;  ///< its contacts and bounded rows have settled
   Workspace work;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step

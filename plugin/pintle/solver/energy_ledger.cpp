@@ -42,10 +42,10 @@ double drivingImpulse(const AxisLaw& law, const Workspace& end, size_t r) {
 
 // J: what the spring of a soft row has stored in the step.
 double stored(const Island& island, const IslandRow& row, double u, double lambda) {
-  if (!(row.spring.erp > 0)) return 0;
+  if (!row.isSoft()) return 0;
+  const RowSpring& spring = row.extras->spring;
   const double softness = row.law.part(0).softness;
-  return row.spring.energyAfter(u, lambda, softness, island.dt) -
-         row.spring.energy(softness, island.dt);
+  return spring.energyAfter(u, lambda, softness, island.dt) - spring.energy(softness, island.dt);
 }
 
 // J: the most that a drive does to velocities v* that its joints may not hold yet. Joints alone would lead to a w of no more energy, and
@@ -66,6 +66,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
   const bool over_forces = start == &IslandBody::v_free, any_moves = island.anyUnmovedMoves();
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (!joint.drives && !joint.has_springs && !any_moves) continue;
     const auto mean = [&](int side) {
       return meanVelocity(island, joint, side, component, end, start);
     };
@@ -74,13 +75,13 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       work += stored(island, row, end.u[r], end.lambda[r]);
       const double driving = drivingImpulse(row.law, end, r);
-      if (driving != 0 || row.rebound_energy > 0) {
+      if (driving != 0 || row.reboundEnergy() > 0) {
         const double u = row.J.along(mean(0), mean(1));
         work -= (over_forces && driving != 0
                      ? mostWork(driving, end.u[r], row.K,
                                 kineticEnergy(island, component, &IslandBody::v_free))
                      : driving * u) +
-                std::fmin(row.rebound_energy, std::fmax(0, (end.lambda[r] - driving) * u));
+                std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - driving) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
       if (any_moves) work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
@@ -107,7 +108,7 @@ double workAmongContacts(const Island& island, const Component& component, const
       const double lambda = end.lambda[r], u = row.J.along(a, b),
                    rest = lambda - drivingImpulse(row.law, end, r);
       work += rest * u + stored(island, row, end.u[r], lambda) -
-              std::fmin(row.rebound_energy, std::fmax(0, rest * u));
+              std::fmin(row.reboundEnergy(), std::fmax(0, rest * u));
     }
   }
   return work;

@@ -4,6 +4,8 @@
 #include <pintle/rows/row.h>
 #include <pintle/rows/row_shape.h>
 #include <pintle/solver/axis_law.h>
+#include <pintle/solver/bytes.h>
+#include <pintle/solver/pool.h>
 #include <pintle/solver/turn.h>
 #include <pintle/vectors.h>
 
@@ -133,23 +135,61 @@ inline RowJacobian jacobianOf(const Row& row, double sign) {
   return {-L, -sign * row.A_a.cast<double>(), L, sign * row.A_b.cast<double>()};
 }
 
+/// Of a soft equality. It gives like a spring, which starts without tension wherever it is: what the step's velocities stretch it by
+/// pulls it back, and what it was open by before moves poses.
+struct RowSpring {
+  double erp = 0;
+  double open = 0;     ///< ERP times C, m or rad
+  double stretch = 0;  ///< the part of it that pulls
+
+  double length(double u, double dt) const { return stretch + erp * dt * u; }
+  /// J, before the step and after it: never more than it was given.
+  double energy(double softness, double dt) const {
+    return stretch * stretch / (2 * erp * dt * dt * softness);
+  }
+  double energyAfter(double u, double lambda, double softness, double dt) const {
+    const double l = length(u, dt);
+    return std::fmax(
+        0, std::fmin(l * l / (2 * erp * dt * dt * softness), energy(softness, dt) - lambda * u));
+  }
+  /// How far it is stretched by that energy.
+  double stretchOf(double energy, double softness, double dt) const {
+    return dt * std::sqrt(2 * erp * softness * energy);
+  }
+};
+
+/// What few rows have.
+struct RowExtras {
+  LawPart parts[AxisLaw::max_parts];
+  RowSpring spring;
+  double rebound_energy;  ///< J: what its limit took when it was met, which a rebound may give back
+};
+
 /// A row at the start of the step. Its velocity u is the mean over the step of what it measures: (C(end) - C(start)) / dt, or,
 /// of a row that is known at the start alone, J v.
 struct IslandRow {
   IslandRow() {}  // leaves what its maker sets as it is: to zero it all takes time
   RowJacobian J;
-  Row start;
-  RowShape shape;
-  /// Whether C can be asked for at other poses.
-  bool has_position;
+  bool has_position;  ///< whether C can be asked for at other poses
   /// An angle that may change by more than half a turn in the step: then poses do not tell by how much.
   bool spins = false;
-  int index;        ///< among the rows of the joint
-  double sign = 1;  ///< of J against start: coordinates of an axis may fall along its row
-  /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
-  bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
   /// Rigid stops of an angle, and nothing else.
   bool has_stops_alone = false;
+  signed char sign = 1;  ///< of J against start: coordinates of an axis may fall along its row
+  int index;             ///< among the rows of the joint
+  RowShape shape;
+  AxisLaw law;
+  double K;                  ///< J M^-1 J^T
+  double root_K, by_root_K;  ///< its square root, and 1 over that
+  double open = 0;           ///< C of an equality, m or rad: what is to be closed by moving poses
+  Row* start = nullptr;      ///< as the joint has it; null: a row of Bullet's
+  RowExtras* extras = nullptr;
+
+  bool isOfAxis() const { return start != nullptr && start->axis >= 0; }
+  /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
+  bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
+  bool isSoft() const { return extras != nullptr && extras->spring.erp > 0; }
+  double reboundEnergy() const { return extras != nullptr ? extras->rebound_energy : 0; }
   /// Whether u = J v is far from both, where bodies turn by `turn` (rad) in the step: what else they measure by then is of its square.
   bool isFarFromStops(double straight, double turn, double dt) const {
     for (int i = 0; i < law.parts(); ++i) {
@@ -159,39 +199,11 @@ struct IslandRow {
     }
     return true;
   }
-  double K;                  ///< J M^-1 J^T
-  double root_K, by_root_K;  ///< its square root, and 1 over that
   void setK(double of) {
     K = of;
     root_K = std::sqrt(K);
     by_root_K = 1 / root_K;
   }
-  AxisLaw law;
-  double rebound_energy =
-      0;            ///< J: what its limit took when it was met, which a rebound may give back
-  double open = 0;  ///< C of an equality, m or rad: what is to be closed by moving poses
-  /// Of a soft equality. It gives like a spring, which starts without tension wherever it is: what the step's velocities
-  /// stretch it by pulls it back, and what it was open by before moves poses.
-  struct Spring {
-    double erp = 0;
-    double open = 0;     ///< ERP times C, m or rad
-    double stretch = 0;  ///< the part of it that pulls
-
-    double length(double u, double dt) const { return stretch + erp * dt * u; }
-    /// J, before the step and after it: never more than it was given.
-    double energy(double softness, double dt) const {
-      return stretch * stretch / (2 * erp * dt * dt * softness);
-    }
-    double energyAfter(double u, double lambda, double softness, double dt) const {
-      const double l = length(u, dt);
-      return std::fmax(
-          0, std::fmin(l * l / (2 * erp * dt * dt * softness), energy(softness, dt) - lambda * u));
-    }
-    /// How far it is stretched by that energy.
-    double stretchOf(double energy, double softness, double dt) const {
-      return dt * std::sqrt(2 * erp * softness * energy);
-    }
-  } spring;
 };
 
 struct IslandJoint {
@@ -201,6 +213,41 @@ struct IslandJoint {
   int first_row, rows;
   int row_of_component;  ///< where its rows begin among those of its component
   int equalities;        ///< of its own rows
+
+  // What its rows are, so that nobody looks at a row who has no business with it.
+  int bounded;        ///< so many are no equalities
+  double error;       ///< m or rad: the largest C of an equality
+  double open;        ///< m or rad: the most that poses are to close, or more
+  double lever[2];    ///< m: the longest of each body on which a row holds a point or a distance
+  unsigned on_lever;  ///< a bit for each row that does
+  bool has_axes, has_springs, has_stops;
+  bool drives;  ///< some work by themselves, as motors do, and rebounds
+
+  void add(const IslandRow& row) {
+    const bool is_equality = row.law.isEquality();
+    ++rows;
+    bounded += !is_equality;
+    if (is_equality && row.start != nullptr)
+      error = std::fmax(error, std::abs(double(row.start->position)));
+    open = std::fmax(open, std::abs(row.open));
+    has_axes = has_axes || row.isOfAxis();
+    has_springs = has_springs || row.isSoft();
+    has_stops = has_stops || (row.isOfAxis() && row.start->limit);
+    drives = drives || row.law.hasDrives() || row.reboundEnergy() > 0;
+  }
+  bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
+  /// Of those rows, when their shapes are known.
+  void findLevers(const IslandRow* of) {
+    for (int i = 0; i < rows; ++i) {
+      const RowShape& shape = of[i].shape;
+      if (!of[i].has_position ||
+          (shape.kind != RowShape::point && shape.kind != RowShape::distance))
+        continue;
+      on_lever |= 1u << i;
+      lever[0] = std::fmax(lever[0], inDouble(shape.a).norm());
+      lever[1] = std::fmax(lever[1], inDouble(shape.b).norm());
+    }
+  }
 };
 
 struct Island {
@@ -213,7 +260,16 @@ struct Island {
   std::vector<IslandBody> bodies;
   std::vector<IslandJoint> joints;
   std::vector<IslandRow> rows;
+  Pool<RowExtras> extras;
 
+  RowExtras& giveExtras(IslandRow& row) {
+    row.extras = &extras.take();
+    row.extras->spring = {};
+    row.extras->rebound_energy = 0;
+    return *row.extras;
+  }
+
+  size_t bytes() const { return bytesOf(unmoved_bodies, bodies, joints, rows) + extras.bytes(); }
   /// J_1 M^-1 J_2^T
   double inverseMass(const IslandJoint& joint, const RowJacobian& J_1,
                      const RowJacobian& J_2) const {

@@ -33,6 +33,7 @@ void IslandBuilder::begin(const btContactSolverInfo& info) {
   m_island.unmoved_bodies.assign(1, {Vector6d::Zero(), 0});
   m_island.joints.clear();
   m_island.rows.clear();
+  m_island.extras.clear();
   m_body_of.clear();
   m_has_springs = false;
 }
@@ -133,18 +134,18 @@ void IslandBuilder::keepRow(IslandJoint& to) {
     return;
   }
   row.setK(row.K);
-  ++to.rows;
+  to.add(row);
   m_has_springs = m_has_springs || row.law.springs() > 0;
 }
 
 void IslandBuilder::addOurs(IslandJoint& to) {
   Joint& joint = *to.ours;
   const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
-  const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
+  RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
   to.equalities = rows.equalities();
   for (int i = 0; i < rows.size(); ++i) {
     IslandRow& row = newRow();
-    row.start = rows[i];
+    row.start = &rows[i];
     row.shape = m_shapes[size_t(i)];
     row.has_position = true;
     row.index = i;
@@ -169,9 +170,9 @@ double IslandBuilder::velocityAlong(const IslandJoint& of, const RowJacobian& J,
 
 void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const {
   const Joint& joint = *of.ours;
-  const auto soft = JointAccess::softness(joint, row.start.group, m_info);
+  const auto soft = JointAccess::softness(joint, row.start->group, m_info);
   const ImpulseSetting setting = JointAccess::setting(joint);
-  const double position = double(row.start.position), bound = bounded(setting.max_impulse);
+  const double position = double(row.start->position), bound = bounded(setting.max_impulse);
   // What damping leaves of the velocity that forces lead to.
   const double left = 1 - double(setting.damping),
                target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
@@ -184,11 +185,11 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const 
   row.law.add({target, double(soft.cfm) * row.K, -bound, bound});
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
   row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
-                     double(row.start.max_speed));
+                     double(row.start->max_speed));
   // In double precision that little is what the last solve has left. In single precision it is rounding, with which bodies would shake.
   constexpr bool is_exact = sizeof(Scalar) > 4;
   if (soft.cfm > 0) {
-    row.spring = {erp, row.open, 0};
+    m_island.giveExtras(row).spring = {erp, row.open, 0};
   } else if (is_exact && std::abs(row.open) <= m_options.pose_tolerance) {
     row.law.aim(target - row.open / m_island.dt);
     row.open = 0;
@@ -196,13 +197,15 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const 
 }
 
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
-  AxisState& state = JointAccess::axis(*of.ours, row.start);
+  AxisState& state = JointAccess::axis(*of.ours, *row.start);
   const Axis& axis = *state.axis;
   const AxisMotion motion = JointAccess::motion(
-      *of.ours, row.start, state, pair, Scalar(velocityAlong(of, row.J, &IslandBody::v0)), m_info);
+      *of.ours, *row.start, state, pair, Scalar(velocityAlong(of, row.J, &IslandBody::v0)), m_info);
   state.acted = true;
   state.incoming = 0;
-  row.rebound_energy = double(state.taken);  // a rebound may give it back
+  RowExtras& extras = m_island.giveExtras(row);
+  row.law = AxisLaw(extras.parts);
+  extras.rebound_energy = double(state.taken);  // a rebound may give it back
   state.taken = 0;
   state.row = {-1, -1, -1};
   double K_beside = -1;
@@ -228,8 +231,8 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
             axis.drive == Axis::Drive::servo ? &axis.servo_spring : nullptr);
   // What is asked of its velocity alone need not be a coordinate: friction about any axis of the world, and the like.
   row.has_position =
-      row.start.limit || axis.drive == Axis::Drive::servo || axis.drive == Axis::Drive::pose;
-  if (!row.start.limit || !axis.limited()) return;
+      row.start->limit || axis.drive == Axis::Drive::servo || axis.drive == Axis::Drive::pose;
+  if (!row.start->limit || !axis.limited()) return;
   if (axis.hasLimitSpring() || motion.limit_cfm > 0)
     addPart(limitPart(axis, motion, state.incoming), Axis::limit,
             axis.locked() ? &axis.limit_spring : nullptr);
@@ -248,7 +251,7 @@ double IslandBuilder::closing(double erp, double error, double max_speed) const 
 // Beyond a limit no further, and back by moving poses; inside up to it.
 void IslandBuilder::addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
                                   AxisState& state, IslandRow& row) const {
-  const double q = double(row.start.position), low = double(axis.low), high = double(axis.high);
+  const double q = double(row.start->position), low = double(axis.low), high = double(axis.high);
   const double dt = m_island.dt;
   const auto close = [&](double beyond) {
     return closing(double(motion.limit_erp), beyond, double(motion.max_speed));
@@ -274,7 +277,7 @@ void IslandBuilder::addRigidLimit(const IslandJoint& of, const Axis& axis, const
   row.open = close(q < low ? q - low : q > high ? q - high : 0);
   // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
   row.has_stops_alone =
-      row.start.angular && of.equalities == 5 && row.law.parts() <= 2 && !row.law.hasDrives();
+      row.start->angular && of.equalities == 5 && row.law.parts() <= 2 && !row.law.hasDrives();
 }
 
 void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {
@@ -314,10 +317,6 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     const btSolverConstraint& from = rows[i];
     IslandRow& row = newRow();
     row.has_position = false;
-    row.start.axis = -1;
-    row.start.group = 0;
-    row.start.position = 0;
-    row.start.angular = row.start.limit = false;
     row.index = i;
     // Bullet's sign of an impulse is the other one.
     row.J = {-inDouble(from.m_contactNormal1), -inDouble(from.m_relpos1CrossNormal),
@@ -336,7 +335,8 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     if (part.role == Axis::limit)
       row.open = std::copysign(std::max(std::abs(row.open) - m_options.loose_pose_tolerance, 0.),
                                row.open);
-    if (from.m_cfm > 0 && row.law.isEquality()) row.spring = {double(m_info.m_erp), row.open, 0};
+    if (from.m_cfm > 0 && row.law.isEquality())
+      m_island.giveExtras(row).spring = {double(m_info.m_erp), row.open, 0};
     keepRow(to);
   }
 }
@@ -351,9 +351,9 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
   IslandRow* turns[3];
   int count = 0;
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
-    if (row->shape.kind != RowShape::angle || !row->law.isEquality() || row->start.axis >= 0)
-      continue;
-    if (count == 3 || std::abs(double(row->start.position)) > m_options.contact_tolerance) return;
+    if (row->shape.kind != RowShape::angle || !row->law.isEquality() || row->isOfAxis()) continue;
+    const double position = row->start != nullptr ? double(row->start->position) : 0;
+    if (count == 3 || std::abs(position) > m_options.contact_tolerance) return;
     turns[count++] = row;
   }
   if (count < 2) return;
@@ -384,6 +384,7 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   }
   if (to.rows == 0) return;
   findShapes(to);
+  to.findLevers(&m_island.rows[size_t(to.first_row)]);
   m_island.joints.push_back(to);
 }
 

@@ -30,7 +30,8 @@ class IslandBuilder {
   void addContacts(btConstraintArray& rows, const SolverBodies& bodies, bool are_friction,
                    std::vector<ContactRow>& to);
   size_t bytes() const {
-    return bytesOf(m_body_of, m_springs, m_root, m_number, m_to, m_sorted_bodies, m_sorted_joints);
+    return bytesOf(m_body_of, m_springs, m_root, m_number, m_to, m_joints_to, m_sorted_bodies,
+                   m_sorted_joints);
   }
 
  private:
@@ -66,6 +67,7 @@ class IslandBuilder {
   // Memory of `finish`.
   std::vector<double> m_springs;            ///< of each body
   std::vector<int> m_root, m_number, m_to;  ///< of each body
+  std::vector<int> m_joints_to;             ///< of each joint
   std::vector<IslandBody> m_sorted_bodies;
   std::vector<IslandJoint> m_sorted_joints;
 };

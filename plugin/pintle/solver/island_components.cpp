@@ -8,6 +8,19 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+namespace {
+
+// Element i comes to number to[i]. Mostly they are sorted.
+template <class T>
+void moveTo(const std::vector<int>& to, std::vector<T>& elements, std::vector<T>& memory) {
+  if (std::is_sorted(to.begin(), to.end())) return;
+  memory.resize(elements.size());
+  for (size_t i = 0; i < elements.size(); ++i) memory[size_t(to[i])] = elements[i];
+  elements.swap(memory);
+}
+
+}  // namespace
+
 void IslandBuilder::finish(std::vector<Component>& components) {
   // Union of bodies that a joint connects.
   const size_t n = m_island.bodies.size();
@@ -45,32 +58,29 @@ void IslandBuilder::finish(std::vector<Component>& components) {
     first_joint += c.joints;
     c.bodies = c.joints = 0;  // and counted again, as they come to their places
   }
-  std::vector<IslandBody>& bodies = m_sorted_bodies;
-  bodies.resize(n);
+  std::vector<int>& joints_to = m_joints_to;
+  joints_to.clear();
+  for (IslandJoint& joint : m_island.joints) {
+    Component& c = components[numberOfJoint(joint)];
+    joints_to.push_back(c.first_joint + c.joints++);
+    joint.row_of_component = c.rows;
+    c.rows += joint.rows;
+  }
   for (size_t i = 0; i < n; ++i) {
     Component& c = components[size_t(numberOf(int(i)))];
     to[i] = c.first_body + c.bodies++;
-    bodies[size_t(to[i])] = m_island.bodies[i];
   }
-  std::vector<IslandJoint>& joints = m_sorted_joints;
-  joints.resize(m_island.joints.size());
-  for (const IslandJoint& joint : m_island.joints) {
-    Component& c = components[numberOfJoint(joint)];
-    IslandJoint& at = joints[size_t(c.first_joint + c.joints++)];
-    at = joint;
-    at.row_of_component = c.rows;
-    c.rows += joint.rows;
-    for (int& body : at.body)
+  moveTo(to, m_island.bodies, m_sorted_bodies);
+  moveTo(joints_to, m_island.joints, m_sorted_joints);
+  for (IslandJoint& joint : m_island.joints)
+    for (int& body : joint.body)
       if (body >= 0) body = to[size_t(body)];
-  }
   for (int& known : m_body_of)
     if (known >= 0) known = to[size_t(known)];
   // A body whose joints have no rows is free.
   components.erase(std::remove_if(components.begin(), components.end(),
                                   [](const Component& c) { return c.joints == 0; }),
                    components.end());
-  m_island.bodies.swap(bodies);
-  m_island.joints.swap(joints);
   if (m_has_springs) foreseeSprings();
 }
 

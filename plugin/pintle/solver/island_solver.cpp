@@ -47,9 +47,8 @@ void IslandSolver::enter(const btDispatcher* world) {
 
 size_t IslandSolver::bytes() const {
   return m_memory->bytes() + m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() +
-         m_groups.bytes() +
-         bytesOf(m_island.unmoved_bodies, m_island.bodies, m_island.joints, m_island.rows,
-                 m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
+         m_groups.bytes() + m_island.bytes() +
+         bytesOf(m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
                  m_counted, m_bodies_alone, m_blocks);
 }
 
@@ -145,6 +144,7 @@ ComponentMemory& IslandSolver::begin(const Component& component) {
 bool IslandSolver::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
   kept.holds_end = false;
+  kept.whirls.reset();
   const SolveReport done = pintle::solveByChord(m_island, component, m_options, kept.K, kept.work);
   count(done, 1);
   kept.converged = done.converged;
@@ -153,7 +153,6 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.tolerance = m_options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
-  kept.whirls = whirls(m_island, component, m_options, kept.K, kept.work);
   return kept.ledger.mayGive(kept.work_done, m_options.ledger_share) ||
          (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));
 }
@@ -163,7 +162,10 @@ void IslandSolver::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
   const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
-  if (has_end) kept.work.keepAsOther();
+  if (has_end) {
+    whirls(m_island, component, kept);
+    kept.work.keepAsOther();
+  }
   const double given = kept.work_done;
   const Component* const alone = &component;
   solveInVelocity({{&alone, 1}, bodiesOf(component), {}});
@@ -267,9 +269,11 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   }
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   // What is left and what is open already are a tolerance together.
-  if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2))
+  if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
+    if (kept.holds_end) whirls(m_island, component, kept);
     kept.residual = correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K,
                                  kept.has_factor, changes);
+  }
   kept.work_done += workOfPoses(m_island, component, changes);
   kept.work_done += balance(m_island, component, m_options, kept, changes);
   kept.ledger.book(kept.work_done, m_options.ledger_share);
@@ -286,10 +290,9 @@ void IslandSolver::report(const Component& component, ComponentMemory& kept) {
   m_report.factorisations += kept.K.takeFactorisations();
   m_report.residual = std::max(m_report.residual, kept.residual);
   m_report.not_converged += !kept.converged || !(kept.residual <= kept.tolerance);
-  forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
-    if (row.law.isEquality())
-      m_report.open = std::max(m_report.open, std::abs(double(row.start.position)));
-  });
+  for (int c = 0; c < component.joints; ++c)
+    m_report.open =
+        std::max(m_report.open, m_island.joints[size_t(component.first_joint + c)].error);
   m_report.work += kept.work_done;
   m_report.ledger += kept.ledger.given;
   m_report.ledger_limit += m_options.ledger_share * kept.ledger.peak;
@@ -298,8 +301,9 @@ void IslandSolver::report(const Component& component, ComponentMemory& kept) {
 void IslandSolver::beginComponents() {
   const size_t bodies = m_island.bodies.size(), components = m_components.size();
   size_t bounds = 0;  // parts of rows that contacts may take
-  for (size_t r = 0; !m_contacts.empty() && r < m_island.rows.size(); ++r)
-    if (!m_island.rows[r].law.isEquality()) bounds += size_t(m_island.rows[r].law.parts());
+  if (!m_contacts.empty())
+    for (const IslandJoint& joint : m_island.joints)
+      bounds += size_t(AxisLaw::max_parts * joint.bounded);
   m_pass_memory.reserve(bodies, components, bounds);
   reserve(components, m_blocks);
   reserve(bodies, m_counted, m_bodies_alone, m_velocities);

@@ -51,10 +51,9 @@ class JointMatrix {
   std::vector<InverseInertia>& bodies() { return m_bodies; }
   /// Row `i` of joint c, divided by root_K. All rows must be set before the first factor, and again where bodies have changed.
   void setRow(int c, int i, const RowJacobian& J, double root_K);
-  /// Whether it acts, with a softness relative to K. One that does not has the impulse that is asked for, which answers (addResponse), but
-  /// is no unknown. Set before each factor.
-  void setActing(int c, int i, bool acts, double softness) {
-    const size_t at = row(c, i);
+  /// Whether the row at `at` acts (row, below), with a softness relative to K. One that does not has the impulse that is asked for, which
+  /// answers (addResponse), but is no unknown. Set before each factor.
+  void setActing(size_t at, bool acts, double softness) {
     const double next = acts ? softness : 1;
     if (m_softness[at] != next || (m_acts[at] != 0) != acts) m_is_factorised = false;
     m_softness[at] = next;

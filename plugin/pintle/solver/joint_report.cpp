@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 bool breakOverloaded(Island& island, const Component& component, const Workspace& end) {
   bool any = false;
   for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const double threshold = double(joint.constraint->getBreakingImpulseThreshold());
     if (!(threshold < double(infinity)) || !joint.constraint->isEnabled()) continue;
     bool overloaded = false;
@@ -25,8 +25,11 @@ bool breakOverloaded(Island& island, const Component& component, const Workspace
       row.law.clear();
       row.law.add({0, 0, 0, 0});
       row.open = 0;
-      row.spring = {};
+      row.extras = nullptr;
     }
+    joint.bounded = joint.rows;
+    joint.error = joint.open = 0;
+    joint.has_springs = joint.drives = false;
   }
   return any;
 }
@@ -36,6 +39,11 @@ void report(const Island& island, const Component& component, const Workspace& e
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     btTypedConstraint& constraint = *joint.constraint;
     btJointFeedback* const feedback = constraint.getJointFeedback();
+    if (feedback == nullptr && !joint.has_axes) {
+      constraint.internalSetAppliedImpulse(
+          Scalar(-end.lambda[size_t(joint.row_of_component + joint.rows - 1)]));
+      continue;
+    }
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const auto r = size_t(joint.row_of_component + i);
@@ -48,11 +56,11 @@ void report(const Island& island, const Component& component, const Workspace& e
         feedback->m_appliedTorqueBodyB += toBullet(force * row.J.A_b);
       }
       // Bullet's sign is the other one, and coordinates may fall along their rows.
-      if (joint.ours == nullptr || row.start.axis < 0) {
+      if (joint.ours == nullptr || !row.isOfAxis()) {
         constraint.internalSetAppliedImpulse(Scalar(-lambda));
         continue;
       }
-      AxisState& state = JointAccess::axis(*joint.ours, row.start);
+      AxisState& state = JointAccess::axis(*joint.ours, *row.start);
       const AxisLaw::Parts impulse = end.split(row.law, r);
       state.taken = 0;
       state.impulse = {};

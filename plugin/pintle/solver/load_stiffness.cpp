@@ -21,11 +21,6 @@ Matrix3d clipped(const Matrix3d& m) {
          axes.eigenvectors().transpose();
 }
 
-bool hasLever(const IslandRow& row) {
-  return row.has_position &&
-         (row.shape.kind == RowShape::point || row.shape.kind == RowShape::distance);
-}
-
 // No eigenvalue of the stiffness of a force f on a lever r is above |f| |r|. Returns whether any body may swing fast.
 bool mayBeFast(const Island& island, const Component& component, double stable_swing,
                Workspace& work) {
@@ -33,15 +28,12 @@ bool mayBeFast(const Island& island, const Component& component, double stable_s
   most.assign(size_t(component.bodies), 0.);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i) {
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!hasLever(row)) continue;
-      const double load = std::abs(work.load[size_t(joint.row_of_component + i)]);
-      for (int side = 0; side < 2; ++side)
-        if (const int body = joint.body[size_t(side)]; body >= 0)
-          most[size_t(body - component.first_body)] +=
-              load * inDouble(side ? row.shape.b : row.shape.a).norm();
-    }
+    double load = 0;
+    for (int i = 0; i < joint.rows; ++i)
+      if (joint.isOnLever(i)) load += std::abs(work.load[size_t(joint.row_of_component + i)]);
+    for (size_t side = 0; side < 2; ++side)
+      if (const int body = joint.body[side]; body >= 0)
+        most[size_t(body - component.first_body)] += load * joint.lever[side];
   }
   bool any = false;
   for (int i = 0; i < component.bodies; ++i) {
@@ -69,8 +61,8 @@ void findStiffness(const Island& island, const Component& component, double stab
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     for (int i = 0; i < joint.rows; ++i) {
+      if (!joint.isOnLever(i)) continue;
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!hasLever(row)) continue;
       for (int side = 0; side < 2; ++side) {
         if (joint.body[size_t(side)] < 0 ||
             !(work.most_stiffness[size_t(joint.body[size_t(side)] - component.first_body)] > 0))

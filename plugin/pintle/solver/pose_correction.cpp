@@ -99,7 +99,7 @@ bool PoseCorrection::factorise(bool at_end) {
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K);
-    m_K.setActing(c, i, m_closes[r], m_options.dependent_softness);
+    m_K.setActing(m_K.row(c, i), m_closes[r], m_options.dependent_softness);
   });
   m_work.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
@@ -259,15 +259,20 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
 
 bool isOpen(const Island& island, const Component& component, const Workspace& end,
             double tolerance) {
-  bool any = false;
-  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    const LawPiece& piece = end.pieces[r];
-    const double gives = piece.acts && !(piece.softness > 0)
-                             ? island.dt * end.softness[r] * row.K * std::abs(end.lambda[r])
-                             : 0;
-    any = any || std::abs(row.open) > tolerance || gives > tolerance;
-  });
-  return any;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (!(joint.open > tolerance) && !(end.of_loop[size_t(c)] > 0)) continue;
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      const auto r = size_t(joint.row_of_component + i);
+      const LawPiece& piece = end.pieces[r];
+      const double gives = piece.acts && !(piece.softness > 0)
+                               ? island.dt * end.softness[r] * row.K * std::abs(end.lambda[r])
+                               : 0;
+      if (std::abs(row.open) > tolerance || gives > tolerance) return true;
+    }
+  }
+  return false;
 }
 
 double correctPoses(const Island& island, const Component& component, const SolverOptions& options,

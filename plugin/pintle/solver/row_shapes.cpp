@@ -55,7 +55,6 @@ bool findPoint(IslandRow* rows) {
     const Vector3d n = row.J.L_b;
     row.J = {-n, -cross(r[0], n), n, cross(r[1], n)};
     row.has_position = true;
-    row.start.L = n.cast<Scalar>();
     row.shape.kind = RowShape::point;
     row.shape.a = r[0].cast<Scalar>();
     row.shape.b = r[1].cast<Scalar>();

@@ -124,17 +124,17 @@ class JointAtEnd {
     Row found;
     const double at_start = velocityAtStart(row);
     if (!find(row, found)) return at_start;
-    const double change = double(found.position) - double(row.start.position);
+    const double change = double(found.position) - double(row.start->position);
     return (row.spins ? change + turnsBeside(row, change) : change) / m_dt;
   }
   /// Whether the joint ends beyond a stop of the row along a direction that is not the one of the start, which is then found.
   bool isBeyondTurned(const IslandRow& row, Row& found) {
     ask();
     if (find(row, found)) return false;
-    const int at = findAxis(row.start, m_rows);
+    const int at = findAxis(*row.start, m_rows);
     if (at < 0) return false;
     found = m_rows[at];
-    return row.law.isBeyondStop((double(found.position) - double(row.start.position)) / m_dt);
+    return row.law.isBeyondStop((double(found.position) - double(row.start->position)) / m_dt);
   }
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
@@ -163,7 +163,7 @@ class JointAtEnd {
       if (size > 0) to.A_a = to.A_b = (from.norm() / size * mean).cast<Scalar>();
       return to;
     };
-    return findAtEnd(m_island, m_joint, row.start, row.index, m_rows, carry, found);
+    return findAtEnd(m_island, m_joint, *row.start, row.index, m_rows, carry, found);
   }
 
   // rad: the whole turns that the bodies make in the step beside `change`.
@@ -194,25 +194,26 @@ class JointAtEnd {
     m_end_b = m_b.turn * m_r_b;
     m_move = m_b.move - m_a.move + m_end_b - m_r_b - m_end_a + m_r_a;
   }
+  static Vector3d directionOf(const IslandRow& row) { return double(row.sign) * row.J.L_b; }
   double velocityOfArms(const IslandRow& row) const {
     switch (row.shape.kind) {
       case RowShape::dot:
         return ((m_r_a + m_end_a).dot(m_end_b - m_r_b) + (m_r_b + m_end_b).dot(m_end_a - m_r_a)) /
                2 * m_rate;
       case RowShape::distance: {
-        const Vector3d d_0 = double(row.shape.length) * inDouble(row.start.L), d_1 = d_0 + m_move;
+        const Vector3d d_0 = double(row.shape.length) * directionOf(row), d_1 = d_0 + m_move;
         const double sum = d_0.norm() + d_1.norm();
         if (sum > 0) return (d_0 + d_1).dot(m_move) / (sum * m_dt);
         break;
       }
       default: break;
     }
-    return inDouble(row.start.L).dot(m_move) * m_rate;
+    return directionOf(row).dot(m_move) * m_rate;
   }
   RowJacobian jacobianOfArms(const IslandRow& row) const {
     if (row.shape.kind == RowShape::dot)
       return {Vector3d::Zero(), cross(m_end_a, m_end_b), Vector3d::Zero(), cross(m_end_b, m_end_a)};
-    Vector3d n = inDouble(row.start.L);
+    Vector3d n = directionOf(row);
     if (row.shape.kind == RowShape::distance) {
       const Vector3d d_1 = double(row.shape.length) * n + m_move;
       const double length = d_1.norm();
@@ -282,20 +283,21 @@ void turnStops(Island& island, const Component& component) {
   Rows rows(memory);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (joint.ours == nullptr) continue;
+    if (!joint.has_stops) continue;
     const Vector6d &v_a = island.velocity(joint.body[0], &IslandBody::v_free),
                    &v_b = island.velocity(joint.body[1], &IslandBody::v_free);
     const double turn = (v_a.tail<3>() - v_b.tail<3>()).norm();  // rad/s
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!row.start.limit || !row.start.angular || !row.has_position || row.isOfArms() ||
-          row.has_stops_alone || !(row.law.isBeyondStop(-turn) || row.law.isBeyondStop(turn)))
+      if (!row.isOfAxis() || !row.start->limit || !row.start->angular || !row.has_position ||
+          row.isOfArms() || row.has_stops_alone ||
+          !(row.law.isBeyondStop(-turn) || row.law.isBeyondStop(turn)))
         continue;
       const MovedBody a(v_a, island.dt), b(v_b, island.dt);
       Row found;
       if (!JointAtEnd(island, joint, a, b, rows).isBeyondTurned(row, found)) continue;
-      found.position = row.start.position;
-      row.start = found;
+      found.position = row.start->position;
+      *row.start = found;
       row.J = jacobianOf(found, row.sign);
       row.setK(island.inverseMass(joint, row.J, row.J));
     }

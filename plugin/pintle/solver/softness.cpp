@@ -39,10 +39,7 @@ void findSoftness(const Island& island, const Component& component, const Solver
   const double give = options.newton_tolerance / 10 / island.dt;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& of = island.joints[size_t(component.first_joint + c)];
-    int with_bounds = 0;
-    for (int i = 0; i < of.rows; ++i)
-      if (!island.rows[size_t(of.first_row + i)].law.isEquality()) ++with_bounds;
-    if (!in_loop[size_t(c)] && with_bounds < 2) {
+    if (!in_loop[size_t(c)] && of.bounded < 2) {
       softness[size_t(c)] = 0;
       continue;
     }

@@ -59,6 +59,12 @@ struct Workspace {
   // Memory of the solves.
   std::vector<double> y, x,
       aim;  ///< impulses, a residual, and targets, in the units of K (joint_matrix.h)
+  /// Of each row: what scales it in the units of K, and where it is among the unknowns of K.
+  struct Scale {
+    double root_K, by_root_K;
+    size_t at;
+  };
+  std::vector<Scale> scales;
   std::vector<double> y_before_pass, y_before_choice;
   std::vector<char> touched;                         ///< of each body: by contacts
   std::vector<Eigen::Matrix<double, 6, 6>> answers;  ///< of each body (JointMatrix::findAnswers)
@@ -88,17 +94,18 @@ struct Workspace {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
-    pintle::reserve(rows, u, lambda, load, pieces, softness, straight, goal, J, closes, bends,
-                    bounded, last_load, other.u, other.lambda, other.pieces);
+    pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
+                    bends, bounded, last_load, other.u, other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
     broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
     return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
-                   y_before_pass, y_before_choice, touched, answers, base, moved, straight, goal, J,
-                   closes, bends, bounded, all, stays, open, start, nearest, first, last_load,
-                   last_stiffness, most_stiffness, other.v, other.u, other.lambda, other.pieces) +
+                   scales, y_before_pass, y_before_choice, touched, answers, base, moved, straight,
+                   goal, J, closes, bends, bounded, all, stays, open, start, nearest, first,
+                   last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
+                   other.pieces) +
            broyden.bytes();
   }
 };
