@@ -113,6 +113,7 @@ class Chain : public testing::Test {
     for (int r = 0; r < rows_of_joint; ++r) {
       pintle::IslandRow row;
       row.has_position = false;
+      row.index = r;
       row.law = AxisLaw(m_island.giveExtras(row).parts);
       Vector3d n = Vector3d::Zero();
       if (r < 3) n[r] = 1;

@@ -49,8 +49,10 @@ struct Loaded {
         row.has_position = true;
         row.shape.kind = pintle::RowShape::point;
         row.shape.b = r.cast<pintle::Scalar>();
-        row.J.L_b = Vector3d::Unit(i);
-        row.J.L_a = -row.J.L_b;
+        const Vector3d n = Vector3d::Unit(i);
+        row.J = {-n, Vector3d::Zero(), n, r.cross(n)};
+        row.setK(1);
+        row.index = i;
         island.rows.push_back(row);
         work.load.push_back(p[i]);
       }

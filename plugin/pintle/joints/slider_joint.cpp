@@ -330,7 +330,9 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
     addLockRows(seen, rows);
   }
   const auto add_turn = [&] {
-    if (turn.row) rows.addAngularAxis(angular, turn_row, turn.position, m_angular, turn.limit);
+    if (!turn.row) return;
+    rows.addAngularAxis(angular, turn_row, turn.position, m_angular, turn.limit);
+    rows.shape(RowShape::turn, turn_row, turn_row);
   };
   if (m_angular_only) return add_turn();
 

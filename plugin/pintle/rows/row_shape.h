@@ -9,11 +9,12 @@ inline namespace PINTLE_PRECISION {
 /// World space, at the pose of the row.
 struct RowShape {
   enum Kind : unsigned char {
-    point,     ///< C is along one direction of the world between points of the bodies: a and b are their levers
+    point,  ///< C is along one direction of the world between points of the bodies: a and b are their levers
     distance,  ///< C + a constant is the distance of two points, `length`: a and b are their levers
     dot,       ///< C is a.b, a an axis of body a, b one of body b
-    angle,     ///< C is an angle about the row's own axis, or another measure of how b is turned against a
-    other      ///< anything else
+    turn,  ///< C is the angle of b against a about the row's own axis, while other rows of the joint hold that in both
+    angle,  ///< C is an angle about the row's own axis, or another measure of how b is turned against a
+    other  ///< anything else
   };
   Kind kind = other;
   Vec3 a = Vec3::Zero(), b = Vec3::Zero();

@@ -22,34 +22,46 @@ void addStiffness(const Island& island, const BlockOfJoints& of,
 // A row that moves its bodies by less of its own is held by joints, but for rounding.
 constexpr double least_part_free = 1e-9;
 
-// What impulses of contacts do. `with_joints`: of components whose joints hold.
-void findAnswers(const Island& island, const std::vector<BlockOfJoints>& of, Span<const int> bodies,
-                 Span<ContactRow> contacts, bool with_joints,
+// What bodies do by impulses.
+void findSources(const std::vector<BlockOfJoints>& of, Span<const int> bodies,
                  std::vector<PassMemory::Source>& source) {
-  using Source = PassMemory::Source;
   for (const int i : bodies) source[size_t(i)] = {nullptr, nullptr};
   for (const BlockOfJoints& part : of)
-    for (int i = 0; i < part.component->bodies; ++i) {
-      Source& to = source[size_t(part.component->first_body + i)];
-      to.alone = &part.K->bodies()[size_t(i)];
-      if (with_joints) to.with_joints = &part.work->answers[size_t(i)];
+    for (int i = 0; i < part.component->bodies; ++i)
+      source[size_t(part.component->first_body + i)] = {&part.K->bodies()[size_t(i)], nullptr};
+}
+
+// What impulses of contacts do to bodies without joints.
+void findAnswers(const Island& island, const std::vector<PassMemory::Source>& source,
+                 Span<ContactRow> contacts) {
+  for (ContactRow& row : contacts) {
+    row.K = 0;
+    for (int side = 0; side < 2; ++side) {
+      const int body = row.body[size_t(side)];
+      if (body < 0) continue;
+      const InverseInertia* const by = source[size_t(body)].alone;
+      const Vector3d &L = row.J.L(side), &A = row.J.A(side);
+      Vector6d& answer = row.answer[size_t(side)];
+      answer = by != nullptr ? by->answer(L, A) : island.bodies[size_t(body)].answer(L, A);
+      row.with_joints[size_t(side)] = answer;
+      row.K += row.J.along(side, answer);
     }
+  }
+}
+
+// The same where the joints of their components hold.
+void findAnswersWithJoints(const std::vector<PassMemory::Source>& source,
+                           Span<ContactRow> contacts) {
   for (ContactRow& row : contacts) {
     double alone = 0;
     row.K = 0;
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
       if (body < 0) continue;
-      const Source& by = source[size_t(body)];
-      const Vector3d &L = row.J.L(side), &A = row.J.A(side);
-      Vector6d& answer = row.answer[size_t(side)];
-      answer =
-          by.alone != nullptr ? by.alone->answer(L, A) : island.bodies[size_t(body)].answer(L, A);
       Vector6d& with = row.with_joints[size_t(side)];
-      with = by.with_joints != nullptr
-                 ? Vector6d(by.with_joints->leftCols<3>() * L + by.with_joints->rightCols<3>() * A)
-                 : answer;
-      alone += row.J.along(side, answer);
+      if (const JointMatrix::Matrix6d* const by = source[size_t(body)].with_joints)
+        with = by->leftCols<3>() * row.J.L(side) + by->rightCols<3>() * row.J.A(side);
+      alone += row.J.along(side, row.answer[size_t(side)]);
       row.K += row.J.along(side, with);
     }
     if (!(row.K > least_part_free * alone)) row.K = 0;
@@ -89,7 +101,8 @@ class Passes {
     if (sweep != Sweep::all_at_once)
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
-    findAnswers(island, of, bodies, contacts, false, memory.sources);
+    findSources(of, bodies, memory.sources);
+    findAnswers(island, memory.sources, contacts);
     for (ContactRow& row : contacts) row.push(row.impulse, velocities);
     blocks().clear();
     blocks().reserve(of.size());
@@ -102,7 +115,7 @@ class Passes {
     for (const int i : bodies) memory.touched[size_t(i)] = false;
     touch(contacts, memory.touched);
     for (size_t i = 0; i < of.size(); ++i)
-      if (!blocks()[i].isUnsettled()) findAnswersWithJoints(of[i]);
+      if (!blocks()[i].isUnsettled()) findAnswersOfBodies(of[i]);
     settle();
   }
   bool isSolvable() const {
@@ -149,15 +162,19 @@ class Passes {
       blocks()[i].addBounds(m_memory.bounds, m_velocities);
       blocks()[i].sweep(m_velocities);
       touch(m_memory.bounds, m_memory.touched);
-      findAnswersWithJoints(m_of[i]);
+      findAnswersOfBodies(m_of[i]);
     }
+    findAnswers(m_island, m_memory.sources, m_memory.bounds);
     for (const Span<ContactRow>& rows : {m_contacts, Span<ContactRow>(m_memory.bounds)})
-      findAnswers(m_island, m_of, m_bodies, rows, true, m_memory.sources);
+      findAnswersWithJoints(m_memory.sources, rows);
   }
-  void findAnswersWithJoints(BlockOfJoints& part) {
+  void findAnswersOfBodies(BlockOfJoints& part) {
     const auto first = m_memory.touched.begin() + part.component->first_body;
     part.work->touched.assign(first, first + part.component->bodies);
     part.K->findAnswers(part.work->touched, part.work->answers);
+    for (int i = 0; i < part.component->bodies; ++i)
+      m_memory.sources[size_t(part.component->first_body + i)].with_joints =
+          &part.work->answers[size_t(i)];
   }
   template <class Visit>
   void forEachRow(const Visit& visit) {

@@ -188,6 +188,7 @@ struct IslandRow {
   bool isOfAxis() const { return start != nullptr && start->axis >= 0; }
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
   bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
+  bool isOfAngle() const { return shape.kind == RowShape::angle || shape.kind == RowShape::turn; }
   bool isSoft() const { return extras != nullptr && extras->spring.erp > 0; }
   double reboundEnergy() const { return extras != nullptr ? extras->rebound_energy : 0; }
   /// Whether u = J v is far from both, where bodies turn by `turn` (rad) in the step: what else they measure by then is of its square.

@@ -153,7 +153,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
     if (is_axis) row.sign = JointAccess::axis(joint, rows[i]).sign;
     row.J = jacobianOf(rows[i], row.sign);
     row.K = m_island.inverseMass(to, row.J, row.J);
-    row.spins = is_axis && row.shape.kind == RowShape::angle &&
+    row.spins = is_axis && row.isOfAngle() &&
                 std::abs(velocityAlong(to, row.J, &IslandBody::v_free)) * m_island.dt > pi;
     if (is_axis)
       setAxisLaw(to, pair, row);
@@ -341,6 +341,24 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   }
 }
 
+// The angle of a hinge, say. (Where its axes are apart it is another one than two arms tell.)
+void IslandBuilder::findAngles(const IslandJoint& joint) {
+  IslandRow* const rows = m_island.rows.data() + joint.first_row;
+  const auto holdsAxis = [&] {
+    return 2 == std::count_if(rows, rows + joint.rows, [&](const IslandRow& row) {
+             return row.law.isEquality() && row.start->angular && !row.isSoft() &&
+                    std::abs(double(row.start->position)) <= m_options.contact_tolerance;
+           });
+  };
+  for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
+    if (row->shape.kind != RowShape::turn) continue;
+    if (holdsAxis())
+      setTurn(*row);
+    else
+      row->shape.kind = RowShape::angle;
+  }
+}
+
 // Of rows that are open, what the joint says of its error is more than these shapes do.
 void IslandBuilder::findShapes(const IslandJoint& joint) {
   IslandRow* const rows = m_island.rows.data() + joint.first_row;
@@ -348,6 +366,7 @@ void IslandBuilder::findShapes(const IslandJoint& joint) {
     for (IslandRow* row = rows; row < rows + 3; ++row) {
       row->setK(m_island.inverseMass(joint, row->J, row->J));
     }
+  findAngles(joint);
   IslandRow* turns[3];
   int count = 0;
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {

@@ -46,6 +46,7 @@ class IslandBuilder {
   void keepRow(IslandJoint& to);
   /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
   int body(const SolverBodies& bodies, int solver_body);
+  void findAngles(const IslandJoint& joint);
   void findShapes(const IslandJoint& joint);
   double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
   /// J M^-1 J^T, when the equalities of the joint hold.

@@ -88,5 +88,11 @@ bool findTurn(IslandRow* const* rows, int count, const Vector3d& w_a, const Vect
   return true;
 }
 
+void setTurn(IslandRow& row) {
+  const Vector3d n = row.J.A_b.unitOrthogonal();
+  row.shape.kind = RowShape::turn;
+  row.shape.a = row.shape.b = n.cast<Scalar>();
+}
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -14,5 +14,8 @@ bool findPoint(IslandRow* rows);
 /// `w_a`, `w_b`: how these turn in the step, rad/s.
 bool findTurn(IslandRow* const* rows, int count, const Vector3d& w_a, const Vector3d& w_b);
 
+/// An angle about an axis that the joint holds: arms at right angles to that, the same of both bodies.
+void setTurn(IslandRow& row);
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

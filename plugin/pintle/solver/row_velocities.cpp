@@ -110,22 +110,21 @@ class JointAtEnd {
   double velocityAtStart(const IslandRow& row) const { return row.J.along(m_a.v, m_b.v); }
   double velocity(const IslandRow& row) {
     if (!row.has_position) return velocityAtStart(row);
-    if (row.isOfArms()) {
-      findArms(row.shape);
-      return velocityOfArms(row);
-    }
     if (row.has_stops_alone) {
       const double straight = velocityAtStart(row);
       if (row.isFarFromStops(straight, m_dt * (m_a.v.tail<3>().norm() + m_b.v.tail<3>().norm()),
                              m_dt))
         return straight;
     }
+    if (row.isOfArms()) {
+      findArms(row.shape);
+      return velocityOfArms(row);
+    }
     ask();
     Row found;
     const double at_start = velocityAtStart(row);
     if (!find(row, found)) return at_start;
-    const double change = double(found.position) - double(row.start->position);
-    return (row.spins ? change + turnsBeside(row, change) : change) / m_dt;
+    return velocityOfAngle(row, double(found.position) - double(row.start->position));
   }
   /// Whether the joint ends beyond a stop of the row along a direction that is not the one of the start, which is then found.
   bool isBeyondTurned(const IslandRow& row, Row& found) {
@@ -166,6 +165,9 @@ class JointAtEnd {
     return findAtEnd(m_island, m_joint, *row.start, row.index, m_rows, carry, found);
   }
 
+  double velocityOfAngle(const IslandRow& row, double change) const {
+    return (row.spins ? change + turnsBeside(row, change) : change) * m_rate;
+  }
   // rad: the whole turns that the bodies make in the step beside `change`.
   double turnsBeside(const IslandRow& row, double change) const {
     const RotationOfStep a(m_a.v.tail<3>(), m_dt), b(m_b.v.tail<3>(), m_dt);
@@ -206,6 +208,10 @@ class JointAtEnd {
         if (sum > 0) return (d_0 + d_1).dot(m_move) / (sum * m_dt);
         break;
       }
+      case RowShape::turn: {
+        const Vector3d across = cross(Vector3d(m_a.turn * row.J.A_b), m_end_a);
+        return velocityOfAngle(row, std::atan2(m_end_b.dot(across), m_end_b.dot(m_end_a)));
+      }
       default: break;
     }
     return directionOf(row).dot(m_move) * m_rate;
@@ -213,6 +219,10 @@ class JointAtEnd {
   RowJacobian jacobianOfArms(const IslandRow& row) const {
     if (row.shape.kind == RowShape::dot)
       return {Vector3d::Zero(), cross(m_end_a, m_end_b), Vector3d::Zero(), cross(m_end_b, m_end_a)};
+    if (row.shape.kind == RowShape::turn) {
+      const Vector3d axis = m_a.turn * row.J.A_b;
+      return {Vector3d::Zero(), -axis, Vector3d::Zero(), axis};
+    }
     Vector3d n = directionOf(row);
     if (row.shape.kind == RowShape::distance) {
       const Vector3d d_1 = double(row.shape.length) * n + m_move;
@@ -229,8 +239,8 @@ class JointAtEnd {
   Rows& m_rows;
   bool m_asked = false;
   const RowShape* m_shape = nullptr;  ///< whose arms these are
-  Vector3d m_r_a, m_r_b, m_end_a, m_end_b;
-  Vector3d m_move;  ///< of b's end against a's
+  Vector3d m_r_a = Vector3d::Zero(), m_r_b = m_r_a, m_end_a = m_r_a, m_end_b = m_r_a;
+  Vector3d m_move = m_r_a;  ///< of b's end against a's
 };
 
 // visit(row, its number in the component, its joint at the end)
