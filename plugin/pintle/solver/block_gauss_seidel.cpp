@@ -35,7 +35,7 @@ void findSources(const std::vector<BlockOfJoints>& of, Span<const int> bodies,
 void findAnswers(const Island& island, const std::vector<PassMemory::Source>& source,
                  Span<ContactRow> contacts) {
   for (ContactRow& row : contacts) {
-    row.K = 0;
+    row.K_alone = 0;
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
       if (body < 0) continue;
@@ -43,9 +43,9 @@ void findAnswers(const Island& island, const std::vector<PassMemory::Source>& so
       const Vector3d &L = row.J.L(side), &A = row.J.A(side);
       Vector6d& answer = row.answer[size_t(side)];
       answer = by != nullptr ? by->answer(L, A) : island.bodies[size_t(body)].answer(L, A);
-      row.with_joints[size_t(side)] = answer;
-      row.K += row.J.along(side, answer);
+      row.K_alone += row.J.along(side, answer);
     }
+    row.K = row.K_alone;
   }
 }
 
@@ -53,34 +53,41 @@ void findAnswers(const Island& island, const std::vector<PassMemory::Source>& so
 void findAnswersWithJoints(const std::vector<PassMemory::Source>& source,
                            Span<ContactRow> contacts) {
   for (ContactRow& row : contacts) {
-    double alone = 0;
     row.K = 0;
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
       if (body < 0) continue;
-      Vector6d& with = row.with_joints[size_t(side)];
+      Vector6d& answer = row.answer[size_t(side)];
       if (const JointMatrix::Matrix6d* const by = source[size_t(body)].with_joints)
-        with = by->leftCols<3>() * row.J.L(side) + by->rightCols<3>() * row.J.A(side);
-      alone += row.J.along(side, row.answer[size_t(side)]);
-      row.K += row.J.along(side, with);
+        answer = by->leftCols<3>() * row.J.L(side) + by->rightCols<3>() * row.J.A(side);
+      row.K += row.J.along(side, answer);
     }
-    if (!(row.K > least_part_free * alone)) row.K = 0;
+    if (!(row.K > least_part_free * row.K_alone)) row.K = 0;
   }
 }
 
-// One pass. Returns the largest change, m/s.
-double sweepContacts(Span<ContactRow> contacts, std::vector<Vector6d>& velocities) {
-  double largest = 0;
+// What a sweep over contacts changes.
+struct Changes {
+  std::vector<Vector6d>& impulses;  ///< of each body, N s and N m s
+  double largest = 0;               ///< m/s
+  /// The dual function (block_gauss_seidel.h) along it, but for the velocities.
+  double slope = 0, bend = 0;
+};
+
+void sweepContacts(Span<ContactRow> contacts, std::vector<Vector6d>& velocities, Changes& done) {
   for (ContactRow& row : contacts) {
+    row.before = row.impulse;
     if (!(row.K > 0)) continue;
     boundFriction(contacts, row);
-    const double next = row.meet(row.velocity(velocities)), change = next - row.impulse;
-    if (change == 0) continue;
+    const double next = row.meet(row.velocity(velocities)), by = next - row.impulse;
+    if (by == 0) continue;
     row.impulse = next;
-    row.push(change, row.with_joints, velocities);
-    largest = std::fmax(largest, std::abs(row.K * change));
+    row.push(by, velocities);
+    row.load(by, done.impulses);
+    done.largest = std::fmax(done.largest, std::abs(row.K * by));
+    done.slope += by * (row.softness * row.before - row.target);
+    done.bend += by * row.softness * by;
   }
-  return largest;
 }
 
 class Passes {
@@ -135,8 +142,9 @@ class Passes {
   }
   double pass() {
     if (m_sweep == Sweep::all_at_once && !m_contacts.empty()) return passAtOnce();
-    const double largest = sweepContacts(m_contacts, m_velocities);
-    return std::fmax(largest, sweepBlocks());
+    Changes done = {m_memory.changes};
+    sweepContacts(m_contacts, m_velocities, done);
+    return std::fmax(done.largest, sweepBlocks());
   }
   void finish() {
     for (BlockSolver& block : blocks()) block.finish(m_velocities, m_memory.bounds);
@@ -181,8 +189,6 @@ class Passes {
     for (ContactRow& row : m_contacts) visit(row);
     for (ContactRow& row : m_memory.bounds) visit(row);
   }
-  void pushBodies();
-  void goBack();
   double passAtOnce();
 
   const Island& m_island;
@@ -194,66 +200,42 @@ class Passes {
   PassMemory& m_memory;
 };
 
-// Contacts change their bodies by what they have changed in this pass: one A^-1 for each body, and not for each row.
-void Passes::pushBodies() {
-  std::vector<Vector6d>& changes = m_memory.changes;
-  for (const int i : m_bodies) changes[size_t(i)].setZero();
-  forEachRow([&](const ContactRow& row) {
-    const double by = row.impulse - row.before;
-    for (size_t side = 0; by != 0 && side < 2; ++side) {
-      if (row.body[side] < 0) continue;
-      Vector6d& to = changes[size_t(row.body[side])];
-      to.head<3>() += by * row.J.L(int(side));
-      to.tail<3>() += by * row.J.A(int(side));
-    }
-  });
+// Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints: from what contacts have
+// changed, by one A^-1 for each body, and not for each row.
+double Passes::passAtOnce() {
+  std::vector<Vector6d>&start = m_memory.start, &impulses = m_memory.changes;
+  for (const int i : m_bodies) {
+    start[size_t(i)] = m_velocities[size_t(i)];
+    impulses[size_t(i)].setZero();
+  }
+  for (BlockSolver& block : blocks()) block.beginPass();
+  Changes done = {impulses};
+  sweepContacts(m_contacts, m_velocities, done);
+  sweepContacts(m_memory.bounds, m_velocities, done);
   for (const int body : m_bodies) {
     const auto i = size_t(body);
     if (!m_memory.touched[i]) continue;
-    const Vector3d along = changes[i].head<3>(), about = changes[i].tail<3>();
+    const Vector3d along = impulses[i].head<3>(), about = impulses[i].tail<3>();
     const InverseInertia* const alone = m_memory.sources[i].alone;
-    m_velocities[i] +=
-        alone != nullptr ? alone->answer(along, about) : m_island.bodies[i].answer(along, about);
+    m_velocities[i] = start[i] + (alone != nullptr ? alone->answer(along, about)
+                                                   : m_island.bodies[i].answer(along, about));
   }
-}
-
-// To the velocities before the pass.
-void Passes::goBack() {
-  for (const int i : m_bodies) m_velocities[size_t(i)] = m_memory.start[size_t(i)];
-}
-
-// Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints.
-double Passes::passAtOnce() {
-  std::vector<Vector6d>&start = m_memory.start, &changes = m_memory.changes;
-  for (const int i : m_bodies) start[size_t(i)] = m_velocities[size_t(i)];
-  forEachRow([](ContactRow& row) { row.before = row.impulse; });
-  for (BlockSolver& block : blocks()) block.beginPass();
-  const double largest = std::fmax(sweepContacts(m_contacts, m_velocities),
-                                   sweepContacts(m_memory.bounds, m_velocities));
-  goBack();
-  pushBodies();
   sweepBlocks();
   if (isUnsettled()) {
-    goBack();
+    for (const int i : m_bodies) m_velocities[size_t(i)] = start[size_t(i)];
     forEachRow([](ContactRow& row) { row.impulse = row.before; });
     for (BlockSolver& block : blocks()) block.goBack(0);
     settle();
     return passAtOnce();
   }
-  double slope = 0, bend = 0;
-  forEachRow([&](const ContactRow& row) {
-    const double by = row.impulse - row.before;
-    slope += by * (row.softness * row.before - row.target);
-    bend += by * row.softness * by;
-  });
   for (const int body : m_bodies) {
     const auto i = size_t(body);
     if (!m_memory.touched[i]) continue;
-    slope += changes[i].dot(start[i]);
-    bend += changes[i].dot(m_velocities[i] - start[i]);
+    done.slope += impulses[i].dot(start[i]);
+    done.bend += impulses[i].dot(m_velocities[i] - start[i]);
   }
-  if (!(slope < 0) || !(bend > -slope)) return largest;
-  const double part = -slope / bend;
+  if (!(done.slope < 0) || !(done.bend > -done.slope)) return done.largest;
+  const double part = -done.slope / done.bend;
   for (const int body : m_bodies) {
     const auto i = size_t(body);
     m_velocities[i] = start[i] + part * (m_velocities[i] - start[i]);
@@ -261,7 +243,7 @@ double Passes::passAtOnce() {
   forEachRow(
       [&](ContactRow& row) { row.impulse = row.before + part * (row.impulse - row.before); });
   for (BlockSolver& block : blocks()) block.goBack(part);
-  return part * largest;
+  return part * done.largest;
 }
 
 }  // namespace

@@ -66,39 +66,42 @@ int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
 
 // Where joints contradict each other, their impulses may be any, and would grow from step to step. Those that a step begins with are no
 // more than all momentum that there is.
-struct MostImpulse {
-  double linear = 0, angular = 0;  ///< N s and N m s
-
-  MostImpulse(const Island& island, const Component& component) {
-    btVector3 low = island.bodies[size_t(component.first_body)].start.getOrigin(), high = low;
-    double largest = 0;  // m: radius of gyration
-    for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
-      const IslandBody& body = island.bodies[size_t(i)];
-      linear +=
-          body.mass * (body.v_free.head<3>().norm() + body.radius() * body.v_free.tail<3>().norm());
-      largest = std::fmax(largest, body.radius());
-      low.setMin(body.start.getOrigin());
-      high.setMax(body.start.getOrigin());
-    }
-    angular = linear * (double((high - low).length()) + largest);
+class MostImpulse {
+ public:
+  explicit MostImpulse(const IslandBody& first) : m_low(first.start.getOrigin()), m_high(m_low) {}
+  void add(const IslandBody& body) {
+    const double radius = body.radius();
+    m_linear += body.mass * (body.v_free.head<3>().norm() + radius * body.v_free.tail<3>().norm());
+    m_radius = std::max(m_radius, radius);
+    m_low.setMin(body.start.getOrigin());
+    m_high.setMax(body.start.getOrigin());
   }
+  /// After the last body.
+  void finish() { m_angular = m_linear * (double((m_high - m_low).length()) + m_radius); }
   double of(const IslandRow& row, double impulse) const {
-    if (std::abs(impulse) <= std::min(linear, angular)) return impulse;
+    if (std::abs(impulse) <= std::min(m_linear, m_angular)) return impulse;
     const bool is_linear = row.J.L_a != Vector3d::Zero() || row.J.L_b != Vector3d::Zero();
-    const double most = is_linear ? linear : angular;
+    const double most = is_linear ? m_linear : m_angular;
     return std::clamp(impulse, -most, most);
   }
+
+ private:
+  double m_linear = 0, m_angular = 0;  ///< N s and N m s
+  btVector3 m_low, m_high;             ///< of centres of mass
+  double m_radius = 0;                 ///< m: the largest one of gyration
 };
 
 // Velocities lead where the last step's changes do.
 void ComponentMemory::begin(const Island& island, const Component& component) {
   const bool known = int(m_change.size()) == component.bodies;
   work.v.resize(size_t(component.bodies));
+  MostImpulse most(island.bodies[size_t(component.first_body)]);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     work.v[size_t(i)] = known ? Vector6d(body.v0 + m_change[size_t(i)]) : body.v_free;
+    most.add(body);
   }
-  const MostImpulse most(island, component);
+  most.finish();
   std::vector<double>& lambda = work.lambda;
   lambda.clear();
   work.load.clear();

@@ -16,7 +16,7 @@ double speedOut(const ContactRow& row) {
 }  // namespace
 
 // No body goes further than all of its contacts ask for, and they lift by no more than impulses have taken in this step.
-void pushApart(Island& island, const std::vector<ContactRow>& contacts,
+bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
                const std::vector<Vector6d>& velocities, int passes, double turn_share,
                ContactPosesMemory& memory) {
   std::vector<ContactRow>& rows = memory.rows;
@@ -27,7 +27,7 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
     rows.back().target = speedOut(row);
     rows.back().softness = rows.back().impulse = 0;
   }
-  if (rows.empty()) return;
+  if (rows.empty()) return false;
   std::vector<Vector6d>& push = memory.push;
   push.assign(island.bodies.size(), Vector6d::Zero());
   std::vector<double>& most = memory.most;
@@ -39,7 +39,7 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
     for (ContactRow& row : rows) {
       const double next = row.meet(row.velocity(push)), by = next - row.impulse;
       row.impulse = next;
-      row.push(by, row.with_joints, push);
+      row.push(by, push);
     }
   double lifted = 0;  // J
   for (size_t i = 0; i < push.size(); ++i) {
@@ -50,7 +50,7 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
     body.push.tail<3>() *= turn_share;
     lifted -= body.product(body.v_free - body.v0, body.push);
   }
-  if (!(lifted > 0)) return;
+  if (!(lifted > 0)) return true;
   double taken = 0;  // J
   for (size_t i = 0; i < push.size(); ++i) {
     const IslandBody& body = island.bodies[i];
@@ -58,6 +58,7 @@ void pushApart(Island& island, const std::vector<ContactRow>& contacts,
   }
   const double share = std::fmin(1, std::fmax(0, taken) / lifted);
   for (IslandBody& body : island.bodies) body.push *= share;
+  return true;
 }
 
 void followPoses(const Island& island, Span<const int> bodies, std::vector<Vector6d>& velocities,

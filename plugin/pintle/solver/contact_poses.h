@@ -17,9 +17,10 @@ struct ContactPosesMemory {
 };
 
 /// Split impulses: `push` of each body moves it out of those that it is in, as far as Bullet's solver asks for. A contact sees what
-/// the joints of its bodies do to them (ContactRow::with_joints), so that what lies on jointed bodies is pushed off them, and not
+/// the joints of its bodies do to them (ContactRow::answer), so that what lies on jointed bodies is pushed off them, and not
 /// they from under it. `turn_share`: of the turns that lead out (btContactSolverInfo::m_splitImpulseTurnErp).
-void pushApart(Island& island, const std::vector<ContactRow>& contacts,
+/// Returns whether any is pushed.
+bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
                const std::vector<Vector6d>& velocities, int passes, double turn_share,
                ContactPosesMemory& memory);
 

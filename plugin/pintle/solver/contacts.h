@@ -15,9 +15,9 @@ inline namespace PINTLE_PRECISION {
 struct ContactRow {
   std::array<int, 2> body;  ///< of the island; below 0: one that does not move
   RowJacobian J;
-  using Answers = std::array<Vector6d, 2>;  ///< of each body to an impulse of 1
-  Answers answer = {Vector6d::Zero(), Vector6d::Zero()}, with_joints = answer;
-  double K = 0;  ///< of its velocity
+  /// Of each body to an impulse of 1; where the joints of its component hold, with them.
+  std::array<Vector6d, 2> answer = {Vector6d::Zero(), Vector6d::Zero()};
+  double K_alone = 0, K = 0;  ///< of its velocity, without and with them
   double target, softness, lower, upper;
   int normal = -1;  ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
   double friction = 0;                 ///< of friction: its coefficient
@@ -37,10 +37,17 @@ struct ContactRow {
       if (body[size_t(side)] >= 0) u += J.along(side, v[size_t(body[size_t(side)])]);
     return u;
   }
-  void push(double by, std::vector<Vector6d>& v) const { push(by, answer, v); }
-  void push(double by, const Answers& to, std::vector<Vector6d>& v) const {
-    for (int side = 0; side < 2; ++side)
-      if (body[size_t(side)] >= 0) v[size_t(body[size_t(side)])] += by * to[size_t(side)];
+  void push(double by, std::vector<Vector6d>& v) const {
+    for (size_t side = 0; side < 2; ++side)
+      if (body[side] >= 0) v[size_t(body[side])] += by * answer[side];
+  }
+  /// What the bodies bear of that, N s and N m s.
+  void load(double by, std::vector<Vector6d>& impulses) const {
+    for (size_t side = 0; side < 2; ++side)
+      if (body[side] >= 0) {
+        impulses[size_t(body[side])].head<3>() += by * J.L(int(side));
+        impulses[size_t(body[side])].tail<3>() += by * J.A(int(side));
+      }
   }
 };
 /// The bodies that such a row is on.

@@ -21,8 +21,13 @@ double kineticEnergy(const Island& island, const Component& component, Vector6d 
 }
 
 void EnergyLedger::begin(const Island& island, const Component& component, double share) {
-  const double before = kineticEnergy(island, component, &IslandBody::v0);
-  with_forces = kineticEnergy(island, component, &IslandBody::v_free);
+  double before = 0;
+  with_forces = 0;
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(i)];
+    before += body.product(body.v0, body.v0) / 2;
+    with_forces += body.product(body.v_free, body.v_free) / 2;
+  }
   // It is forgotten within a second or so.
   peak = std::fmax(peak * std::fmax(1 - island.dt, 0), before);
   given = std::fmin(given, share * peak);

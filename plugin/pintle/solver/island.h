@@ -12,6 +12,7 @@
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -66,21 +67,24 @@ struct RowJacobian {
 
 /// A rigid body that joints hold. World space; of vectors of six the first three are linear.
 struct IslandBody {
-  const btRigidBody* body;
-  int solver_body;             ///< its number among Bullet's
-  btTransform start;           ///< pose
-  double mass;                 ///< kg
+  double mass;       ///< kg
+  Matrix3d inertia;  ///< kg m^2
+  Vector6d v0;       ///< at the start of the step
+  Vector6d v_free;   ///< v*: with the step's forces, without its impulses
+
   Vector3d inverse_mass;       ///< where its factors let it move
-  Matrix3d inertia;            ///< kg m^2
   Matrix3d inverse_inertia;    ///< where its factors let it turn
   double scale[2];             ///< square roots of the mass, and of a mean of the inertia
   double inverse_scale2[2];    ///< of their squares
   double least_inertia = 0;    ///< kg m^2: about any axis
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
-  Vector6d v0;                 ///< at the start of the step
-  Vector6d v_free;             ///< v*: with the step's forces, without its impulses
-  Vector6d
-      push;  ///< with which contacts move its pose out of others in this step, beside its velocity
+  bool follows;  ///< no row's K is rounding: none is locked, and no axis turns next to nothing
+
+  const btRigidBody* body;
+  int solver_body;    ///< its number among Bullet's
+  btTransform start;  ///< pose
+  /// With which contacts move its pose out of others in this step, beside its velocity.
+  Vector6d push;
 
   /// a M b
   double product(const Vector6d& a, const Vector6d& b) const {
@@ -217,7 +221,7 @@ struct IslandJoint {
 
   // What its rows are, so that nobody looks at a row who has no business with it.
   int bounded;        ///< so many are no equalities
-  double error;       ///< m or rad: the largest C of an equality
+  double error;       ///< m or rad: the largest C of those that are of no axis
   double open;        ///< m or rad: the most that poses are to close, or more
   double lever[2];    ///< m: the longest of each body on which a row holds a point or a distance
   unsigned on_lever;  ///< a bit for each row that does
@@ -225,16 +229,18 @@ struct IslandJoint {
   bool drives;  ///< some work by themselves, as motors do, and rebounds
 
   void add(const IslandRow& row) {
-    const bool is_equality = row.law.isEquality();
     ++rows;
-    bounded += !is_equality;
-    if (is_equality && row.start != nullptr)
-      error = std::fmax(error, std::abs(double(row.start->position)));
-    open = std::fmax(open, std::abs(row.open));
-    has_axes = has_axes || row.isOfAxis();
+    open = std::max(open, std::abs(row.open));
     has_springs = has_springs || row.isSoft();
-    has_stops = has_stops || (row.isOfAxis() && row.start->limit);
     drives = drives || row.law.hasDrives() || row.reboundEnergy() > 0;
+    bounded += !row.law.isEquality();
+    if (row.start == nullptr) return;
+    if (!row.isOfAxis()) {
+      error = std::max(error, std::abs(double(row.start->position)));
+      return;
+    }
+    has_axes = true;
+    has_stops = has_stops || row.start->limit;
   }
   bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
   /// Of those rows, when their shapes are known.

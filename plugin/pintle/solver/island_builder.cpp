@@ -15,6 +15,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
+constexpr auto rounding = double(std::numeric_limits<Scalar>::epsilon());
 constexpr int unknown = std::numeric_limits<int>::min();
 
 // Bounds of Bullet's, and of ours, that mean none.
@@ -67,6 +68,8 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
     to.inverse_mass[i] = linear[i] > 0 ? double(rigid.getInvMass()) : 0;
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
   }
+  to.follows = turns && inverse.minCoeff() * principal.sum() > 3 * rounding &&
+               std::none_of(to.locked.begin(), to.locked.end(), [](bool is) { return is; });
   to.inverse_inertia = inverseWhereFree(to, to.inertia);
   to.scale[0] = std::sqrt(to.mass);
   to.scale[1] = std::sqrt(to.inertia.trace() / 3);
@@ -120,14 +123,14 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
 
 // A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing.
 void IslandBuilder::keepRow(IslandJoint& to) {
-  constexpr auto rounding = double(std::numeric_limits<Scalar>::epsilon());
   IslandRow& row = m_island.rows.back();
   double unlocked = 0;  // by the mean inertia
   for (int side = 0; side < 2; ++side)
     if (const int body = to.body[size_t(side)]; body >= 0) {
       const IslandBody& of = m_island.bodies[size_t(body)];
-      unlocked += row.J.L(side).squaredNorm() * of.inverse_scale2[0] +
-                  row.J.A(side).squaredNorm() * of.inverse_scale2[1];
+      if (!of.follows)
+        unlocked += row.J.L(side).squaredNorm() * of.inverse_scale2[0] +
+                    row.J.A(side).squaredNorm() * of.inverse_scale2[1];
     }
   if (!(row.K > rounding * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
     m_island.rows.pop_back();
@@ -135,7 +138,7 @@ void IslandBuilder::keepRow(IslandJoint& to) {
   }
   row.setK(row.K);
   to.add(row);
-  m_has_springs = m_has_springs || row.law.springs() > 0;
+  m_has_springs = m_has_springs || (row.extras != nullptr && row.law.springs() > 0);
 }
 
 void IslandBuilder::addOurs(IslandJoint& to) {
@@ -143,6 +146,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
   const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
   RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
   to.equalities = rows.equalities();
+  Equalities group = {-1, 0, 0, 0, 0};
   for (int i = 0; i < rows.size(); ++i) {
     IslandRow& row = newRow();
     row.start = &rows[i];
@@ -155,10 +159,12 @@ void IslandBuilder::addOurs(IslandJoint& to) {
     row.K = m_island.inverseMass(to, row.J, row.J);
     row.spins = is_axis && row.isOfAngle() &&
                 std::abs(velocityAlong(to, row.J, &IslandBody::v_free)) * m_island.dt > pi;
-    if (is_axis)
+    if (is_axis) {
       setAxisLaw(to, pair, row);
-    else
-      setEqualityLaw(to, row);
+    } else {
+      if (group.number != rows[i].group) group = equalities(joint, rows[i].group);
+      setEqualityLaw(to, group, row);
+    }
     keepRow(to);
   }
 }
@@ -168,27 +174,32 @@ double IslandBuilder::velocityAlong(const IslandJoint& of, const RowJacobian& J,
   return J.along(m_island.velocity(of.body[0], v), m_island.velocity(of.body[1], v));
 }
 
-void IslandBuilder::setEqualityLaw(const IslandJoint& of, IslandRow& row) const {
-  const Joint& joint = *of.ours;
-  const auto soft = JointAccess::softness(joint, row.start->group, m_info);
+IslandBuilder::Equalities IslandBuilder::equalities(const Joint& joint, int group) const {
+  const auto soft = JointAccess::softness(joint, group, m_info);
   const ImpulseSetting setting = JointAccess::setting(joint);
-  const double position = double(row.start->position), bound = bounded(setting.max_impulse);
-  // What damping leaves of the velocity that forces lead to.
-  const double left = 1 - double(setting.damping),
+  const double bound = bounded(setting.max_impulse);
+  const Scalar erp = bound < AxisLaw::unbounded ? soft.erp
+                     : soft.own_erp             ? btMin(soft.erp, Scalar(1))
+                                                : m_info.m_erp;
+  return {group, double(erp), double(soft.cfm), bound, 1 - double(setting.damping)};
+}
+
+void IslandBuilder::setEqualityLaw(const IslandJoint& of, const Equalities& group,
+                                   IslandRow& row) const {
+  const auto& [number, erp, cfm, bound, left] = group;
+  const double position = double(row.start->position),
                target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
   if (bound < AxisLaw::unbounded) {
-    row.law.add({target - double(soft.erp) * position / m_island.dt, double(soft.cfm) * row.K,
-                 -bound, bound, true});
+    row.law.add({target - erp * position / m_island.dt, cfm * row.K, -bound, bound, true});
     return;
   }
-  const double erp = double(soft.own_erp ? btMin(soft.erp, Scalar(1)) : m_info.m_erp);
-  row.law.add({target, double(soft.cfm) * row.K, -bound, bound});
+  row.law.add({target, cfm * row.K, -bound, bound});
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
   row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
                      double(row.start->max_speed));
   // In double precision that little is what the last solve has left. In single precision it is rounding, with which bodies would shake.
   constexpr bool is_exact = sizeof(Scalar) > 4;
-  if (soft.cfm > 0) {
+  if (cfm > 0) {
     m_island.giveExtras(row).spring = {erp, row.open, 0};
   } else if (is_exact && std::abs(row.open) <= m_options.pose_tolerance) {
     row.law.aim(target - row.open / m_island.dt);

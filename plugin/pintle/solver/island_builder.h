@@ -36,7 +36,14 @@ class IslandBuilder {
 
  private:
   void addOurs(IslandJoint& to);
-  void setEqualityLaw(const IslandJoint& of, IslandRow& row) const;
+  /// What equalities of one group of a joint have in common.
+  struct Equalities {
+    int number;
+    double erp, cfm, bound;
+    double left;  ///< what damping leaves of the velocity that forces lead to
+  };
+  Equalities equalities(const Joint& joint, int group) const;
+  void setEqualityLaw(const IslandJoint& of, const Equalities& group, IslandRow& row) const;
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
   void addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
                      AxisState& state, IslandRow& row) const;

@@ -126,8 +126,11 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
 void IslandSolver::movePoses() const {
   for (size_t i = 0; i < m_pose_changes.size(); ++i) {
     const IslandBody& of = m_island.bodies[i];
-    for (const PoseChange& by : {PoseChange(m_island.dt * of.push), m_pose_changes[i]})
+    const auto moveBy = [&](const PoseChange& by) {
       if (!by.isZero(0)) move(*const_cast<btRigidBody*>(of.body), by);
+    };
+    if (m_are_pushed) moveBy(m_island.dt * of.push);
+    moveBy(m_pose_changes[i]);
   }
 }
 
@@ -273,8 +276,8 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     if (kept.holds_end) whirls(m_island, component, kept);
     kept.residual = correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K,
                                  kept.has_factor, changes);
+    kept.work_done += workOfPoses(m_island, component, changes);
   }
-  kept.work_done += workOfPoses(m_island, component, changes);
   kept.work_done += balance(m_island, component, m_options, kept, changes);
   kept.ledger.book(kept.work_done, m_options.ledger_share);
   kept.keep(m_island, component);
@@ -327,14 +330,12 @@ void IslandSolver::solveJoints() {
   for (const Component& component : m_components)
     if (!m_groups.has(component)) solveAlone(component);
   for (size_t group = 0; group < m_groups.count(); ++group) solveInVelocity(m_groups[group]);
-  gatherVelocities();
+  for (const Component& component : m_components) gatherVelocities(component);
 }
 
-void IslandSolver::gatherVelocities() {
-  for (const Component& component : m_components) {
-    const std::vector<Vector6d>& v = memoryOf(component).work.v;
-    std::copy(v.begin(), v.end(), m_velocities.begin() + component.first_body);
-  }
+void IslandSolver::gatherVelocities(const Component& component) {
+  const std::vector<Vector6d>& v = memoryOf(component).work.v;
+  std::copy(v.begin(), v.end(), m_velocities.begin() + component.first_body);
 }
 
 // A joint breaks at what it bears when all else is solved, and the step is then solved without it.
@@ -346,12 +347,13 @@ bool IslandSolver::breakOverloaded() {
 }
 
 void IslandSolver::finishComponents() {
-  pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_poses_memory);
+  m_are_pushed =
+      pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_poses_memory);
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
     report(component, memoryOf(component));
+    gatherVelocities(component);
   }
-  gatherVelocities();
   if (!m_contacts.empty()) followPoses();
 }
 

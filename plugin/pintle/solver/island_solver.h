@@ -59,7 +59,7 @@ class IslandSolver {
   void finish(const Component& component, ComponentMemory& kept);
   void count(const SolveReport& done, int components);
   void report(const Component& component, ComponentMemory& kept);
-  void gatherVelocities();
+  void gatherVelocities(const Component& component);
   void writeVelocities(SolverBodies& bodies) const;
   ComponentMemory& memoryOf(const Component& component) const {
     return *m_kept[size_t(&component - m_components.data())];
@@ -78,6 +78,7 @@ class IslandSolver {
   double m_turn_share = 0;             ///< of the turns by which split impulses move bodies apart
   std::vector<Vector6d> m_velocities;  ///< of each body
   std::vector<PoseChange> m_pose_changes;
+  bool m_are_pushed = false;  ///< bodies, by contacts
 
   // Memory of the solve.
   std::vector<Vector6d> m_before_others;  ///< of each body: its change of velocity

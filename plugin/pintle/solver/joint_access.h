@@ -40,6 +40,8 @@ struct JointAccess {
     joint.m_solver_row_count = 1;
     return joint.m_rows;
   }
+  /// Of its memory.
+  static const Row& firstRow(const Joint& joint) { return joint.m_rows[0]; }
   /// While it lives, Bullet's rows of the joint are those of addRows: none is made orthogonal to others.
   class PlainRows {
    public:

@@ -195,6 +195,10 @@ PINTLE_INLINE void addVelocity(const double (&J)[6][FourLanes::count], const dou
                                FourLanes& to) {
   for (int j = 0; j < 6; ++j) to.add(FourLanes(J[j]), v[j]);
 }
+PINTLE_INLINE void subtractVelocity(const double (&J)[6][FourLanes::count], const double* v,
+                                    FourLanes& to) {
+  for (int j = 0; j < 6; ++j) to.subtract(FourLanes(J[j]), v[j]);
+}
 
 }  // namespace
 
@@ -314,17 +318,18 @@ PINTLE_TARGET_CLONES void JointMatrix::subtractVelocities(const Vector6d* v, dou
 
 PINTLE_TARGET_CLONES double JointMatrix::findResidual(const double* aim, const double* y,
                                                       const Vector6d* v, double* x) const {
-  const size_t all = vectorSize();
-  for (size_t at = 0; at < all; at += stride) {
+  const int nodes = m_factor.blocks();
+  FourLanes most;
+  for (int node = 0; node < nodes; ++node) {
+    const size_t at = size_t(stride * node);
+    const FourLanes acts(&m_acts[at]);
     FourLanes left(aim + at);
     left.subtract(FourLanes(&m_softness[at]), FourLanes(y + at));
-    left.multiply(FourLanes(&m_acts[at]));
+    for (int side = 0; side < 2; ++side)
+      if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
+        subtractVelocity(m_rows[size_t(2 * node + side)].J, v[body].data(), left);
+    left.multiply(acts);
     left.store(x + at);
-  }
-  subtractVelocities(v, x);
-  FourLanes most;
-  for (size_t at = 0; at < all; at += stride) {
-    FourLanes left(x + at);
     left.multiply(FourLanes(&m_root_K[at]));
     most.maxAbs(left);
   }

@@ -1,6 +1,8 @@
 #include <pintle/solver/joint_solver.h>
 
 #include <pintle/solver/island_solver.h>
+#include <pintle/solver/joint_access.h>
+#include <pintle/solver/prefetch.h>
 
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 
@@ -54,6 +56,18 @@ btScalar JointSolver<BulletSolver>::solveGroup(btCollisionObject** bodies, int n
                                   numConstraints, info, drawer, dispatcher);
 }
 
+namespace {
+
+// What a joint knows the places of.
+void prefetchOf(btTypedConstraint& joint) {
+  prefetch(&joint.getRigidBodyA(), sizeof(btRigidBody));
+  prefetch(&joint.getRigidBodyB(), sizeof(btRigidBody));
+  if (const Joint* const ours = JointAccess::ours(joint))
+    prefetch(&JointAccess::firstRow(*ours), 4 * sizeof(Row));
+}
+
+}  // namespace
+
 template <class BulletSolver>
 void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, int numConstraints,
                                               const btContactSolverInfo& info) {
@@ -62,6 +76,8 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
   m_islands->begin(info);
   for (int i = 0; i < numConstraints; ++i) {
     btTypedConstraint& constraint = *constraints[i];
+    if (i + 4 < numConstraints) prefetch(constraints[i + 4], 2 * sizeof(Joint));
+    if (i + 2 < numConstraints) prefetchOf(*constraints[i + 2]);
     constraint.buildJacobian();
     constraint.internalSetAppliedImpulse(0);
     if (btJointFeedback* feedback = constraint.getJointFeedback())

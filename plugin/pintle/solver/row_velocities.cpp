@@ -4,6 +4,7 @@
 #include <pintle/joints/joint.h>
 
 #include <Eigen/QR>
+#include <optional>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -85,27 +86,44 @@ bool findAtEnd(const Island& island, const IslandJoint& joint, const Row& start,
       [&](const Row& other) { return other.group == start.group; }, found);
 }
 
+// Rows that joints are asked for. Hardly any joint is: so it is made when the first one is.
+class AskedRows {
+ public:
+  Rows& clear() {
+    if (!m_of) m_of.emplace();
+    m_of->rows.clear();
+    return m_of->rows;
+  }
+
+ private:
+  struct WithMemory {
+    RowMemory<max_joint_rows, max_joint_rows> memory;
+    Rows rows{memory};
+  };
+  std::optional<WithMemory> m_of;
+};
+
 // The two bodies of a joint at the end of the step, and what its rows are there.
 class JointAtEnd {
  public:
   JointAtEnd(const Island& island, const IslandJoint& joint, const Component& component,
-             const std::vector<MovedBody>& moved, Rows& rows)
+             const std::vector<MovedBody>& moved, AskedRows& rows)
       : m_island(island),
         m_joint(joint),
         m_dt(island.dt),
         m_rate(1 / island.dt),
         m_a(bodyOf(island, component, moved, 0)),
         m_b(bodyOf(island, component, moved, 1)),
-        m_rows(rows) {}
+        m_asked_rows(rows) {}
   JointAtEnd(const Island& island, const IslandJoint& joint, const MovedBody& a, const MovedBody& b,
-             Rows& rows)
+             AskedRows& rows)
       : m_island(island),
         m_joint(joint),
         m_dt(island.dt),
         m_rate(1 / island.dt),
         m_a(a),
         m_b(b),
-        m_rows(rows) {}
+        m_asked_rows(rows) {}
 
   double velocityAtStart(const IslandRow& row) const { return row.J.along(m_a.v, m_b.v); }
   double velocity(const IslandRow& row) {
@@ -130,9 +148,9 @@ class JointAtEnd {
   bool isBeyondTurned(const IslandRow& row, Row& found) {
     ask();
     if (find(row, found)) return false;
-    const int at = findAxis(*row.start, m_rows);
+    const int at = findAxis(*row.start, *m_rows);
     if (at < 0) return false;
-    found = m_rows[at];
+    found = (*m_rows)[at];
     return row.law.isBeyondStop((double(found.position) - double(row.start->position)) / m_dt);
   }
   RowJacobian jacobian(const IslandRow& row) {
@@ -162,7 +180,7 @@ class JointAtEnd {
       if (size > 0) to.A_a = to.A_b = (from.norm() / size * mean).cast<Scalar>();
       return to;
     };
-    return findAtEnd(m_island, m_joint, *row.start, row.index, m_rows, carry, found);
+    return findAtEnd(m_island, m_joint, *row.start, row.index, *m_rows, carry, found);
   }
 
   double velocityOfAngle(const IslandRow& row, double change) const {
@@ -177,13 +195,12 @@ class JointAtEnd {
 
   // What two arms of the bodies do not tell: the joint's own rows.
   void ask() {
-    if (m_asked) return;
-    m_asked = true;
+    if (m_rows != nullptr) return;
+    m_rows = &m_asked_rows.clear();
     const btTypedConstraint& joint = *m_joint.constraint;
-    m_rows.clear();
     m_joint.ours->addRows(PosePair(m_a.from(joint.getRigidBodyA().getCenterOfMassTransform()),
                                    m_b.from(joint.getRigidBodyB().getCenterOfMassTransform())),
-                          m_rows);
+                          *m_rows);
   }
 
   // Rows of a joint share them.
@@ -194,14 +211,13 @@ class JointAtEnd {
     m_r_b = inDouble(shape.b);
     m_end_a = m_a.turn * m_r_a;
     m_end_b = m_b.turn * m_r_b;
-    m_move = m_b.move - m_a.move + m_end_b - m_r_b - m_end_a + m_r_a;
+    if (shape.kind == RowShape::point || shape.kind == RowShape::distance)
+      m_move = m_b.move - m_a.move + m_end_b - m_r_b - m_end_a + m_r_a;
   }
   static Vector3d directionOf(const IslandRow& row) { return double(row.sign) * row.J.L_b; }
   double velocityOfArms(const IslandRow& row) const {
     switch (row.shape.kind) {
-      case RowShape::dot:
-        return ((m_r_a + m_end_a).dot(m_end_b - m_r_b) + (m_r_b + m_end_b).dot(m_end_a - m_r_a)) /
-               2 * m_rate;
+      case RowShape::dot: return (m_end_a.dot(m_end_b) - m_r_a.dot(m_r_b)) * m_rate;
       case RowShape::distance: {
         const Vector3d d_0 = double(row.shape.length) * directionOf(row), d_1 = d_0 + m_move;
         const double sum = d_0.norm() + d_1.norm();
@@ -236,8 +252,8 @@ class JointAtEnd {
   const IslandJoint& m_joint;
   const double m_dt, m_rate;  ///< s, and 1 / s
   const MovedBody &m_a, &m_b;
-  Rows& m_rows;
-  bool m_asked = false;
+  AskedRows& m_asked_rows;
+  Rows* m_rows = nullptr;             ///< null: it has not been asked
   const RowShape* m_shape = nullptr;  ///< whose arms these are
   Vector3d m_r_a = Vector3d::Zero(), m_r_b = m_r_a, m_end_a = m_r_a, m_end_b = m_r_a;
   Vector3d m_move = m_r_a;  ///< of b's end against a's
@@ -247,8 +263,7 @@ class JointAtEnd {
 template <class Visit>
 void forEachAtEnd(const Island& island, const Component& component,
                   const std::vector<MovedBody>& moved, const Visit& visit) {
-  RowMemory<max_joint_rows, max_joint_rows> memory;
-  Rows rows(memory);
+  AskedRows rows;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     JointAtEnd end(island, joint, component, moved, rows);
@@ -289,8 +304,7 @@ void differentiateAtEnd(const Island& island, const Component& component,
 }
 
 void turnStops(Island& island, const Component& component) {
-  RowMemory<max_joint_rows, max_joint_rows> memory;
-  Rows rows(memory);
+  AskedRows rows;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     if (!joint.has_stops) continue;
