@@ -56,7 +56,7 @@ struct Loaded {
         island.rows.push_back(row);
         work.load.push_back(p[i]);
       }
-      joint.findLevers(&island.rows[size_t(3 * c)]);
+      joint.finishShapes(&island.rows[size_t(3 * c)]);
       island.joints.push_back(joint);
       const Matrix3d rp = pintle::inDouble(row(3 * c).shape.b) * p.transpose();
       expected += rp.trace() * Matrix3d::Identity() - (rp + rp.transpose()) / 2;

@@ -18,9 +18,9 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   work.x.assign(K.vectorSize(), 0.);
   work.aim.assign(K.vectorSize(), 0.);
   work.bounded.clear();
-  work.scales.clear();
+  work.scales.resize(rows);
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
-    work.scales.push_back({row.root_K, row.by_root_K, at});
+    work.scales[r] = {row.root_K, row.by_root_K, at};
     work.y[at] = work.lambda[r] * row.root_K;
     if (row.law.isEquality())
       work.pieces[r] = row.law.meet(0, row.K);  // wherever it is
@@ -141,9 +141,9 @@ double ActiveSet::findResidual(const Vector6d* v) {
 }
 
 void ActiveSet::keepImpulses() {
-  m_work.lambda.clear();
-  for (const auto& [root_K, by_root_K, at] : m_work.scales)
-    m_work.lambda.push_back(m_work.y[at] * by_root_K);
+  m_work.lambda.resize(m_work.scales.size());
+  for (size_t r = 0; r < m_work.scales.size(); ++r)
+    m_work.lambda[r] = m_work.y[m_work.scales[r].at] * m_work.scales[r].by_root_K;
 }
 
 }  // namespace PINTLE_PRECISION

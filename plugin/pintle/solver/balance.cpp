@@ -123,10 +123,10 @@ double workOfGaps(const Workspace& end, double tolerance, double dt) {
 bool isOfArcs(double energy, const Island& island, const Component& component,
               const SolverOptions& options, const Workspace& end) {
   const double gaps = workOfGaps(end, options.newton_tolerance, island.dt);
-  return (isAnchored(island, component) || isFree(island, component)) &&
-         actsByArcs(island, component, end) && std::abs(energy) > gaps &&
-         energyOfTurns(island, component, end) > gaps &&
-         std::abs(energy) <= energyOfArcs(island, component, end);
+  return std::abs(energy) > gaps && energyOfTurns(island, component, end) > gaps &&
+         std::abs(energy) <= energyOfArcs(island, component, end) &&
+         (isAnchored(island, component) || isFree(island, component)) &&
+         actsByArcs(island, component, end);
 }
 
 // v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2: with v' = r + s w, by

@@ -103,16 +103,17 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
   }
   most.finish();
   std::vector<double>& lambda = work.lambda;
-  lambda.clear();
-  work.load.clear();
+  lambda.assign(size_t(component.rows), 0.);
+  work.load.assign(size_t(component.rows), 0.);
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
-    for (int i = 0; i < joint.rows; ++i) {
+    for (int i = 0; i < rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      lambda.push_back(i < rows ? most.of(row, m_lambda[before + size_t(i)]) : 0.);
-      work.load.push_back(i < rows ? most.of(row, m_load[before + size_t(i)]) : 0.);
+      const auto r = size_t(joint.row_of_component + i);
+      lambda[r] = most.of(row, m_lambda[before + size_t(i)]);
+      work.load[r] = most.of(row, m_load[before + size_t(i)]);
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }

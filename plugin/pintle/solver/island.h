@@ -179,8 +179,9 @@ struct IslandRow {
   bool spins = false;
   /// Rigid stops of an angle, and nothing else.
   bool has_stops_alone = false;
-  signed char sign = 1;  ///< of J against start: coordinates of an axis may fall along its row
-  int index;             ///< among the rows of the joint
+  bool shares_arms = false;  ///< has those of the row before it
+  signed char sign = 1;      ///< of J against start: coordinates of an axis may fall along its row
+  int index;                 ///< among the rows of the joint
   RowShape shape;
   AxisLaw law;
   double K;                  ///< J M^-1 J^T
@@ -193,6 +194,11 @@ struct IslandRow {
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
   bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
   bool isOfAngle() const { return shape.kind == RowShape::angle || shape.kind == RowShape::turn; }
+  /// Whether the direction of a stop may turn over in the step.
+  bool mayTurnStops() const {
+    return isOfAxis() && start->limit && start->angular && has_position && !isOfArms() &&
+           !has_stops_alone;
+  }
   bool isSoft() const { return extras != nullptr && extras->spring.erp > 0; }
   double reboundEnergy() const { return extras != nullptr ? extras->rebound_energy : 0; }
   /// Whether u = J v is far from both, where bodies turn by `turn` (rad) in the step: what else they measure by then is of its square.
@@ -225,7 +231,7 @@ struct IslandJoint {
   double open;        ///< m or rad: the most that poses are to close, or more
   double lever[2];    ///< m: the longest of each body on which a row holds a point or a distance
   unsigned on_lever;  ///< a bit for each row that does
-  bool has_axes, has_springs, has_stops;
+  bool has_axes, has_springs, may_turn_stops;
   bool drives;  ///< some work by themselves, as motors do, and rebounds
 
   void add(const IslandRow& row) {
@@ -240,17 +246,20 @@ struct IslandJoint {
       return;
     }
     has_axes = true;
-    has_stops = has_stops || row.start->limit;
   }
   bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
-  /// Of those rows, when their shapes are known.
-  void findLevers(const IslandRow* of) {
+  /// When the shapes of its rows are known.
+  void finishShapes(IslandRow* of) {
     for (int i = 0; i < rows; ++i) {
       const RowShape& shape = of[i].shape;
+      may_turn_stops = may_turn_stops || of[i].mayTurnStops();
+      of[i].shares_arms = i > 0 && shape.kind == of[i - 1].shape.kind &&
+                          shape.a == of[i - 1].shape.a && shape.b == of[i - 1].shape.b;
       if (!of[i].has_position ||
           (shape.kind != RowShape::point && shape.kind != RowShape::distance))
         continue;
       on_lever |= 1u << i;
+      if (of[i].shares_arms && isOnLever(i - 1)) continue;
       lever[0] = std::fmax(lever[0], inDouble(shape.a).norm());
       lever[1] = std::fmax(lever[1], inDouble(shape.b).norm());
     }

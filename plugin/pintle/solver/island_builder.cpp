@@ -414,7 +414,7 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   }
   if (to.rows == 0) return;
   findShapes(to);
-  to.findLevers(&m_island.rows[size_t(to.first_row)]);
+  to.finishShapes(&m_island.rows[size_t(to.first_row)]);
   m_island.joints.push_back(to);
 }
 

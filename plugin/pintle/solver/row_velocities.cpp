@@ -4,7 +4,8 @@
 #include <pintle/joints/joint.h>
 
 #include <Eigen/QR>
-#include <optional>
+#include <new>
+#include <type_traits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -90,7 +91,7 @@ bool findAtEnd(const Island& island, const IslandJoint& joint, const Row& start,
 class AskedRows {
  public:
   Rows& clear() {
-    if (!m_of) m_of.emplace();
+    if (m_of == nullptr) m_of = new (m_memory) WithMemory;
     m_of->rows.clear();
     return m_of->rows;
   }
@@ -100,7 +101,10 @@ class AskedRows {
     RowMemory<max_joint_rows, max_joint_rows> memory;
     Rows rows{memory};
   };
-  std::optional<WithMemory> m_of;
+  static_assert(std::is_trivially_destructible_v<WithMemory>);
+  alignas(
+      WithMemory) unsigned char m_memory[sizeof(WithMemory)];  // std::optional sets all of it to 0
+  WithMemory* m_of = nullptr;
 };
 
 // The two bodies of a joint at the end of the step, and what its rows are there.
@@ -135,7 +139,7 @@ class JointAtEnd {
         return straight;
     }
     if (row.isOfArms()) {
-      findArms(row.shape);
+      findArms(row);
       return velocityOfArms(row);
     }
     ask();
@@ -156,7 +160,7 @@ class JointAtEnd {
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
     if (row.isOfArms()) {
-      findArms(row.shape);
+      findArms(row);
       return jacobianOfArms(row);
     }
     ask();
@@ -203,10 +207,11 @@ class JointAtEnd {
                           *m_rows);
   }
 
-  // Rows of a joint share them.
-  void findArms(const RowShape& shape) {
-    if (m_shape != nullptr && m_shape->a == shape.a && m_shape->b == shape.b) return;
+  void findArms(const IslandRow& row) {
+    const RowShape& shape = row.shape;
+    const bool are_known = row.shares_arms && m_shape == &(&row - 1)->shape;
     m_shape = &shape;
+    if (are_known) return;
     m_r_a = inDouble(shape.a);
     m_r_b = inDouble(shape.b);
     m_end_a = m_a.turn * m_r_a;
@@ -307,15 +312,13 @@ void turnStops(Island& island, const Component& component) {
   AskedRows rows;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (!joint.has_stops) continue;
+    if (!joint.may_turn_stops) continue;
     const Vector6d &v_a = island.velocity(joint.body[0], &IslandBody::v_free),
                    &v_b = island.velocity(joint.body[1], &IslandBody::v_free);
     const double turn = (v_a.tail<3>() - v_b.tail<3>()).norm();  // rad/s
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!row.isOfAxis() || !row.start->limit || !row.start->angular || !row.has_position ||
-          row.isOfArms() || row.has_stops_alone ||
-          !(row.law.isBeyondStop(-turn) || row.law.isBeyondStop(turn)))
+      if (!row.mayTurnStops() || !(row.law.isBeyondStop(-turn) || row.law.isBeyondStop(turn)))
         continue;
       const MovedBody a(v_a, island.dt), b(v_b, island.dt);
       Row found;
