@@ -15,7 +15,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr auto rounding = double(std::numeric_limits<Scalar>::epsilon());
 constexpr int unknown = std::numeric_limits<int>::min();
 
 // Bounds of Bullet's, and of ours, that mean none.
@@ -68,7 +67,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
     to.inverse_mass[i] = linear[i] > 0 ? double(rigid.getInvMass()) : 0;
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
   }
-  to.follows = turns && inverse.minCoeff() * principal.sum() > 3 * rounding &&
+  to.follows = turns && inverse.minCoeff() * principal.sum() > 3 * leastShare() &&
                std::none_of(to.locked.begin(), to.locked.end(), [](bool is) { return is; });
   to.inverse_inertia = inverseWhereFree(to, to.inertia);
   to.scale[0] = std::sqrt(to.mass);
@@ -121,7 +120,13 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
   return rest > 1e-9 * own ? rest : own;
 }
 
-// A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing.
+// A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing. Nor is one whose
+// direction they follow by no more than poses are off: they would have to go far for nothing.
+double IslandBuilder::leastShare() const {
+  return std::max(double(std::numeric_limits<Scalar>::epsilon()),
+                  m_options.loose_pose_tolerance * m_options.loose_pose_tolerance);
+}
+
 void IslandBuilder::keepRow(IslandJoint& to) {
   IslandRow& row = m_island.rows.back();
   double unlocked = 0;  // by the mean inertia
@@ -132,7 +137,7 @@ void IslandBuilder::keepRow(IslandJoint& to) {
         unlocked += row.J.L(side).squaredNorm() * of.inverse_scale2[0] +
                     row.J.A(side).squaredNorm() * of.inverse_scale2[1];
     }
-  if (!(row.K > rounding * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
+  if (!(row.K > leastShare() * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
     m_island.rows.pop_back();
     return;
   }

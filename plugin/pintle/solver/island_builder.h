@@ -51,6 +51,7 @@ class IslandBuilder {
   /// A row of the joint, which is to be filled, and then kept or not.
   IslandRow& newRow() { return m_island.rows.emplace_back(); }
   void keepRow(IslandJoint& to);
+  double leastShare() const;
   /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
   int body(const SolverBodies& bodies, int solver_body);
   void findAngles(const IslandJoint& joint);
