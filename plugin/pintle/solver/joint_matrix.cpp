@@ -127,8 +127,13 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   m_softness.assign(vector_size, 1.);
   m_acts.assign(vector_size, 0.);
   m_bodies_of.assign(size_t(nodes), {-1, -1});
-  for (size_t c = 0; c < m_joints.size(); ++c)
-    std::fill_n(m_bodies_of.begin() + m_node[c], nodesOf(int(c)), m_joints[c]);
+  m_rows_of.assign(size_t(nodes), block);
+  m_is_whole.assign(size_t(nodes), false);
+  for (size_t c = 0; c < m_joints.size(); ++c) {
+    const int count = nodesOf(int(c));
+    std::fill_n(m_bodies_of.begin() + m_node[c], count, m_joints[c]);
+    if (count > 0) m_rows_of[size_t(m_node[c] + count - 1)] = char(m_size[c] - block * (count - 1));
+  }
   for (size_t b = 0; b < m_stays.size(); ++b)
     for (int half = 0; m_stays[b] && half < 2; ++half)
       for (int i = 0; i < block; ++i) {
@@ -245,6 +250,31 @@ void JointMatrix::assemble() {
   }
 }
 
+// Returns whether all rows of all nodes act.
+bool JointMatrix::findWhole() {
+  bool all = true;
+  for (size_t node = 0; node < m_rows_of.size(); ++node) {
+    const double* const acts = m_acts.data() + stride * node;
+    bool whole = true;
+    for (int i = 0; i < m_rows_of[node]; ++i) whole = whole && acts[i] != 0;
+    m_is_whole[node] = whole;
+    all = all && whole;
+  }
+  return all;
+}
+
+void JointMatrix::leaveOutWhatDoesNotAct() {
+  for (const Coupling& of : m_couplings) {
+    if (m_is_whole[size_t(of.row)] && m_is_whole[size_t(of.column)]) continue;
+    const double *const row = m_acts.data() + stride * of.row, *const column = m_acts.data() +
+                                                                               stride * of.column;
+    double* const to = m_factor.at(of.place);
+    for (int r = 0; r < block; ++r)
+      for (int s = 0; s < block; ++s)
+        if (row[r] == 0 || column[s] == 0) to[SymmetricFactor::in(r, s)] = 0;
+  }
+}
+
 // Rows that do not act are coupled to nothing, and have 1 on the diagonal.
 bool JointMatrix::factorise(double least_pivot) {
   for (size_t b = 0; b < m_stays.size(); ++b) {
@@ -260,16 +290,8 @@ bool JointMatrix::factorise(double least_pivot) {
     m_is_assembled = m_is_in_matrix[size_t(k)] || isIdle(k);
   if (!m_is_assembled) assemble();
   m_factor.set(m_matrix);
+  if (!findWhole()) leaveOutWhatDoesNotAct();
   const auto in = SymmetricFactor::in;
-  for (const Coupling& of : m_couplings) {
-    if (isWhole(of.row) && isWhole(of.column)) continue;
-    const double *const row = m_acts.data() + stride * of.row, *const column = m_acts.data() +
-                                                                               stride * of.column;
-    double* const to = m_factor.at(of.place);
-    for (int r = 0; r < block; ++r)
-      for (int s = 0; s < block; ++s)
-        if (row[r] == 0 || column[s] == 0) to[in(r, s)] = 0;
-  }
   for (int k = 0; k < m_factor.blocks(); ++k) {
     if (isIdle(k)) m_factor.setIdle(k);
     double* const to = m_factor.at(m_factor.place(k, k));
@@ -343,8 +365,9 @@ size_t JointMatrix::bytes() const {
   for (const auto& ends : m_ends) sum += bytesOf(ends);
   for (const auto& column : m_columns) sum += bytesOf(column.coupled);
   return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_bodies_of,
-                       m_products, m_staying, m_rows, m_couplings, m_root_K, m_softness, m_acts,
-                       m_is_in_matrix, m_matrix, m_bodies, m_inertia_of, m_inverse);
+                       m_products, m_staying, m_rows, m_rows_of, m_is_whole, m_couplings, m_root_K,
+                       m_softness, m_acts, m_is_in_matrix, m_matrix, m_bodies, m_inertia_of,
+                       m_inverse);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -113,11 +113,9 @@ class JointMatrix {
     const double* const acts = m_acts.data() + stride * node;
     return acts[0] == 0 && acts[1] == 0 && acts[2] == 0;
   }
-  bool isWhole(int node) const {
-    const double* const acts = m_acts.data() + stride * node;
-    return acts[0] != 0 && acts[1] != 0 && acts[2] != 0;
-  }
   void assemble();
+  bool findWhole();
+  void leaveOutWhatDoesNotAct();
   void addProducts();
   void subtractProducts(const std::vector<char>& asked, std::vector<Matrix6d>& answers) const;
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
@@ -135,6 +133,8 @@ class JointMatrix {
   std::vector<int> m_size;         ///< of each joint: rows
   std::vector<int> m_node;         ///< where each joint begins, and each body that stays
   std::vector<Joint> m_bodies_of;  ///< of each node; none: it is that of a body
+  std::vector<char> m_rows_of;     ///< of each node: so many
+  std::vector<char> m_is_whole;    ///< of each node: all of them act
   std::vector<Product> m_products;
   std::vector<Staying> m_staying;
   std::vector<Rows> m_rows;  ///< of each node on either body
