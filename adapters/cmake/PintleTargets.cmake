@@ -24,7 +24,8 @@ function(pintle_compile_library target precision)
   # No errno, no traps, and no function that a program may put in the place of one of these: none changes a number, and each costs in
   # a step. -O3 also with debug information.
   target_compile_options(${target} PRIVATE
-    "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math;-fno-semantic-interposition>"
+    "$<$<CXX_COMPILER_ID:GNU,Clang,AppleClang>:-fno-math-errno;-fno-trapping-math>"
+    "$<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>"
     "$<$<AND:$<CXX_COMPILER_ID:GNU,Clang,AppleClang>,$<CONFIG:RelWithDebInfo>>:-O3>"
     # gcc packs loops over five rows for less than it costs, and vectors of three floats.
     "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-loop-vectorize>"

@@ -49,9 +49,9 @@ inline Acting HingeBase::acting(const Observation& seen, const equations::Swing<
 inline void HingeBase::addAxisRow(const Acting& acting, const equations::Swing<Scalar>& swing,
                                   Rows& rows) const {
   if (!acting.row) return;
-  const Vec3 J_b = equations::twist_row(swing);
-  rows.addAngularAxis(0, J_b, acting.position, m_axis, acting.limit, m_sign > 0 ? 1 : -1);
-  rows.shape(RowShape::turn, J_b, J_b);
+  rows.addAngularAxis(0, equations::twist_row(swing), acting.position, m_axis, acting.limit,
+                      m_sign > 0 ? 1 : -1);
+  rows.shape(RowShape::turn);
 }
 
 template <class Self>

@@ -332,7 +332,7 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
   const auto add_turn = [&] {
     if (!turn.row) return;
     rows.addAngularAxis(angular, turn_row, turn.position, m_angular, turn.limit);
-    rows.shape(RowShape::turn, turn_row, turn_row);
+    rows.shape(RowShape::turn);
   };
   if (m_angular_only) return add_turn();
 

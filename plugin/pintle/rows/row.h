@@ -99,7 +99,8 @@ class Rows : public RowList {
         m_shapes(shapes) {}
   Rows(const RowList& empty, const StepMotion& motion) : RowList(empty), m_motion(&motion) {}
   /// For a pose alone, in the memory of `empty`.
-  Rows(const RowList& empty, RowShape* shapes) : RowList(empty), m_motion(nullptr), m_shapes(shapes) {}
+  Rows(const RowList& empty, RowShape* shapes)
+      : RowList(empty), m_motion(nullptr), m_shapes(shapes) {}
 
   /// d^2 C / dt^2 at constant velocities, from what it is of them: function(v) with v.v_a(), v.w_a(), v.v_b(), v.w_b(), a
   /// Scalar or a Vec3.
@@ -151,7 +152,8 @@ class Rows : public RowList {
   }
 
   /// Says what C of the last row is made of. What is not said is RowShape::other, or RowShape::angle of an angular row.
-  void shape(RowShape::Kind kind, const Vec3& a, const Vec3& b, Scalar length = 0) {
+  void shape(RowShape::Kind kind, const Vec3& a = Vec3::Zero(), const Vec3& b = Vec3::Zero(),
+             Scalar length = 0) {
     if (m_shapes != nullptr) m_shapes[m_size - 1] = {kind, a, b, length};
   }
 

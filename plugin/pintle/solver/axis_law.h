@@ -5,6 +5,8 @@
 
 #include <pintle/precision.h>
 
+#include <LinearMath/btScalar.h>
+
 #include <array>
 #include <cmath>
 
@@ -69,7 +71,10 @@ class AxisLaw {
   explicit AxisLaw(LawPart* room) : m_room(room) {}
 
   void clear() { m_parts = 0; }
-  void add(const LawPart& part) { own(m_parts++) = part; }
+  void add(const LawPart& part) {
+    btAssert(m_parts < (m_room != nullptr ? max_parts : 1));
+    own(m_parts++) = part;
+  }
   /// Changes the target of a law of one part.
   void aim(double target) { own(0).target = target; }
   /// Whether one of its stops sends it back with this velocity.

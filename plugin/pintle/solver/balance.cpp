@@ -99,7 +99,8 @@ bool actsByArcs(const Island& island, const Component& component, const Workspac
     if (!RotationOfStep::follows(v.tail<3>(), island.dt)) return false;
   for (int c = component.first_joint; c < component.first_joint + component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(c)];
-    for (int i = 0; joint.bounded > 0 && i < joint.rows; ++i) {
+    if (joint.bounded == 0) continue;
+    for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const auto r = size_t(joint.row_of_component + i);
       if (row.law.isEquality() || end.lambda[r] == 0) continue;
@@ -197,9 +198,12 @@ bool findWhirls(const Island& island, const Component& component, JointMatrix& K
 
 }  // namespace
 
-bool whirls(const Island& island, const Component& component, ComponentMemory& kept) {
-  if (!kept.whirls) kept.whirls = findWhirls(island, component, kept.K, kept.work);
-  return *kept.whirls;
+void keepWhirls(const Island& island, const Component& component, const SolverOptions& options,
+                ComponentMemory& kept) {
+  kept.whirls = energyOfTurns(island, component, kept.work) >
+                    workOfGaps(kept.work, options.newton_tolerance, island.dt) &&
+                actsByArcs(island, component, kept.work) &&
+                findWhirls(island, component, kept.K, kept.work);
 }
 
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
@@ -220,8 +224,9 @@ double balance(const Island& island, const Component& component, const SolverOpt
     ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
   const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
                excess = ledger.excess(kept.work_done, options.ledger_share);
-  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work) &&
-                       whirls(island, component, kept);
+  const bool by_arcs =
+      kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work) &&
+      (kept.whirls ? *kept.whirls : findWhirls(island, component, kept.K, kept.work));
   const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);

@@ -22,7 +22,7 @@ void addStiffness(const Island& island, const BlockOfJoints& of,
 // A row that moves its bodies by less of its own is held by joints, but for rounding.
 constexpr double least_part_free = 1e-9;
 
-// What bodies do by impulses.
+// Where it is known what an impulse does to each body.
 void findSources(const std::vector<BlockOfJoints>& of, Span<const int> bodies,
                  std::vector<PassMemory::Source>& source) {
   for (const int i : bodies) source[size_t(i)] = {nullptr, nullptr};
@@ -32,8 +32,8 @@ void findSources(const std::vector<BlockOfJoints>& of, Span<const int> bodies,
 }
 
 // What impulses of contacts do to bodies without joints.
-void findAnswers(const Island& island, const std::vector<PassMemory::Source>& source,
-                 Span<ContactRow> contacts) {
+void findAnswersAlone(const Island& island, const std::vector<PassMemory::Source>& source,
+                      Span<ContactRow> contacts) {
   for (ContactRow& row : contacts) {
     row.K_alone = 0;
     for (int side = 0; side < 2; ++side) {
@@ -68,8 +68,8 @@ void findAnswersWithJoints(const std::vector<PassMemory::Source>& source,
 
 // What a sweep over contacts changes.
 struct Changes {
-  std::vector<Vector6d>& impulses;  ///< of each body, N s and N m s
-  double largest = 0;               ///< m/s
+  std::vector<Vector6d>* impulses = nullptr;  ///< of each body, N s and N m s; null: nobody asks
+  double largest = 0;                         ///< m/s
   /// The dual function (block_gauss_seidel.h) along it, but for the velocities.
   double slope = 0, bend = 0;
 };
@@ -83,7 +83,7 @@ void sweepContacts(Span<ContactRow> contacts, std::vector<Vector6d>& velocities,
     if (by == 0) continue;
     row.impulse = next;
     row.push(by, velocities);
-    row.load(by, done.impulses);
+    if (done.impulses != nullptr) row.load(by, *done.impulses);
     done.largest = std::fmax(done.largest, std::abs(row.K * by));
     done.slope += by * (row.softness * row.before - row.target);
     done.bend += by * row.softness * by;
@@ -109,7 +109,7 @@ class Passes {
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
     findSources(of, bodies, memory.sources);
-    findAnswers(island, memory.sources, contacts);
+    findAnswersAlone(island, memory.sources, contacts);
     for (ContactRow& row : contacts) row.push(row.impulse, velocities);
     blocks().clear();
     blocks().reserve(of.size());
@@ -122,7 +122,7 @@ class Passes {
     for (const int i : bodies) memory.touched[size_t(i)] = false;
     touch(contacts, memory.touched);
     for (size_t i = 0; i < of.size(); ++i)
-      if (!blocks()[i].isUnsettled()) findAnswersOfBodies(of[i]);
+      if (!blocks()[i].isUnsettled()) findAnswersOf(of[i]);
     settle();
   }
   bool isSolvable() const {
@@ -142,7 +142,7 @@ class Passes {
   }
   double pass() {
     if (m_sweep == Sweep::all_at_once && !m_contacts.empty()) return passAtOnce();
-    Changes done = {m_memory.changes};
+    Changes done;
     sweepContacts(m_contacts, m_velocities, done);
     return std::fmax(done.largest, sweepBlocks());
   }
@@ -170,13 +170,13 @@ class Passes {
       blocks()[i].addBounds(m_memory.bounds, m_velocities);
       blocks()[i].sweep(m_velocities);
       touch(m_memory.bounds, m_memory.touched);
-      findAnswersOfBodies(m_of[i]);
+      findAnswersOf(m_of[i]);
     }
-    findAnswers(m_island, m_memory.sources, m_memory.bounds);
+    findAnswersAlone(m_island, m_memory.sources, m_memory.bounds);
     for (const Span<ContactRow>& rows : {m_contacts, Span<ContactRow>(m_memory.bounds)})
       findAnswersWithJoints(m_memory.sources, rows);
   }
-  void findAnswersOfBodies(BlockOfJoints& part) {
+  void findAnswersOf(BlockOfJoints& part) {
     const auto first = m_memory.touched.begin() + part.component->first_body;
     part.work->touched.assign(first, first + part.component->bodies);
     part.K->findAnswers(part.work->touched, part.work->answers);
@@ -209,7 +209,7 @@ double Passes::passAtOnce() {
     impulses[size_t(i)].setZero();
   }
   for (BlockSolver& block : blocks()) block.beginPass();
-  Changes done = {impulses};
+  Changes done = {&impulses};
   sweepContacts(m_contacts, m_velocities, done);
   sweepContacts(m_memory.bounds, m_velocities, done);
   for (const int body : m_bodies) {

@@ -23,8 +23,8 @@ struct PassMemory {
   }
 
   struct Source {
-    const InverseInertia* alone;  ///< null: it has no joints
-    const JointMatrix::Matrix6d* with_joints;
+    const InverseInertia* alone;               ///< null: it has no joints
+    const JointMatrix::Matrix6d* with_joints;  ///< null: it has none, or they are not known yet
   };
   void prepare(size_t of_bodies) {
     sources.resize(of_bodies);

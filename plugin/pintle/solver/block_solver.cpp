@@ -117,7 +117,7 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
       bound.softness = part.softness > 0 ? part.softness : m_work.of_loop[size_t(of.joint)] * row.K;
       bound.lower = part.lower;
       bound.upper = part.upper;
-      bound.impulse = bound.before = parts[size_t(i)];
+      bound.impulse = parts[size_t(i)];
       to.push_back(bound);
     }
   }

@@ -66,6 +66,8 @@ int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
 
 // Where joints contradict each other, their impulses may be any, and would grow from step to step. Those that a step begins with are no
 // more than all momentum that there is.
+namespace {
+
 class MostImpulse {
  public:
   explicit MostImpulse(const IslandBody& first) : m_low(first.start.getOrigin()), m_high(m_low) {}
@@ -90,6 +92,8 @@ class MostImpulse {
   btVector3 m_low, m_high;             ///< of centres of mass
   double m_radius = 0;                 ///< m: the largest one of gyration
 };
+
+}  // namespace
 
 // Velocities lead where the last step's changes do.
 void ComponentMemory::begin(const Island& island, const Component& component) {
@@ -158,7 +162,8 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
   m_load = work.load;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; joint.has_springs && i < joint.rows; ++i) {
+    if (!joint.has_springs) continue;
+    for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.isSoft()) continue;

@@ -21,7 +21,8 @@ struct ComponentMemory {
   JointMatrix K;
   bool has_factor = false;  ///< K is that with which the step was solved
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
-  /// Whether what holds its bodies on arcs is more than what bears their load: found when it is asked for (balance.h).
+  /// Whether what holds its bodies on arcs is more than what bears their load, where it was found before it was asked for
+  /// (balance.h).
   std::optional<bool> whirls;
   double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
   double residual = 0;     ///< m and rad: how far they miss their goals there

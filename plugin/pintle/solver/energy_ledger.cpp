@@ -21,7 +21,7 @@ double kineticEnergy(const Island& island, const Component& component, Vector6d 
 }
 
 void EnergyLedger::begin(const Island& island, const Component& component, double share) {
-  double before = 0;
+  double before = 0;  // in one loop: both need the inertia
   with_forces = 0;
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(i)];

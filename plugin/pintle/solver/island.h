@@ -78,7 +78,7 @@ struct IslandBody {
   double inverse_scale2[2];    ///< of their squares
   double least_inertia = 0;    ///< kg m^2: about any axis
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
-  bool follows;  ///< no row's K is rounding: none is locked, and no axis turns next to nothing
+  bool follows;  ///< it moves along all axes and turns about all: no row's K is rounding alone
 
   const btRigidBody* body;
   int solver_body;    ///< its number among Bullet's
@@ -167,6 +167,7 @@ struct RowExtras {
   LawPart parts[AxisLaw::max_parts];
   RowSpring spring;
   double rebound_energy;  ///< J: what its limit took when it was met, which a rebound may give back
+  Row turned;  ///< at the end of what forces lead to, where that is another one (turnStops)
 };
 
 /// A row at the start of the step. Its velocity u is the mean over the step of what it measures: (C(end) - C(start)) / dt, or,
@@ -184,10 +185,10 @@ struct IslandRow {
   int index;                 ///< among the rows of the joint
   RowShape shape;
   AxisLaw law;
-  double K;                  ///< J M^-1 J^T
-  double root_K, by_root_K;  ///< its square root, and 1 over that
-  double open = 0;           ///< C of an equality, m or rad: what is to be closed by moving poses
-  Row* start = nullptr;      ///< as the joint has it; null: a row of Bullet's
+  double K;                    ///< J M^-1 J^T
+  double root_K, by_root_K;    ///< its square root, and 1 over that
+  double open = 0;             ///< C of an equality, m or rad: what is to be closed by moving poses
+  const Row* start = nullptr;  ///< as the joint has it, in its memory; null: a row of Bullet's
   RowExtras* extras = nullptr;
 
   bool isOfAxis() const { return start != nullptr && start->axis >= 0; }
@@ -225,27 +226,32 @@ struct IslandJoint {
   int row_of_component;  ///< where its rows begin among those of its component
   int equalities;        ///< of its own rows
 
-  // What its rows are, so that nobody looks at a row who has no business with it.
+  // What its rows are: so passes go by those of joints that do not concern them.
   int bounded;        ///< so many are no equalities
-  double error;       ///< m or rad: the largest C of those that are of no axis
+  double error;       ///< m or rad: the largest C of equalities that are of no axis
   double open;        ///< m or rad: the most that poses are to close, or more
   double lever[2];    ///< m: the longest of each body on which a row holds a point or a distance
   unsigned on_lever;  ///< a bit for each row that does
   bool has_axes, has_springs, may_turn_stops;
   bool drives;  ///< some work by themselves, as motors do, and rebounds
 
+  /// When its law is known, and what is open.
   void add(const IslandRow& row) {
     ++rows;
     open = std::max(open, std::abs(row.open));
     has_springs = has_springs || row.isSoft();
     drives = drives || row.law.hasDrives() || row.reboundEnergy() > 0;
-    bounded += !row.law.isEquality();
-    if (row.start == nullptr) return;
-    if (!row.isOfAxis()) {
+    has_axes = has_axes || row.isOfAxis();
+    if (!row.law.isEquality())
+      ++bounded;
+    else if (row.start != nullptr && !row.isOfAxis())
       error = std::max(error, std::abs(double(row.start->position)));
-      return;
-    }
-    has_axes = true;
+  }
+  /// None of its rows acts any more.
+  void release() {
+    bounded = rows;
+    error = open = 0;
+    has_springs = drives = false;
   }
   bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
   /// When the shapes of its rows are known.

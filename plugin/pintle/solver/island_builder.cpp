@@ -5,7 +5,6 @@
 #include <pintle/solver/client_joint.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_matrix.h>
-#include <pintle/solver/row_shapes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
+const double least_share = std::max(double(std::numeric_limits<Scalar>::epsilon()),
+                                    std::pow(SolverOptions().loose_pose_tolerance, 2));
 constexpr int unknown = std::numeric_limits<int>::min();
 
 // Bounds of Bullet's, and of ours, that mean none.
@@ -67,7 +68,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
     to.inverse_mass[i] = linear[i] > 0 ? double(rigid.getInvMass()) : 0;
     to.locked[size_t(3 + i)] = !turns || !(angular[i] > 0);
   }
-  to.follows = turns && inverse.minCoeff() * principal.sum() > 3 * leastShare() &&
+  to.follows = turns && inverse.minCoeff() > 0 &&
                std::none_of(to.locked.begin(), to.locked.end(), [](bool is) { return is; });
   to.inverse_inertia = inverseWhereFree(to, to.inertia);
   to.scale[0] = std::sqrt(to.mass);
@@ -120,13 +121,8 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
   return rest > 1e-9 * own ? rest : own;
 }
 
-// A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing. Nor is one whose
-// direction they follow by no more than poses are off: they would have to go far for nothing.
-double IslandBuilder::leastShare() const {
-  return std::max(double(std::numeric_limits<Scalar>::epsilon()),
-                  m_options.loose_pose_tolerance * m_options.loose_pose_tolerance);
-}
-
+// A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing. Nor is one that they
+// follow by a part of its direction, of which K is the square, that is no more than poses are off: for next to nothing they would go far.
 void IslandBuilder::keepRow(IslandJoint& to) {
   IslandRow& row = m_island.rows.back();
   double unlocked = 0;  // by the mean inertia
@@ -137,7 +133,7 @@ void IslandBuilder::keepRow(IslandJoint& to) {
         unlocked += row.J.L(side).squaredNorm() * of.inverse_scale2[0] +
                     row.J.A(side).squaredNorm() * of.inverse_scale2[1];
     }
-  if (!(row.K > leastShare() * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
+  if (!(row.K > least_share * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
     m_island.rows.pop_back();
     return;
   }
@@ -149,9 +145,9 @@ void IslandBuilder::keepRow(IslandJoint& to) {
 void IslandBuilder::addOurs(IslandJoint& to) {
   Joint& joint = *to.ours;
   const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
-  RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
+  const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
   to.equalities = rows.equalities();
-  Equalities group = {-1, 0, 0, 0, 0};
+  EqualitySettings settings = {-1, 0, 0, 0, 0};
   for (int i = 0; i < rows.size(); ++i) {
     IslandRow& row = newRow();
     row.start = &rows[i];
@@ -167,8 +163,8 @@ void IslandBuilder::addOurs(IslandJoint& to) {
     if (is_axis) {
       setAxisLaw(to, pair, row);
     } else {
-      if (group.number != rows[i].group) group = equalities(joint, rows[i].group);
-      setEqualityLaw(to, group, row);
+      if (settings.group != rows[i].group) settings = settingsOf(joint, rows[i].group);
+      setEqualityLaw(to, settings, row);
     }
     keepRow(to);
   }
@@ -179,7 +175,7 @@ double IslandBuilder::velocityAlong(const IslandJoint& of, const RowJacobian& J,
   return J.along(m_island.velocity(of.body[0], v), m_island.velocity(of.body[1], v));
 }
 
-IslandBuilder::Equalities IslandBuilder::equalities(const Joint& joint, int group) const {
+IslandBuilder::EqualitySettings IslandBuilder::settingsOf(const Joint& joint, int group) const {
   const auto soft = JointAccess::softness(joint, group, m_info);
   const ImpulseSetting setting = JointAccess::setting(joint);
   const double bound = bounded(setting.max_impulse);
@@ -189,9 +185,9 @@ IslandBuilder::Equalities IslandBuilder::equalities(const Joint& joint, int grou
   return {group, double(erp), double(soft.cfm), bound, 1 - double(setting.damping)};
 }
 
-void IslandBuilder::setEqualityLaw(const IslandJoint& of, const Equalities& group,
+void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
                                    IslandRow& row) const {
-  const auto& [number, erp, cfm, bound, left] = group;
+  const auto& [group, erp, cfm, bound, left] = settings;
   const double position = double(row.start->position),
                target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
   if (bound < AxisLaw::unbounded) {
@@ -355,47 +351,6 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
       m_island.giveExtras(row).spring = {double(m_info.m_erp), row.open, 0};
     keepRow(to);
   }
-}
-
-// The angle of a hinge, say. (Where its axes are apart it is another one than two arms tell.)
-void IslandBuilder::findAngles(const IslandJoint& joint) {
-  IslandRow* const rows = m_island.rows.data() + joint.first_row;
-  const auto holdsAxis = [&] {
-    return 2 == std::count_if(rows, rows + joint.rows, [&](const IslandRow& row) {
-             return row.law.isEquality() && row.start->angular && !row.isSoft() &&
-                    std::abs(double(row.start->position)) <= m_options.contact_tolerance;
-           });
-  };
-  for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
-    if (row->shape.kind != RowShape::turn) continue;
-    if (holdsAxis())
-      setTurn(*row);
-    else
-      row->shape.kind = RowShape::angle;
-  }
-}
-
-// Of rows that are open, what the joint says of its error is more than these shapes do.
-void IslandBuilder::findShapes(const IslandJoint& joint) {
-  IslandRow* const rows = m_island.rows.data() + joint.first_row;
-  if (joint.ours == nullptr && joint.rows >= 3 && findPoint(rows))
-    for (IslandRow* row = rows; row < rows + 3; ++row) {
-      row->setK(m_island.inverseMass(joint, row->J, row->J));
-    }
-  findAngles(joint);
-  IslandRow* turns[3];
-  int count = 0;
-  for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
-    if (row->shape.kind != RowShape::angle || !row->law.isEquality() || row->isOfAxis()) continue;
-    const double position = row->start != nullptr ? double(row->start->position) : 0;
-    if (count == 3 || std::abs(position) > m_options.contact_tolerance) return;
-    turns[count++] = row;
-  }
-  if (count < 2) return;
-  const auto turnOf = [&](int body) -> Vector3d {
-    return m_island.velocity(body, &IslandBody::v_free).tail<3>();
-  };
-  findTurn(turns, count, turnOf(joint.body[0]), turnOf(joint.body[1]));
 }
 
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,

@@ -37,13 +37,14 @@ class IslandBuilder {
  private:
   void addOurs(IslandJoint& to);
   /// What equalities of one group of a joint have in common.
-  struct Equalities {
-    int number;
+  struct EqualitySettings {
+    int group;
     double erp, cfm, bound;
     double left;  ///< what damping leaves of the velocity that forces lead to
   };
-  Equalities equalities(const Joint& joint, int group) const;
-  void setEqualityLaw(const IslandJoint& of, const Equalities& group, IslandRow& row) const;
+  EqualitySettings settingsOf(const Joint& joint, int group) const;
+  void setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
+                      IslandRow& row) const;
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
   void addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
                      AxisState& state, IslandRow& row) const;
@@ -51,11 +52,12 @@ class IslandBuilder {
   /// A row of the joint, which is to be filled, and then kept or not.
   IslandRow& newRow() { return m_island.rows.emplace_back(); }
   void keepRow(IslandJoint& to);
-  double leastShare() const;
   /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
   int body(const SolverBodies& bodies, int solver_body);
-  void findAngles(const IslandJoint& joint);
   void findShapes(const IslandJoint& joint);
+  bool isClosed(const IslandRow& row) const;
+  void findAngles(const IslandJoint& joint);
+  void findTurns(const IslandJoint& joint);
   double velocityAlong(const IslandJoint& of, const RowJacobian& J, Vector6d IslandBody::*v) const;
   /// J M^-1 J^T, when the equalities of the joint hold.
   double inverseMassBeside(const IslandJoint& joint, const RowJacobian& J) const;

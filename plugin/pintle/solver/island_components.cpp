@@ -91,7 +91,7 @@ void IslandBuilder::foreseeSprings() {
   std::vector<double>& of_body = m_springs;
   of_body.assign(m_island.bodies.size(), 0.);
   const auto forEachSpring = [&](const auto& visit) {
-    for (const IslandJoint& joint : m_island.joints)
+    for (IslandJoint& joint : m_island.joints)
       for (int i = 0; i < joint.rows; ++i) {
         IslandRow& row = m_island.rows[size_t(joint.first_row + i)];
         if (const double k = row.law.springs(); k > 0) visit(joint, row, k);
@@ -102,11 +102,13 @@ void IslandBuilder::foreseeSprings() {
       if (const int body = joint.body[size_t(side)]; body >= 0)
         of_body[size_t(body)] += k * m_island.bodies[size_t(body)].inverseMass(row.J, row.J, side);
   });
-  forEachSpring([&](const IslandJoint& joint, IslandRow& row, double) {
+  forEachSpring([&](IslandJoint& joint, IslandRow& row, double) {
     double swing = 0;
     for (const int body : joint.body)
       if (body >= 0) swing += of_body[size_t(body)];
+    const bool was_equality = row.law.isEquality();
     row.law.foresee(std::fmax(0, 1 - m_options.stable_swing / swing));
+    if (was_equality && !row.law.isEquality()) ++joint.bounded;  // its impulse is known
   });
 }
 

@@ -166,7 +166,7 @@ void IslandSolver::solveAlone(const Component& component) {
   ComponentMemory& kept = memoryOf(component);
   const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
   if (has_end) {
-    whirls(m_island, component, kept);
+    keepWhirls(m_island, component, m_options, kept);
     kept.work.keepAsOther();
   }
   const double given = kept.work_done;
@@ -273,7 +273,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
-    if (kept.holds_end) whirls(m_island, component, kept);
+    if (kept.holds_end) keepWhirls(m_island, component, m_options, kept);
     kept.residual = correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K,
                                  kept.has_factor, changes);
     kept.work_done += workOfPoses(m_island, component, changes);

@@ -30,7 +30,7 @@ struct JointAccess {
   }
 
   /// Its rows at the start of a step, in its own memory.
-  static RowList& begin(Joint& joint, const BodyPair& pair, Scalar dt, RowShape* shapes) {
+  static const RowList& begin(Joint& joint, const BodyPair& pair, Scalar dt, RowShape* shapes) {
     joint.m_last_time_step = joint.m_time_step;
     joint.m_time_step = dt;
     joint.m_rows.clear();

@@ -344,13 +344,16 @@ PINTLE_TARGET_CLONES double JointMatrix::findResidual(const double* aim, const d
   FourLanes most;
   for (int node = 0; node < nodes; ++node) {
     const size_t at = size_t(stride * node);
-    const FourLanes acts(&m_acts[at]);
+    if (isIdle(node)) {
+      FourLanes().store(x + at);
+      continue;
+    }
     FourLanes left(aim + at);
     left.subtract(FourLanes(&m_softness[at]), FourLanes(y + at));
     for (int side = 0; side < 2; ++side)
       if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
         subtractVelocity(m_rows[size_t(2 * node + side)].J, v[body].data(), left);
-    left.multiply(acts);
+    left.multiply(FourLanes(&m_acts[at]));
     left.store(x + at);
     left.multiply(FourLanes(&m_root_K[at]));
     most.maxAbs(left);

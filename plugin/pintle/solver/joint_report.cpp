@@ -27,9 +27,7 @@ bool breakOverloaded(Island& island, const Component& component, const Workspace
       row.open = 0;
       row.extras = nullptr;
     }
-    joint.bounded = joint.rows;
-    joint.error = joint.open = 0;
-    joint.has_springs = joint.drives = false;
+    joint.release();
   }
   return any;
 }
@@ -56,7 +54,7 @@ void report(const Island& island, const Component& component, const Workspace& e
         feedback->m_appliedTorqueBodyB += toBullet(force * row.J.A_b);
       }
       // Bullet's sign is the other one, and coordinates may fall along their rows.
-      if (joint.ours == nullptr || !row.isOfAxis()) {
+      if (!row.isOfAxis()) {
         constraint.internalSetAppliedImpulse(Scalar(-lambda));
         continue;
       }

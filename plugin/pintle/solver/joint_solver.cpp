@@ -58,12 +58,15 @@ btScalar JointSolver<BulletSolver>::solveGroup(btCollisionObject** bodies, int n
 
 namespace {
 
+// Of a joint and its rows: what most have.
+constexpr size_t joint_bytes = 2 * sizeof(Joint), rows_bytes = 4 * sizeof(Row);
+
 // What a joint knows the places of.
 void prefetchOf(btTypedConstraint& joint) {
   prefetch(&joint.getRigidBodyA(), sizeof(btRigidBody));
   prefetch(&joint.getRigidBodyB(), sizeof(btRigidBody));
   if (const Joint* const ours = JointAccess::ours(joint))
-    prefetch(&JointAccess::firstRow(*ours), 4 * sizeof(Row));
+    prefetch(&JointAccess::firstRow(*ours), rows_bytes);
 }
 
 }  // namespace
@@ -76,7 +79,8 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
   m_islands->begin(info);
   for (int i = 0; i < numConstraints; ++i) {
     btTypedConstraint& constraint = *constraints[i];
-    if (i + 4 < numConstraints) prefetch(constraints[i + 4], 2 * sizeof(Joint));
+    // Memory takes about as long as one joint does; and a joint must be there to know its bodies.
+    if (i + 4 < numConstraints) prefetch(constraints[i + 4], joint_bytes);
     if (i + 2 < numConstraints) prefetchOf(*constraints[i + 2]);
     constraint.buildJacobian();
     constraint.internalSetAppliedImpulse(0);

@@ -1,5 +1,5 @@
-// Purpose: large worlds are not in the cache, and Bullet's objects lie anywhere in memory. Who knows which are next asks for them while
-// it works: so it waits for none.
+// Purpose: to ask early for memory that is needed soon, so that the work does not wait for it. Large worlds are not in the cache, and
+// Bullet's objects lie anywhere in memory.
 #pragma once
 
 #include <pintle/precision.h>

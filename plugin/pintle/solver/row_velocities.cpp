@@ -324,7 +324,8 @@ void turnStops(Island& island, const Component& component) {
       Row found;
       if (!JointAtEnd(island, joint, a, b, rows).isBeyondTurned(row, found)) continue;
       found.position = row.start->position;
-      *row.start = found;
+      row.extras->turned = found;
+      row.start = &row.extras->turned;
       row.J = jacobianOf(found, row.sign);
       row.setK(island.inverseMass(joint, row.J, row.J));
     }
