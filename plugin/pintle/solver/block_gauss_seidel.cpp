@@ -31,6 +31,14 @@ void findSources(const std::vector<BlockOfJoints>& of, Span<const int> bodies,
       source[size_t(part.component->first_body + i)] = {&part.K->bodies()[size_t(i)], nullptr};
 }
 
+// What an impulse does to a body without its joints.
+Vector6d answerAlone(const Island& island, const std::vector<PassMemory::Source>& source, int body,
+                     const Vector3d& along, const Vector3d& about) {
+  const InverseInertia* const by = source[size_t(body)].alone;
+  return by != nullptr ? by->answer(along, about)
+                       : island.bodies[size_t(body)].answer(along, about);
+}
+
 // What impulses of contacts do to bodies without joints.
 void findAnswersAlone(const Island& island, const std::vector<PassMemory::Source>& source,
                       Span<ContactRow> contacts) {
@@ -39,10 +47,8 @@ void findAnswersAlone(const Island& island, const std::vector<PassMemory::Source
     for (int side = 0; side < 2; ++side) {
       const int body = row.body[size_t(side)];
       if (body < 0) continue;
-      const InverseInertia* const by = source[size_t(body)].alone;
-      const Vector3d &L = row.J.L(side), &A = row.J.A(side);
       Vector6d& answer = row.answer[size_t(side)];
-      answer = by != nullptr ? by->answer(L, A) : island.bodies[size_t(body)].answer(L, A);
+      answer = answerAlone(island, source, body, row.J.L(side), row.J.A(side));
       row.K_alone += row.J.along(side, answer);
     }
     row.K = row.K_alone;
@@ -215,10 +221,8 @@ double Passes::passAtOnce() {
   for (const int body : m_bodies) {
     const auto i = size_t(body);
     if (!m_memory.touched[i]) continue;
-    const Vector3d along = impulses[i].head<3>(), about = impulses[i].tail<3>();
-    const InverseInertia* const alone = m_memory.sources[i].alone;
-    m_velocities[i] = start[i] + (alone != nullptr ? alone->answer(along, about)
-                                                   : m_island.bodies[i].answer(along, about));
+    m_velocities[i] = start[i] + answerAlone(m_island, m_memory.sources, body,
+                                             impulses[i].head<3>(), impulses[i].tail<3>());
   }
   sweepBlocks();
   if (isUnsettled()) {

@@ -64,10 +64,10 @@ int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
   return before == joint.rows ? before : std::min(std::min(before, joint.rows), joint.equalities);
 }
 
-// Where joints contradict each other, their impulses may be any, and would grow from step to step. Those that a step begins with are no
-// more than all momentum that there is.
 namespace {
 
+// Where joints contradict each other, their impulses may be any, and would grow from step to step. Those that a step begins with are no
+// more than all momentum that there is.
 class MostImpulse {
  public:
   explicit MostImpulse(const IslandBody& first) : m_low(first.start.getOrigin()), m_high(m_low) {}
@@ -135,7 +135,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
   m_stretch.resize(size_t(component.rows));
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const IslandJoint& joint = joints[c];
     const int rows = joint.has_springs && !m_last_stretch.empty() ? knownRows(c, joint) : 0;
     for (int i = 0; i < rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];

@@ -14,8 +14,9 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-const double least_share = std::max(double(std::numeric_limits<Scalar>::epsilon()),
-                                    std::pow(SolverOptions().loose_pose_tolerance, 2));
+constexpr double pose_tolerance = SolverOptions().loose_pose_tolerance;
+constexpr double least_share =
+    std::max(double(std::numeric_limits<Scalar>::epsilon()), pose_tolerance* pose_tolerance);
 constexpr int unknown = std::numeric_limits<int>::min();
 
 // Bounds of Bullet's, and of ours, that mean none.

@@ -102,8 +102,8 @@ class AskedRows {
     Rows rows{memory};
   };
   static_assert(std::is_trivially_destructible_v<WithMemory>);
-  alignas(
-      WithMemory) unsigned char m_memory[sizeof(WithMemory)];  // std::optional sets all of it to 0
+  // (std::optional sets all of it to 0.)
+  alignas(WithMemory) unsigned char m_memory[sizeof(WithMemory)];
   WithMemory* m_of = nullptr;
 };
 
@@ -112,13 +112,8 @@ class JointAtEnd {
  public:
   JointAtEnd(const Island& island, const IslandJoint& joint, const Component& component,
              const std::vector<MovedBody>& moved, AskedRows& rows)
-      : m_island(island),
-        m_joint(joint),
-        m_dt(island.dt),
-        m_rate(1 / island.dt),
-        m_a(bodyOf(island, component, moved, 0)),
-        m_b(bodyOf(island, component, moved, 1)),
-        m_asked_rows(rows) {}
+      : JointAtEnd(island, joint, bodyOf(island, component, moved, joint.body[0]),
+                   bodyOf(island, component, moved, joint.body[1]), rows) {}
   JointAtEnd(const Island& island, const IslandJoint& joint, const MovedBody& a, const MovedBody& b,
              AskedRows& rows)
       : m_island(island),
@@ -169,9 +164,8 @@ class JointAtEnd {
   }
 
  private:
-  const MovedBody& bodyOf(const Island& island, const Component& component,
-                          const std::vector<MovedBody>& moved, int side) const {
-    const int body = m_joint.body[size_t(side)];
+  static const MovedBody& bodyOf(const Island& island, const Component& component,
+                                 const std::vector<MovedBody>& moved, int body) {
     return body < 0 ? island.unmovedBody(body) : moved[size_t(body - component.first_body)];
   }
 
