@@ -5,6 +5,9 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
+#include <numeric>
+
 #include "joint_graphs.h"
 
 namespace exact_joint_matrix_test {
@@ -112,7 +115,7 @@ struct Problem {
     for (size_t k = 0; k < v.size(); ++k)
       ASSERT_LT((v[k] - expected.segment<6>(6 * Eigen::Index(k))).norm(), 1e-8 * expected.norm())
           << name;
-    compareAnswers(matrix, name);
+    comparePaths(matrix, name, random);
     compareResidual(matrix, name, random);
     std::vector<Vector6d> w;
     Eigen::VectorXd all_w(J.cols());
@@ -181,17 +184,45 @@ struct Problem {
       }
   }
 
-  // A^-1 - A^-1 J^T K^-1 J A^-1, of each body.
-  void compareAnswers(JointMatrix& matrix, const std::string& name) const {
-    const Eigen::MatrixXd response = inverse_A * acting.transpose(),
-                          all = inverse_A - response * K.llt().solve(response.transpose());
-    std::vector<JointMatrix::Matrix6d> found;
-    matrix.findAnswers(std::vector<char>(size_t(J.cols() / 6), true), found);
-    for (size_t b = 0; b < found.size(); ++b) {
-      const auto at = 6 * Eigen::Index(b);
-      ASSERT_LT((found[b] - all.block<6, 6>(at, at)).norm(),
-                1e-8 * (1 + inverse_A.block<6, 6>(at, at).norm()))
-          << name << ", " << b;
+  // -R^T K^-1 R, R = J A^-1, of impulses on any bodies: by the blocks that two of them share. And A^-1 of bodies that are unknowns.
+  void comparePaths(JointMatrix& matrix, const std::string& name, Random& random) const {
+    const Eigen::MatrixXd R = acting * inverse_A, all = R.transpose() * K.llt().solve(R);
+    const auto bodies = int(J.cols() / 6);
+    pintle::PathBlocks blocks;
+    std::vector<size_t> end = {0};
+    Eigen::MatrixXd impulses = Eigen::MatrixXd::Zero(J.cols(), 2 * bodies);
+    for (Eigen::Index i = 0; i < impulses.cols(); ++i) {
+      const JointMatrix::Joint on = {below(random, bodies + 1) - 1, below(random, bodies)};
+      pintle::RowJacobian along;
+      Eigen::Vector3d* const parts[] = {&along.L_a, &along.A_a, &along.L_b, &along.A_b};
+      for (int k = 0; k < 4; ++k) {
+        *parts[k] = numbers(3, 1, random);
+        if (on[size_t(k / 2)] >= 0 && (k > 1 || on[0] != on[1]))
+          impulses.col(i).segment<3>(6 * on[size_t(k / 2)] + 3 * (k % 2)) = *parts[k];
+      }
+      matrix.findPath({on[0] == on[1] ? -1 : on[0], on[1]}, along, blocks);
+      end.push_back(blocks.size());
+    }
+    // What is read of what they all add.
+    Eigen::MatrixXd response = -all;
+    for (int b = 0; b < bodies; ++b)
+      if (matrix.isUnknown(b))
+        response.block<6, 6>(6 * b, 6 * b) += inverse_A.block<6, 6>(6 * b, 6 * b);
+    const Eigen::MatrixXd expected = impulses.transpose() * response * impulses;
+    std::vector<double> state(matrix.vectorSize());
+    for (size_t i = 0; i + 1 < end.size(); ++i) {
+      std::fill(state.begin(), state.end(), 0.);
+      for (size_t p = end[i]; p < end[i + 1]; ++p)
+        for (size_t k = 0; k < 4; ++k) state[blocks.begin()[p].at + k] += blocks.begin()[p].adds[k];
+      for (size_t j = 0; j + 1 < end.size(); ++j) {
+        double read = 0;
+        for (size_t p = end[j]; p < end[j + 1]; ++p)
+          for (size_t k = 0; k < 4; ++k)
+            read += blocks.begin()[p].reads[k] * state[blocks.begin()[p].at + k];
+        ASSERT_NEAR(read, expected(Eigen::Index(j), Eigen::Index(i)),
+                    1e-8 * (1 + expected.cwiseAbs().maxCoeff()))
+            << name << ", " << i << " and " << j;
+      }
     }
   }
 };
@@ -327,6 +358,55 @@ TEST(JointMatrix, HoldsStarsThatAreJoined) {
   stars.joints.push_back({0, 1});
   compareAll({stars, with(stars, "twice", {{1, 0}}), with(stars, "held", {{-1, 0}, {1, -1}})},
              true);
+}
+
+// In a large net impulses see the first joints on their paths alone, the same ones for all. So whatever acts, all moves more easily
+// than it does: what passes over contacts find by it is never too much.
+TEST(JointMatrix, WhatJointsFarAwayDoIsLeftOut) {
+  constexpr int size = 16, bodies = size * size, contacts = 60;
+  Graph net{"net", bodies, {}};
+  for (int i = 0; i < bodies; ++i) {
+    if (i % size > 0) net.joints.push_back({i - 1, i});
+    if (i >= size) net.joints.push_back({i - size, i});
+  }
+  Random random(6);
+  JointMatrix matrix;
+  matrix.analyse(net.joints, JointMatrix::Locks(bodies));
+  const std::vector<int> sizes(net.joints.size(), 3);
+  matrix.setSizes(sizes);
+  Problem problem(matrix, net, sizes, true, random);
+  ASSERT_TRUE(matrix.factorise(0));
+  const Eigen::MatrixXd R = problem.acting * problem.inverse_A;
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(6 * bodies, contacts), seen(contacts, contacts);
+  std::vector<std::vector<double>> reads, adds;
+  bool are_all = true;
+  for (int i = 0; i < contacts; ++i) {
+    const int body = below(random, bodies);
+    pintle::RowJacobian along{};
+    along.L_b = numbers(3, 1, random);
+    along.A_b = numbers(3, 1, random);
+    P.block<3, 1>(6 * body, i) = along.L_b;
+    P.block<3, 1>(6 * body + 3, i) = along.A_b;
+    pintle::PathBlocks blocks;
+    are_all = matrix.findPath({-1, body}, along, blocks) && are_all;
+    reads.emplace_back(matrix.vectorSize(), 0.);
+    adds.emplace_back(matrix.vectorSize(), 0.);
+    for (const pintle::PathBlock& block : blocks)
+      for (size_t k = 0; k < 4; ++k) {
+        reads.back()[block.at + k] = block.reads[k];
+        adds.back()[block.at + k] = block.adds[k];
+      }
+  }
+  EXPECT_FALSE(are_all);
+  for (int i = 0; i < contacts; ++i)
+    for (int j = 0; j < contacts; ++j)
+      seen(i, j) = std::inner_product(reads[size_t(i)].begin(), reads[size_t(i)].end(),
+                                      adds[size_t(j)].begin(), 0.);
+  const Eigen::MatrixXd RP = R * P, all = -RP.transpose() * problem.K.llt().solve(RP);
+  const Eigen::VectorXd more =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(seen - all).eigenvalues();
+  EXPECT_GT(more.minCoeff(), -1e-9 * all.norm());
+  EXPECT_GT(seen.norm(), 0.1 * all.norm()) << "but much is seen";
 }
 
 // A star's joints are not all coupled to each other.

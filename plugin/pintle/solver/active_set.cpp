@@ -73,8 +73,16 @@ bool ActiveSet::chooseAgain(bool one) {
   return changed;
 }
 
-void ActiveSet::measureBounded(const Vector6d* v) {
-  for (const Place& of : m_work.bounded) {
+void ActiveSet::takeLimits() {
+  std::vector<Place>& bounded = m_work.bounded;
+  const auto limits = std::stable_partition(bounded.begin(), bounded.end(),
+                                            [](const Place& of) { return !of.row->law.isLimit(); });
+  m_work.limits.assign(limits, bounded.end());
+  bounded.erase(limits, bounded.end());
+}
+
+void ActiveSet::measure(const std::vector<Place>& rows, const Vector6d* v) {
+  for (const Place& of : rows) {
     const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + of.joint)];
     const int first = m_component.first_body;
     m_work.u[of.r] = of.row->J.along(m_island.velocity(joint.body[0], v, first),
@@ -93,6 +101,12 @@ const std::vector<ActiveSet::Place>& ActiveSet::all() {
 void ActiveSet::release(const std::vector<Place>& rows) {
   for (const Place& of : rows)
     m_work.pieces[of.r] = {false, 0, 0, m_work.y[of.at] * of.row->by_root_K};
+}
+
+bool ActiveSet::press(const Place& of) {
+  const LawPiece piece = pieceOf(*of.row, of.r, of.at);
+  if (piece.acts) m_work.pieces[of.r] = piece;
+  return piece.acts;
 }
 
 void ActiveSet::setRows() {

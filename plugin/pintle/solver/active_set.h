@@ -26,10 +26,15 @@ class ActiveSet {
   using Place = Workspace::Place;
   const std::vector<Place>& bounded() const { return m_work.bounded; }
   const std::vector<Place>& all();
-  /// work.u of those with bounds, as rows of the start, where bodies move with `v` (those of the component).
-  void measureBounded(const Vector6d* v);
+  /// work.u of these, as rows of the start, where bodies move with `v` (those of the component).
+  void measure(const std::vector<Place>& rows, const Vector6d* v);
+  /// From those with bounds, to work.limits: laws that have only rigid stops.
+  void takeLimits();
   /// From now on these rows have the impulses that they are given: they are no unknowns.
   void release(const std::vector<Place>& rows);
+
+  /// A released row acts, if its impulse says so. Returns whether it does.
+  bool press(const Place& of);
 
   /// K of the rows that act. Returns false if there is none, or it has been factorised often enough.
   bool factorise(int most);

@@ -117,6 +117,12 @@ class AxisLaw {
   bool isEquality() const {
     return m_parts == 1 && part(0).lower == -unbounded && part(0).upper == unbounded;
   }
+  /// Whether it has rigid stops, and nothing else.
+  bool isLimit() const {
+    for (int i = 0; i < m_parts; ++i)
+      if (part(i).softness > 0 || part(i).drives) return false;
+    return !isEquality();
+  }
   bool hasDrives() const {
     for (int i = 0; i < m_parts; ++i)
       if (part(i).drives) return true;

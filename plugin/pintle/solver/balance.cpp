@@ -168,8 +168,7 @@ double scale(const Island& island, const Component& component, bool is_free, dou
 bool findWhirls(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
   std::vector<Vector6d>& change = work.stays;
-  std::vector<double>&x = work.x, &by_forces = work.y_before_pass,
-  &by_joints = work.y_before_choice;
+  std::vector<double>&x = work.x, &by_forces = work.by_forces, &by_joints = work.y_before_choice;
   const auto measure = [&](std::vector<double>& to) {
     to.assign(x.size(), 0.);
     K.subtractVelocities(change.data(), to.data());

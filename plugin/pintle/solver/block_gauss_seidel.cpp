@@ -19,81 +19,18 @@ void addStiffness(const Island& island, const BlockOfJoints& of,
   }
 }
 
-// A row that moves its bodies by less of its own is held by joints, but for rounding.
-constexpr double least_part_free = 1e-9;
-
-// Where it is known what an impulse does to each body.
-void findSources(const std::vector<BlockOfJoints>& of, Span<const int> bodies,
-                 std::vector<PassMemory::Source>& source) {
-  for (const int i : bodies) source[size_t(i)] = {nullptr, nullptr};
-  for (const BlockOfJoints& part : of)
-    for (int i = 0; i < part.component->bodies; ++i)
-      source[size_t(part.component->first_body + i)] = {&part.K->bodies()[size_t(i)], nullptr};
-}
-
-// What an impulse does to a body without its joints.
-Vector6d answerAlone(const Island& island, const std::vector<PassMemory::Source>& source, int body,
-                     const Vector3d& along, const Vector3d& about) {
-  const InverseInertia* const by = source[size_t(body)].alone;
-  return by != nullptr ? by->answer(along, about)
-                       : island.bodies[size_t(body)].answer(along, about);
-}
-
-// What impulses of contacts do to bodies without joints.
-void findAnswersAlone(const Island& island, const std::vector<PassMemory::Source>& source,
-                      Span<ContactRow> contacts) {
+// One pass with velocities that joints have no part in.
+double sweepContacts(Span<ContactRow> contacts, std::vector<Vector6d>& velocities) {
+  double largest = 0;
   for (ContactRow& row : contacts) {
-    row.K_alone = 0;
-    for (int side = 0; side < 2; ++side) {
-      const int body = row.body[size_t(side)];
-      if (body < 0) continue;
-      Vector6d& answer = row.answer[size_t(side)];
-      answer = answerAlone(island, source, body, row.J.L(side), row.J.A(side));
-      row.K_alone += row.J.along(side, answer);
-    }
-    row.K = row.K_alone;
-  }
-}
-
-// The same where the joints of their components hold.
-void findAnswersWithJoints(const std::vector<PassMemory::Source>& source,
-                           Span<ContactRow> contacts) {
-  for (ContactRow& row : contacts) {
-    row.K = 0;
-    for (int side = 0; side < 2; ++side) {
-      const int body = row.body[size_t(side)];
-      if (body < 0) continue;
-      Vector6d& answer = row.answer[size_t(side)];
-      if (const JointMatrix::Matrix6d* const by = source[size_t(body)].with_joints)
-        answer = by->leftCols<3>() * row.J.L(side) + by->rightCols<3>() * row.J.A(side);
-      row.K += row.J.along(side, answer);
-    }
-    if (!(row.K > least_part_free * row.K_alone)) row.K = 0;
-  }
-}
-
-// What a sweep over contacts changes.
-struct Changes {
-  std::vector<Vector6d>* impulses = nullptr;  ///< of each body, N s and N m s; null: nobody asks
-  double largest = 0;                         ///< m/s
-  /// The dual function (block_gauss_seidel.h) along it, but for the velocities.
-  double slope = 0, bend = 0;
-};
-
-void sweepContacts(Span<ContactRow> contacts, std::vector<Vector6d>& velocities, Changes& done) {
-  for (ContactRow& row : contacts) {
-    row.before = row.impulse;
     if (!(row.K > 0)) continue;
     boundFriction(contacts, row);
     const double next = row.meet(row.velocity(velocities)), by = next - row.impulse;
-    if (by == 0) continue;
     row.impulse = next;
     row.push(by, velocities);
-    if (done.impulses != nullptr) row.load(by, *done.impulses);
-    done.largest = std::fmax(done.largest, std::abs(row.K * by));
-    done.slope += by * (row.softness * row.before - row.target);
-    done.bend += by * row.softness * by;
+    largest = std::fmax(largest, std::abs(row.K * by));
   }
+  return largest;
 }
 
 class Passes {
@@ -106,30 +43,39 @@ class Passes {
         m_bodies(bodies),
         m_contacts(contacts),
         m_velocities(velocities),
+        m_options(options),
         m_sweep(sweep),
         m_memory(memory) {
-    memory.prepare(island.bodies.size());
     for (const int i : bodies) velocities[size_t(i)] = island.bodies[size_t(i)].v_free;
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
-    if (sweep != Sweep::all_at_once)
+    if (!isAtOnce(sweep))
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
-    findSources(of, bodies, memory.sources);
-    findAnswersAlone(island, memory.sources, contacts);
-    for (ContactRow& row : contacts) row.push(row.impulse, velocities);
+    for (const BlockOfJoints& part : of)
+      memory.response.addJoints(part.component->first_body, *part.K);
+    for (ContactRow& row : contacts) {
+      row.K = memory.response.findAnswers(island, row);
+      row.before = 0;
+      row.parts = 0;
+      row.push(velocities);
+    }
     blocks().clear();
     blocks().reserve(of.size());
     for (const BlockOfJoints& part : of) {
       blocks().emplace_back(island, part, options, contacts.empty());
       blocks().back().begin(sweep, velocities);
     }
-    if (sweep != Sweep::all_at_once || contacts.empty() || !isSolvable()) return;
-    for (BlockSolver& block : blocks()) block.settle(velocities);
-    for (const int i : bodies) memory.touched[size_t(i)] = false;
-    touch(contacts, memory.touched);
-    for (size_t i = 0; i < of.size(); ++i)
-      if (!blocks()[i].isUnsettled()) findAnswersOf(of[i]);
-    settle();
+    if (contacts.empty() || !isSolvable()) return;
+    if (isAtOnce(sweep)) {
+      for (size_t i = 0; i < of.size(); ++i) {
+        blocks()[i].settle(velocities);
+        if (!blocks()[i].isUnsettled()) takeFactor(i);
+      }
+      settle();
+      addLimits();
+    }
+    startResponse();
+    if (sweep == Sweep::all_at_once_from_less) beginWithLess();
   }
   bool isSolvable() const {
     for (const BlockSolver& block : blocks())
@@ -146,13 +92,13 @@ class Passes {
       if (block.changesSet()) return true;
     return false;
   }
-  double pass() {
-    if (m_sweep == Sweep::all_at_once && !m_contacts.empty()) return passAtOnce();
-    Changes done;
-    sweepContacts(m_contacts, m_velocities, done);
-    return std::fmax(done.largest, sweepBlocks());
+  double pass(bool is_last) {
+    if (isAtOnce(m_sweep) && !m_contacts.empty()) return passAtOnce(is_last);
+    const double largest = sweepContacts(m_contacts, m_velocities);
+    return std::fmax(largest, sweepBlocks());
   }
   void finish() {
+    if (isAtOnce(m_sweep)) forEachRow([&](ContactRow& row) { row.push(m_velocities); });
     for (BlockSolver& block : blocks()) block.finish(m_velocities, m_memory.bounds);
   }
 
@@ -169,85 +115,111 @@ class Passes {
       if (block.isUnsettled()) return true;
     return false;
   }
-  // Where contacts keep changing which rows act, those with bounds go on as contacts do.
-  void settle() {
+  bool mayChangeSet() const {
+    for (const BlockSolver& block : blocks())
+      if (block.mayChangeSet() || block.hasLimits()) return true;
+    return false;
+  }
+  // Of a block with a factor.
+  void takeFactor(size_t of) {
+    if (blocks()[of].isSolvable())
+      m_memory.response.takeFactor(m_of[of].component->first_body, *m_of[of].K);
+  }
+  // Where contacts change which rows act, those with bounds go on as contacts do. Returns whether any do.
+  bool settle() {
+    bool any = false;
     for (size_t i = 0; i < blocks().size(); ++i) {
       if (!blocks()[i].isUnsettled()) continue;
+      any = true;
+      const size_t first = m_memory.bounds.size();
       blocks()[i].addBounds(m_memory.bounds, m_velocities);
       blocks()[i].sweep(m_velocities);
-      touch(m_memory.bounds, m_memory.touched);
-      findAnswersOf(m_of[i]);
+      beginBounds(first);
+      takeFactor(i);
     }
-    findAnswersAlone(m_island, m_memory.sources, m_memory.bounds);
-    for (const Span<ContactRow>& rows : {m_contacts, Span<ContactRow>(m_memory.bounds)})
-      findAnswersWithJoints(m_memory.sources, rows);
+    if (any) forEachRow([&](ContactRow& row) { m_memory.response.forgetOld(row); });
+    return any;
   }
-  void findAnswersOf(BlockOfJoints& part) {
-    const auto first = m_memory.touched.begin() + part.component->first_body;
-    part.work->touched.assign(first, first + part.component->bodies);
-    part.K->findAnswers(part.work->touched, part.work->answers);
-    for (int i = 0; i < part.component->bodies; ++i)
-      m_memory.sources[size_t(part.component->first_body + i)].with_joints =
-          &part.work->answers[size_t(i)];
+  void beginBounds(size_t from) {
+    for (size_t k = from; k < m_memory.bounds.size(); ++k) {
+      ContactRow& row = m_memory.bounds[k];
+      m_memory.response.findAnswers(m_island, row);
+      row.before = row.impulse;
+    }
+  }
+  bool addLimits() {
+    bool any = false;
+    const size_t first = m_memory.bounds.size();
+    for (BlockSolver& block : blocks())
+      any = (block.hasLimits() && block.addLimits(m_memory.bounds, m_velocities)) || any;
+    beginBounds(first);
+    return any;
+  }
+  // The dual function (block_gauss_seidel.h) is a parabola in the part with which the contacts begin.
+  void beginWithLess() {
+    ContactResponse& response = m_memory.response;
+    const auto slopeAt = [&](double part) {
+      return response.slope(m_contacts, part) + response.slope(m_memory.bounds, part);
+    };
+    const auto push = [&](double part) {
+      response.push(m_contacts, part);
+      response.push(m_memory.bounds, part);
+    };
+    const double at_all = slopeAt(1);
+    if (!(at_all > 0)) return;
+    push(-1);
+    const double at_none = slopeAt(0), part = at_none < 0 ? at_none / (at_none - at_all) : 0;
+    push(part);
+    forEachRow([&](ContactRow& row) { row.impulse *= part; });
+  }
+  bool hasNews();
+  void startResponse() {
+    for (const int i : m_bodies) m_memory.response.setVelocity(i, m_velocities[size_t(i)]);
+    for (const BlockOfJoints& part : m_of)
+      m_memory.response.rest(part.component->first_body, *part.K);
   }
   template <class Visit>
   void forEachRow(const Visit& visit) {
     for (ContactRow& row : m_contacts) visit(row);
     for (ContactRow& row : m_memory.bounds) visit(row);
   }
-  double passAtOnce();
+  double passAtOnce(bool is_last);
 
   const Island& m_island;
   std::vector<BlockOfJoints>& m_of;
   const Span<const int> m_bodies;
   const Span<ContactRow> m_contacts;
   std::vector<Vector6d>& m_velocities;
+  const SolverOptions& m_options;
   const Sweep m_sweep;
   PassMemory& m_memory;
+  int m_passes = 0, m_next_look = 1;
 };
 
-// Contacts see what joints do to their own bodies. What they do to others is found after them, by the joints: from what contacts have
-// changed, by one A^-1 for each body, and not for each row.
-double Passes::passAtOnce() {
-  std::vector<Vector6d>&start = m_memory.start, &impulses = m_memory.changes;
-  for (const int i : m_bodies) {
-    start[size_t(i)] = m_velocities[size_t(i)];
-    impulses[size_t(i)].setZero();
+// Contacts see each other through the joints. These are solved when the passes are over, and before after 1, 2, 4, ... of them, only
+// to see which limits are met, and whether rows with bounds still act as they did.
+double Passes::passAtOnce(bool is_last) {
+  ++m_passes;
+  for (;;) {
+    ContactResponse& response = m_memory.response;
+    const double of_contacts = response.sweep(m_contacts),
+                 of_bounds = response.sweep(m_memory.bounds),
+                 largest = std::fmax(of_contacts, of_bounds);
+    const bool is_converged = largest * m_island.dt <= m_options.contact_tolerance;
+    const bool is_whole = response.isWhole();
+    if (is_whole && !is_last && !is_converged && m_passes < m_next_look) return largest;
+    if (m_passes >= m_next_look) m_next_look *= 2;
+    if ((is_whole && !mayChangeSet()) || !hasNews()) return largest;
+    if (!is_last) return infinity;
   }
-  for (BlockSolver& block : blocks()) block.beginPass();
-  Changes done = {&impulses};
-  sweepContacts(m_contacts, m_velocities, done);
-  sweepContacts(m_memory.bounds, m_velocities, done);
-  for (const int body : m_bodies) {
-    const auto i = size_t(body);
-    if (!m_memory.touched[i]) continue;
-    m_velocities[i] = start[i] + answerAlone(m_island, m_memory.sources, body,
-                                             impulses[i].head<3>(), impulses[i].tail<3>());
-  }
+}
+
+bool Passes::hasNews() {
+  forEachRow([&](ContactRow& row) { row.push(m_velocities); });
   sweepBlocks();
-  if (isUnsettled()) {
-    for (const int i : m_bodies) m_velocities[size_t(i)] = start[size_t(i)];
-    forEachRow([](ContactRow& row) { row.impulse = row.before; });
-    for (BlockSolver& block : blocks()) block.goBack(0);
-    settle();
-    return passAtOnce();
-  }
-  for (const int body : m_bodies) {
-    const auto i = size_t(body);
-    if (!m_memory.touched[i]) continue;
-    done.slope += impulses[i].dot(start[i]);
-    done.bend += impulses[i].dot(m_velocities[i] - start[i]);
-  }
-  if (!(done.slope < 0) || !(done.bend > -done.slope)) return done.largest;
-  const double part = -done.slope / done.bend;
-  for (const int body : m_bodies) {
-    const auto i = size_t(body);
-    m_velocities[i] = start[i] + part * (m_velocities[i] - start[i]);
-  }
-  forEachRow(
-      [&](ContactRow& row) { row.impulse = row.before + part * (row.impulse - row.before); });
-  for (BlockSolver& block : blocks()) block.goBack(part);
-  return part * done.largest;
+  const bool settles = settle(), meets = addLimits();
+  startResponse();
+  return settles || meets;
 }
 
 }  // namespace
@@ -270,7 +242,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
   Passes passes(island, of, bodies, contacts, options, sweep, velocities, memory);
   report.is_solvable = passes.isSolvable();
   for (bool go_on = report.is_solvable; go_on;) {
-    report.error = passes.pass() * island.dt;
+    report.error = passes.pass(report.steps + 1 >= most) * island.dt;
     ++report.steps;
     report.converged =
         !passes.isSwept() || (!passes.changesSet() && report.error <= options.contact_tolerance);

@@ -2,7 +2,9 @@
 
 #include <pintle/solver/row_velocities.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -14,14 +16,34 @@ void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
   measure(velocities);
   m_set.choose();
-  if (sweep != Sweep::all_at_once) {
+  if (!isAtOnce(sweep)) {
     std::fill(m_work.y.begin(), m_work.y.end(), 0.);
     m_swept = sweep == Sweep::one_by_one ? &m_set.all() : &m_set.bounded();
     m_set.release(*m_swept);
   }
+  m_work.limits.clear();
+  m_work.as_contacts.clear();
   if (sweep == Sweep::one_by_one) return;
+  if (isAtOnce(sweep) && !m_alone) beginLimits();
   factorise();
   respond(m_work.y, velocities);
+}
+
+// Limits are no rows of the block: contacts turn them on and off.
+void BlockSolver::beginLimits() {
+  m_set.takeLimits();
+  for (const ActiveSet::Place& of : m_work.limits) {
+    double& y = m_work.y[of.at];
+    const AxisLaw::Parts parts = partsOf(of);
+    y = std::accumulate(parts.begin(), parts.begin() + of.row->law.parts(), 0.) * of.row->root_K;
+  }
+  m_set.release(m_work.limits);
+}
+
+// What the parts of its law have of its impulse.
+AxisLaw::Parts BlockSolver::partsOf(const ActiveSet::Place& of) const {
+  const double impulse = m_work.y[of.at] * of.row->by_root_K;
+  return of.row->law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse);
 }
 
 double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
@@ -32,15 +54,14 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   return std::fmax(change, pass.error / m_island.dt);
 }
 
-// All rows at once, with one factor. Which of them act is found before the first pass over contacts. A later pass that would change
-// that is undone, and rows with bounds go on as contacts do (Passes::settle).
+// All rows at once, with one factor. Which of them act is found before the first pass over contacts. Where these would change that
+// later, rows with bounds go on as contacts do (Passes::settle).
 BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
-  const bool among_passes = !m_alone && m_passes > 0;
   bool changes = false;
-  if (mayChangeSet() && !among_passes) {
+  if (mayChangeSet() && !m_is_settled) {
     std::vector<double>&x = m_work.x, &y = m_work.y;
     m_work.y_before_choice = y;
-    m_set.measureBounded(own(velocities));
+    m_set.measure(m_set.bounded(), own(velocities));
     m_is_unsettled =
         !m_alone && m_set.factors() >= m_options.max_set_factors && m_set.wouldChange();
     if (m_is_unsettled) return {infinity, true};
@@ -52,8 +73,8 @@ BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
     if (changes) factorise();
   }
   const double error = m_has_factor ? solveOnce(velocities) : 0;
-  if (mayChangeSet() && among_passes) {
-    m_set.measureBounded(own(velocities));
+  if (mayChangeSet() && m_is_settled) {
+    m_set.measure(m_set.bounded(), own(velocities));
     m_is_unsettled = m_set.wouldChange();
   }
   return {error, changes};
@@ -73,71 +94,130 @@ double BlockSolver::solveOnce(std::vector<Vector6d>& velocities) {
 void BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
   if (m_alone)
     while (m_has_factor && solve(velocities).changes_set) continue;
-  for (double last = infinity; m_has_factor;) {
+  takeBounds(bounds);
+  if (m_has_factor && !(pressLimits(velocities) && solveToTheEnd(velocities))) {
+    releaseLimits();
+    // A factor that rounding has spoilt leads elsewhere.
+    m_solvable = m_has_factor && solveToTheEnd(velocities);
+  }
+  const auto first = velocities.begin() + m_of.component->first_body;
+  m_work.v.assign(first, first + m_of.component->bodies);
+  measure(velocities);
+  splitBounds();
+  m_set.keepImpulses();
+}
+
+// Returns whether rows that act are met.
+bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
+  for (double last = infinity;;) {
     const double error = solveOnce(velocities);
     if (!(error > m_options.newton_tolerance && error < last / 2)) break;
     last = error;
   }
-  // A factor that rounding has spoilt leads elsewhere.
-  if (m_has_factor && !(m_set.findResidual(own(velocities)) <=
-                        std::fmax(m_options.contact_tolerance, m_options.newton_tolerance)))
-    m_solvable = false;
-  takeBounds(bounds);
-  const auto first = velocities.begin() + m_of.component->first_body;
-  m_work.v.assign(first, first + m_of.component->bodies);
-  measure(velocities);
-  m_set.keepImpulses();
+  return m_set.findResidual(own(velocities)) <=
+         std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// What the parts of its law have of its impulse.
+// Limits that press are rows of the block in the end, so that they hold as joints do. Returns whether there are any, with a factor.
+bool BlockSolver::pressLimits(const std::vector<Vector6d>& velocities) {
+  if (m_work.as_contacts.empty()) return false;
+  bool any = false;
+  measure(velocities);
+  for (const Workspace::AsContact& as : m_work.as_contacts)
+    if (as.of.row->law.isLimit() && m_work.y[as.of.at] != 0) any = m_set.press(as.of) || any;
+  return any && factoriseAgain();
+}
+
+void BlockSolver::releaseLimits() {
+  bool any = false;
+  for (const Workspace::AsContact& as : m_work.as_contacts) {
+    LawPiece& piece = m_work.pieces[as.of.r];
+    if (!piece.acts) continue;
+    any = true;
+    piece = {false, 0, 0, m_work.y[as.of.at] * as.of.row->by_root_K};
+  }
+  if (any) factoriseAgain();
+}
+
+void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {
+  const IslandRow& row = *of.row;
+  const AxisLaw::Parts parts = partsOf(of);
+  double sum = 0;
+  for (int i = 0; i < row.law.parts(); ++i) sum += parts[size_t(i)];
+  double& y = m_work.y[of.at];
+  m_work.x[of.at] = sum * row.root_K - y;
+  y = sum * row.root_K;
+  m_work.as_contacts.push_back({of, to.size()});
+  const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
+  const double moved = m_island.velocityOfUnmoved(joint, row.J);
+  ContactRow bound;
+  bound.body = joint.body;
+  bound.J = row.J;
+  for (int i = 0; i < row.law.parts(); ++i) {
+    const LawPart& part = row.law.part(i);
+    bound.target = part.target - moved;
+    bound.softness = part.softness > 0 ? part.softness : m_work.of_loop[size_t(of.joint)] * row.K;
+    bound.lower = part.lower;
+    bound.upper = part.upper;
+    bound.impulse = parts[size_t(i)];
+    to.push_back(bound);
+  }
+}
+
 void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
-  m_set.measureBounded(own(velocities));
-  m_is_unsettled = false;
-  m_has_bounds = true;
-  m_first_bound = to.size();
-  for (const ActiveSet::Place& of : m_set.bounded()) {
-    const IslandRow& row = *of.row;
-    double& y = m_work.y[of.at];
-    const double impulse = y * row.by_root_K;
-    const AxisLaw::Parts parts =
-        row.law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse);
-    double sum = 0;
-    for (int i = 0; i < row.law.parts(); ++i) sum += parts[size_t(i)];
-    m_work.x[of.at] = sum * row.root_K - y;
-    y = sum * row.root_K;
-    const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
-    const double moved = m_island.velocityOfUnmoved(joint, row.J);
-    ContactRow bound;
-    bound.body = joint.body;
-    bound.J = row.J;
-    for (int i = 0; i < row.law.parts(); ++i) {
-      const LawPart& part = row.law.part(i);
-      bound.target = part.target - moved;
-      bound.softness = part.softness > 0 ? part.softness : m_work.of_loop[size_t(of.joint)] * row.K;
-      bound.lower = part.lower;
-      bound.upper = part.upper;
-      bound.impulse = parts[size_t(i)];
-      to.push_back(bound);
-    }
-  }
+  m_set.measure(m_set.bounded(), own(velocities));
+  for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, to);
   respond(m_work.x, velocities);
   m_set.release(m_set.bounded());
-  m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + 1);
+  m_is_unsettled = false;
+  m_has_bounds = true;
+  factoriseAgain();
+}
+
+bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
+  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
+  m_set.measure(m_work.limits, own(velocities));
+  const size_t before = m_work.as_contacts.size();
+  const auto isMet = [&](const ActiveSet::Place& of) {
+    if (m_work.y[of.at] != 0) return true;
+    const LawPiece piece = of.row->law.meet(m_work.u[of.r], of.row->K);
+    return piece.acts || piece.impulse != 0;
+  };
+  std::vector<ActiveSet::Place>& limits = m_work.limits;
+  limits.erase(std::remove_if(limits.begin(), limits.end(),
+                              [&](const ActiveSet::Place& of) {
+                                if (!isMet(of)) return false;
+                                goOnAsContact(of, to);
+                                return true;
+                              }),
+               limits.end());
+  if (m_work.as_contacts.size() == before) return false;
+  respond(m_work.x, velocities);
+  return true;
 }
 
 void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
-  if (!m_has_bounds) return;
-  m_work.parts.resize(m_work.pieces.size());
-  size_t next = m_first_bound;
-  for (const ActiveSet::Place& of : m_set.bounded()) {
+  if (m_work.as_contacts.empty()) return;
+  m_work.parts.assign(m_work.pieces.size(), {});
+  for (const Workspace::AsContact& as : m_work.as_contacts) {
+    const ActiveSet::Place& of = as.of;
     AxisLaw::Parts& parts = m_work.parts[of.r];
     double impulse = 0;
     for (int i = 0; i < of.row->law.parts(); ++i)
-      impulse += parts[size_t(i)] = from[next++].impulse;
+      impulse += parts[size_t(i)] = from[as.first + size_t(i)].impulse;
     m_work.y[of.at] = impulse * of.row->root_K;
     m_work.pieces[of.r].impulse = impulse;
   }
+}
+
+// Of rows that are of the block.
+void BlockSolver::splitBounds() {
+  if (m_work.as_contacts.empty()) return;
+  for (const Workspace::AsContact& as : m_work.as_contacts)
+    if (m_work.pieces[as.of.r].acts) m_work.parts[as.of.r] = partsOf(as.of);
+  if (!m_has_bounds)
+    for (const ActiveSet::Place& of : m_set.bounded()) m_work.parts[of.r] = partsOf(of);
 }
 
 double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {

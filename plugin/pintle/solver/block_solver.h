@@ -16,12 +16,17 @@ struct BlockOfJoints {
 
 /// How the rows of a component are solved.
 enum class Sweep {
-  /// From the impulses of the last step, with those that act: which may not be found. Among contacts rows with bounds then go on as
-  /// contacts do.
+  /// From the impulses of the last step, with those that act: which may not be found. Among contacts limits go on as contacts do, and
+  /// other rows with bounds, too, where contacts change which of them act.
   all_at_once,
-  bounds_one_by_one,  ///< from none. Those with bounds as contacts are, the others at once
-  one_by_one          ///< from none, as contacts are: this needs no factor
+  all_at_once_from_less,  ///< the same, from that part of contacts' impulses that leaves least energy
+  bounds_one_by_one,      ///< from none. Those with bounds as contacts are, the others at once
+  one_by_one              ///< from none, as contacts are: this needs no factor
 };
+
+inline bool isAtOnce(Sweep sweep) {
+  return sweep == Sweep::all_at_once || sweep == Sweep::all_at_once_from_less;
+}
 
 /// The joints of a component.
 class BlockSolver {
@@ -46,10 +51,15 @@ class BlockSolver {
   bool isSwept() const { return m_swept != nullptr; }
   /// Its rows with bounds go on as contacts do: each part of their laws is added to them.
   void addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
+  /// The same of limits among contacts, when they are met. Returns whether any is.
+  bool addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
+  /// Whether there are any that are not met.
+  bool hasLimits() const { return !m_work.limits.empty(); }
   /// Finds which rows act, while contacts have the impulses with which they begin.
   void settle(std::vector<Vector6d>& velocities) {
     do sweep(velocities);
     while (m_changes && m_solvable && !m_is_unsettled);
+    m_is_settled = true;
   }
   /// Whether contacts change which of its rows act.
   bool isUnsettled() const { return m_is_unsettled; }
@@ -57,32 +67,26 @@ class BlockSolver {
   bool isSolvable() const { return m_solvable; }
   /// Whether the last pass did.
   bool changesSet() const { return m_changes; }
-  /// Its impulses before a pass, and back to a part of the way from there.
-  void beginPass() {
-    ++m_passes;
-    m_work.y_before_pass = m_work.y;
-  }
-  void goBack(double part) {
-    std::vector<double>& y = m_work.y;
-    if (part == 0) {  // from wherever it was
-      y = m_work.y_before_pass;
-      return;
-    }
-    for (size_t k = 0; k < y.size(); ++k)
-      y[k] = m_work.y_before_pass[k] + part * (y[k] - m_work.y_before_pass[k]);
+  /// Whether a pass over contacts may.
+  bool mayChangeSet() const {
+    return m_swept == nullptr && !m_has_bounds && !m_set.bounded().empty();
   }
 
  private:
+  void goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to);
+  void beginLimits();
+  AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
   void takeBounds(const std::vector<ContactRow>& from);
+  void splitBounds();
+  bool pressLimits(const std::vector<Vector6d>& velocities);
+  void releaseLimits();
+  bool solveToTheEnd(std::vector<Vector6d>& velocities);
   struct Pass {
     double error;      ///< m or rad, before it
     bool changes_set;  ///< of rows that act
   };
   Pass solve(std::vector<Vector6d>& velocities);
   double solveOnce(std::vector<Vector6d>& velocities);
-  bool mayChangeSet() const {
-    return m_swept == nullptr && !m_has_bounds && !m_set.bounded().empty();
-  }
   double sweepRows(std::vector<Vector6d>& velocities);
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
     m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
@@ -92,6 +96,7 @@ class BlockSolver {
     const int each_twice = m_alone ? 2 * int(m_set.bounded().size()) : 0;
     m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
   }
+  bool factoriseAgain() { return m_solvable = m_has_factor = m_set.factorise(m_set.factors() + 1); }
   const Vector6d* own(const std::vector<Vector6d>& velocities) const {
     return velocities.data() + m_of.component->first_body;
   }
@@ -105,9 +110,7 @@ class BlockSolver {
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
   bool m_has_factor = false, m_solvable = true, m_changes = false;
-  bool m_is_unsettled = false, m_has_bounds = false;
-  size_t m_first_bound = 0;  ///< where those of its rows begin
-  int m_passes = 0;
+  bool m_is_settled = false, m_is_unsettled = false, m_has_bounds = false;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -18,6 +18,7 @@ double speedOut(const ContactRow& row) {
 // No body goes further than all of its contacts ask for, and they lift by no more than impulses have taken in this step.
 bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
                const std::vector<Vector6d>& velocities, int passes, double turn_share,
+               ContactResponse& response, const HoldJoints& holdJoints,
                ContactPosesMemory& memory) {
   std::vector<ContactRow>& rows = memory.rows;
   rows.clear();
@@ -25,7 +26,7 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
     if (row.isFriction() || !(row.K > 0) || !(speedOut(row) > 0)) continue;
     rows.push_back(row);
     rows.back().target = speedOut(row);
-    rows.back().softness = rows.back().impulse = 0;
+    rows.back().softness = rows.back().impulse = rows.back().before = 0;
   }
   if (rows.empty()) return false;
   std::vector<Vector6d>& push = memory.push;
@@ -35,12 +36,10 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
   for (const ContactRow& row : rows)
     for (const int body : row.body)
       if (body >= 0) most[size_t(body)] += row.target;
-  for (int pass = 0; pass < passes; ++pass)
-    for (ContactRow& row : rows) {
-      const double next = row.meet(row.velocity(push)), by = next - row.impulse;
-      row.impulse = next;
-      row.push(by, push);
-    }
+  response.rest();
+  for (int pass = 0; pass < passes; ++pass) response.sweep(rows);
+  for (ContactRow& row : rows) row.push(push);
+  holdJoints(push);
   double lifted = 0;  // J
   for (size_t i = 0; i < push.size(); ++i) {
     IslandBody& body = island.bodies[i];

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <pintle/solver/bytes.h>
-#include <pintle/solver/contacts.h>
+#include <pintle/solver/contact_response.h>
 #include <pintle/solver/pose_correction.h>
+
+#include <functional>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -16,13 +18,16 @@ struct ContactPosesMemory {
   size_t bytes() const { return bytesOf(rows, push, most); }
 };
 
+/// Adds what joints do to velocities of all bodies, so that they hold.
+using HoldJoints = std::function<void(std::vector<Vector6d>& velocities)>;
+
 /// Split impulses: `push` of each body moves it out of those that it is in, as far as Bullet's solver asks for. A contact sees what
-/// the joints of its bodies do to them (ContactRow::answer), so that what lies on jointed bodies is pushed off them, and not
-/// they from under it. `turn_share`: of the turns that lead out (btContactSolverInfo::m_splitImpulseTurnErp).
+/// joints do to it (`response`, of the solve), so that what lies on jointed bodies is pushed off them, and not they from
+/// under it. `turn_share`: of the turns that lead out (btContactSolverInfo::m_splitImpulseTurnErp).
 /// Returns whether any is pushed.
 bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
                const std::vector<Vector6d>& velocities, int passes, double turn_share,
-               ContactPosesMemory& memory);
+               ContactResponse& response, const HoldJoints& holdJoints, ContactPosesMemory& memory);
 
 /// Where bodies of a component swing faster than a step resolves, rows of the start hold its velocities in hardly any of the ways that
 /// it may go, and poses have to take back the rest. Then velocities follow the poses, of all `bodies` that contacts join with it: by

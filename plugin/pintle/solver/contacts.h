@@ -13,16 +13,18 @@ inline namespace PINTLE_PRECISION {
 
 /// A row of Bullet's, or a part of a joint's with bounds: u = J v, u + softness p = target, lower <= p <= upper.
 struct ContactRow {
+  double target, softness, lower, upper;
+  double impulse;       ///< N s
+  double K = 0;         ///< of its velocity
+  double before = 0;    ///< N s: that which `velocities` know of (ContactResponse)
+  double friction = 0;  ///< of friction: its coefficient
+  int normal = -1;     ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
+  unsigned parts = 0;  ///< of its response (ContactResponse): so many
+  size_t first_part = 0;    ///< and where they begin
   std::array<int, 2> body;  ///< of the island; below 0: one that does not move
   RowJacobian J;
-  /// Of each body to an impulse of 1; where the joints of its component hold, with them.
+  /// Of each body to an impulse of 1, without joints.
   std::array<Vector6d, 2> answer = {Vector6d::Zero(), Vector6d::Zero()};
-  double K_alone = 0, K = 0;  ///< of its velocity, without and with them
-  double target, softness, lower, upper;
-  int normal = -1;  ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
-  double friction = 0;                 ///< of friction: its coefficient
-  double impulse;                      ///< N s
-  double before = 0;                   ///< N s: before a pass
   btSolverConstraint* from = nullptr;  ///< null: it is of a joint
 
   bool isFriction() const { return normal >= 0; }
@@ -41,21 +43,12 @@ struct ContactRow {
     for (size_t side = 0; side < 2; ++side)
       if (body[side] >= 0) v[size_t(body[side])] += by * answer[side];
   }
-  /// What the bodies bear of that, N s and N m s.
-  void load(double by, std::vector<Vector6d>& impulses) const {
-    for (size_t side = 0; side < 2; ++side)
-      if (body[side] >= 0) {
-        impulses[size_t(body[side])].head<3>() += by * J.L(int(side));
-        impulses[size_t(body[side])].tail<3>() += by * J.A(int(side));
-      }
+  /// What impulses since `before` do to `v`, without joints.
+  void push(std::vector<Vector6d>& v) {
+    if (impulse != before) push(impulse - before, v);
+    before = impulse;
   }
 };
-/// The bodies that such a row is on.
-inline void touch(Span<const ContactRow> rows, std::vector<char>& touched) {
-  for (const ContactRow& row : rows)
-    for (const int body : row.body)
-      if (body >= 0) touched[size_t(body)] = true;
-}
 /// Friction by its contact's impulse.
 inline void boundFriction(Span<const ContactRow> rows, ContactRow& row) {
   if (!row.isFriction()) return;

@@ -14,6 +14,9 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
+// Of kinetic energy: less may be rounding.
+constexpr double rounding = 1e-9;
+
 // Less than a rounding error of a rounding error is nothing: its products would be denormal numbers, with which a processor is slow.
 Vector3d rounded(const Vector3d& change, double of) {
   const double error = double(SIMD_EPSILON), least = error * error * of;
@@ -234,7 +237,8 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
     if (again && m_options.max_new_factors > 1) solve(sweep);  // the first one is for poses
-    return done.is_solvable && gainInVelocity(group) <= m_options.ledger_share * largest;
+
+    return done.is_solvable && gainInVelocity(group) <= rounding * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
   const auto attemptWithoutRebounds = [&](Sweep sweep) {
@@ -242,8 +246,9 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     for (const Component* of : those) any = stopRebounds(m_island, *of) || any;
     return any && attempt(sweep);
   };
-  const bool is_sound = attempt(Sweep::all_at_once) || attempt(Sweep::bounds_one_by_one) ||
-                        attemptWithoutRebounds(Sweep::bounds_one_by_one);
+  const bool is_sound =
+      attempt(Sweep::all_at_once) || (!rows.empty() && attempt(Sweep::all_at_once_from_less)) ||
+      attempt(Sweep::bounds_one_by_one) || attemptWithoutRebounds(Sweep::bounds_one_by_one);
   if (!is_sound) {
     m_report.one_by_one += int(those.size());
     m_report.tier = 3;
@@ -307,7 +312,7 @@ void IslandSolver::beginComponents() {
   if (!m_contacts.empty())
     for (const IslandJoint& joint : m_island.joints)
       bounds += size_t(AxisLaw::max_parts * joint.bounded);
-  m_pass_memory.reserve(bodies, components, bounds);
+  m_pass_memory.reserve(components, bounds);
   reserve(components, m_blocks);
   reserve(bodies, m_counted, m_bodies_alone, m_velocities);
   m_groups.reserve(bodies, components);
@@ -327,6 +332,7 @@ void IslandSolver::beginComponents() {
 void IslandSolver::solveJoints() {
   m_velocities.clear();
   for (const IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
+  m_pass_memory.response.begin(m_island.bodies.size());
   for (const Component& component : m_components)
     if (!m_groups.has(component)) solveAlone(component);
   for (size_t group = 0; group < m_groups.count(); ++group) solveInVelocity(m_groups[group]);
@@ -346,9 +352,21 @@ bool IslandSolver::breakOverloaded() {
   return any;
 }
 
+void IslandSolver::holdJoints(std::vector<Vector6d>& velocities) {
+  for (const Component& component : m_components) {
+    ComponentMemory& kept = memoryOf(component);
+    if (!m_groups.has(component) || !kept.has_factor) continue;
+    Vector6d* const v = velocities.data() + component.first_body;
+    if (std::all_of(v, v + component.bodies, [](const Vector6d& of) { return of.isZero(0); }))
+      continue;
+    kept.K.hold(v, kept.work.x);
+  }
+}
+
 void IslandSolver::finishComponents() {
-  m_are_pushed =
-      pushApart(m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_poses_memory);
+  m_are_pushed = pushApart(
+      m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_pass_memory.response,
+      [this](std::vector<Vector6d>& v) { holdJoints(v); }, m_poses_memory);
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
     report(component, memoryOf(component));

@@ -48,6 +48,7 @@ class IslandSolver {
   void solveJoints();
   bool breakOverloaded();
   void finishComponents();
+  void holdJoints(std::vector<Vector6d>& velocities);
   void followPoses();
   Span<const int> bodiesOf(const Component& component);
 

@@ -141,6 +141,8 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
         m_softness[at] = 0;
         m_acts[at] = 1;
       }
+  m_path.assign(vector_size, 0.);
+  m_most_on_path = mostOnPath();
   m_matrix.assign(m_factor.numbers(), 0.);
   m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = m_is_factorised = false;
@@ -370,7 +372,7 @@ size_t JointMatrix::bytes() const {
   return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_bodies_of,
                        m_products, m_staying, m_rows, m_rows_of, m_is_whole, m_couplings, m_root_K,
                        m_softness, m_acts, m_is_in_matrix, m_matrix, m_bodies, m_inertia_of,
-                       m_inverse);
+                       m_path);
 }
 
 }  // namespace PINTLE_PRECISION

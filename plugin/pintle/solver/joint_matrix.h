@@ -71,13 +71,24 @@ class JointMatrix {
     return size_t(SymmetricFactor::stride * (m_node[size_t(c)] + i / block) + i % block);
   }
   void solve(double* x) const { m_factor.solve(x); }
-  using Matrix6d = Eigen::Matrix<double, 6, 6>;
-  /// Of each body of which they are `asked`: what an impulse on it gives to its own velocity, when the joints of the factor hold.
-  void findAnswers(const std::vector<char>& asked, std::vector<Matrix6d>& answers);
+  /// Whether the velocity of a body is one of the unknowns.
+  bool isUnknown(int body) const { return m_stays[size_t(body)]; }
+  /// What joints do to impulses on bodies, and by these to other impulses: -R^T K^-1 R, R the rows' velocities of them without joints.
+  /// K^-1 = L^-T D^-1 L^-1: so two impulses see each other by those blocks of L^-1 R that both have. `to`: those of an impulse of 1 along
+  /// `J`, on one or two of the bodies (-1: none), are added. Returns false if these are not all: joints further away do not hold then,
+  /// so that all moves more easily than it does.
+  bool findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to);
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
   /// x -= J v of the rows that act.
   void subtractVelocities(const Vector6d* v, double* x) const;
+  /// Adds to v what holds the rows that act. `x`: memory for the unknowns.
+  void hold(Vector6d* v, std::vector<double>& x) const {
+    x.assign(vectorSize(), 0.);
+    subtractVelocities(v, x.data());
+    solve(x.data());
+    addResponse(x.data(), v);
+  }
   /// x = `aim` - softness y - J v of the rows that act. Returns the largest, in m/s or rad/s; infinity if one is not a number.
   double findResidual(const double* aim, const double* y, const Vector6d* v, double* x) const;
 
@@ -117,7 +128,8 @@ class JointMatrix {
   bool findWhole();
   void leaveOutWhatDoesNotAct();
   void addProducts();
-  void subtractProducts(const std::vector<char>& asked, std::vector<Matrix6d>& answers) const;
+  int mostOnPath() const;
+  int addVelocities(int body, const Vector6d& answer, double* x) const;
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
   int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
@@ -151,7 +163,8 @@ class JointMatrix {
   std::vector<InverseInertia> m_bodies;
   std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: their scaled inverse in the matrix
   SymmetricFactor m_factor;
-  std::vector<double> m_inverse;  ///< of K, where the factor has blocks
+  std::vector<double> m_path;  ///< a vector of all unknowns, of zeros
+  int m_most_on_path = 0;      ///< blocks
 };
 
 }  // namespace PINTLE_PRECISION

@@ -29,6 +29,7 @@ class PoseCorrection {
   bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
   bool factorise(bool at_end);
   bool straighten();
+  bool leaveLimits();
   double measure();
   double findResidual();
   double step(double open, bool is_fresh);
@@ -74,18 +75,19 @@ bool PoseCorrection::findGoals() {
   bool all_act = true;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     const LawPiece& piece = m_work.pieces[r];
-    // What rebounds has a velocity to end with, and no pose.
-    const bool holds =
-        piece.acts && (row.has_position || row.law.isEquality()) && !row.law.rebounds(piece.target);
     double stop = 0;
-    const bool beyond =
-        !holds && !piece.acts && row.has_position && isBeyond(row.law, m_u[r], stop);
-    m_closes[r] = holds || beyond || row.open != 0;
+    const bool beyond = row.has_position && isBeyond(row.law, m_u[r], stop);
+    // What rebounds has a velocity to end with, and no pose. And among contacts nothing is pulled to a stop.
+    const bool holds = piece.acts && (row.has_position || row.law.isEquality()) &&
+                       !row.law.rebounds(piece.target) &&
+                       (beyond || m_work.parts.empty() || !row.law.isLimit());
+    const bool comes_back = beyond && !piece.acts;
+    m_closes[r] = holds || comes_back || row.open != 0;
     if (!m_closes[r]) return;
     const double end = !(holds && row.has_position) ? m_u[r]
                        : piece.softness > 0         ? m_work.u[r]
                                                     : piece.target;
-    m_goal[r] = (beyond ? stop : end) - row.open / m_island.dt;
+    m_goal[r] = (comes_back ? stop : end) - row.open / m_island.dt;
     all_act = all_act && piece.acts;
   });
   return all_act;
@@ -113,6 +115,18 @@ bool PoseCorrection::straighten() {
     if (row.open == 0 || !row.law.isEquality() || row.isOfArms()) return;
     any = any || m_bends[r];
     m_bends[r] = false;
+  });
+  return any;
+}
+
+// Where limits among contacts cannot be closed together with the joints, they stay as far as they have come. Returns whether any does.
+bool PoseCorrection::leaveLimits() {
+  if (m_work.parts.empty()) return false;
+  bool any = false;
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    if (!m_closes[r] || !row.law.isLimit()) return;
+    any = true;
+    m_closes[r] = m_bends[r] = false;
   });
   return any;
 }
@@ -250,8 +264,13 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   }
   // Where an angle is far from what its row says, the first step is what can be had.
   if (!(left < open) && !m_first.empty()) m_nearest = m_first;
+  double of_joints = left;
+  if (!(left <= met) && mayFactorise() && leaveLimits()) {
+    m_work.moved = m_nearest;
+    if (factorise(true)) of_joints = iterate(measure());
+  }
   findChanges(changes);
-  if (!(left <= met)) shorten(changes);
+  if (!(of_joints <= met)) shorten(changes);
   return left;
 }
 

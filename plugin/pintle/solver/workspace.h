@@ -65,9 +65,7 @@ struct Workspace {
     size_t at;
   };
   std::vector<Scale> scales;
-  std::vector<double> y_before_pass, y_before_choice;
-  std::vector<char> touched;                         ///< of each body: by contacts
-  std::vector<Eigen::Matrix<double, 6, 6>> answers;  ///< of each body (JointMatrix::findAnswers)
+  std::vector<double> by_forces, y_before_choice;
   std::vector<Vector6d> base;  ///< of each body: its velocity without impulses of joints
   std::vector<MovedBody> moved;
   std::vector<double> straight, goal;  ///< of each row: other velocities
@@ -79,9 +77,15 @@ struct Workspace {
     int joint;
     size_t r, at;  ///< among the rows of the component, and among the unknowns of K
   };
-  std::vector<Place> bounded, all;  ///< rows
-  std::vector<Vector6d> stays;      ///< of each body: the part of its velocity that is not scaled
-  std::vector<double> open;         ///< what poses are to close, in the units of K
+  std::vector<Place> bounded, limits, all;  ///< rows
+  /// Rows that go on as contacts do, and where these are.
+  struct AsContact {
+    Place of;
+    size_t first;
+  };
+  std::vector<AsContact> as_contacts;
+  std::vector<Vector6d> stays;  ///< of each body: the part of its velocity that is not scaled
+  std::vector<double> open;     ///< what poses are to close, in the units of K
   std::vector<MovedBody> start, nearest, first;  ///< of each body: where corrections of poses lead
   std::vector<double> last_load;
   std::vector<double> most_stiffness;  ///< of each body: a bound, kg m^2; 0: it needs none
@@ -95,15 +99,16 @@ struct Workspace {
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
-                    bends, bounded, last_load, other.u, other.lambda, other.pieces);
-    pintle::reserve(unknowns, y, x, aim, y_before_pass, y_before_choice, open);
+                    bends, bounded, limits, as_contacts, last_load, other.u, other.lambda,
+                    other.pieces);
+    pintle::reserve(unknowns, y, x, aim, by_forces, y_before_choice, open);
     broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
     return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
-                   scales, y_before_pass, y_before_choice, touched, answers, base, moved, straight,
-                   goal, J, closes, bends, bounded, all, stays, open, start, nearest, first,
+                   scales, by_forces, y_before_choice, base, moved, straight, goal, J, closes,
+                   bends, bounded, limits, as_contacts, all, stays, open, start, nearest, first,
                    last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
                    other.pieces) +
            broyden.bytes();

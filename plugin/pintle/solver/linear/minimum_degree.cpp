@@ -114,19 +114,29 @@ std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& 
   const std::vector<int> ordered = orderByLevels(nodes);
   std::vector<int> rank(m_degree.size());
   for (size_t k = 0; k < ordered.size(); ++k) rank[size_t(ordered[k])] = int(k);
-  // Degree, since when, and rank. Of the same degree, those come first that were coupled anew last: so what is eliminated is in one piece.
+  // Degree, since when, and rank. Of the same degree, those come first that were coupled anew last: so what is eliminated is in one
+  // piece. Not so where it makes no difference to what is filled: of trees, chains and rings those come last, so that paths to the
+  // root are short.
   using Entry = std::tuple<int, int, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-  for (const int i : nodes) queue.push({m_degree[size_t(i)], 0, rank[size_t(i)]});
+  std::vector<int> since(m_degree.size(), 0), height(m_degree.size(), 0);
+  const auto degreeOf = [&](int i) {
+    const int degree = m_degree[size_t(i)];
+    return height[size_t(i)] < longest_path ? degree : std::max(degree, 2);
+  };
+  const auto push = [&](int i) { queue.push({degreeOf(i), since[size_t(i)], rank[size_t(i)]}); };
+  for (const int i : nodes) push(i);
   while (!queue.empty()) {
-    const auto [degree, since, place] = queue.top();
+    const auto [degree, when, place] = queue.top();
     const int node = ordered[size_t(place)];
     queue.pop();
-    if (m_gone[size_t(node)] || m_waits[size_t(node)] || degree != m_degree[size_t(node)]) continue;
+    if (m_gone[size_t(node)] || m_waits[size_t(node)] || degree != degreeOf(node) ||
+        when != since[size_t(node)])
+      continue;
     std::vector<int> coupled = reach(node);
-    if (int(coupled.size()) < degree) {  // m_degree is an upper bound
+    if (int(coupled.size()) < m_degree[size_t(node)]) {  // it is an upper bound
       m_degree[size_t(node)] = int(coupled.size());
-      queue.push({m_degree[size_t(node)], since, place});
+      push(node);
       continue;
     }
     columns.push_back({node, coupled});
@@ -143,7 +153,10 @@ std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& 
       int bound = 0;
       for (size_t c = 0; c + 1 < mine.size(); ++c) bound += m_outside[size_t(mine[c])];
       m_degree[size_t(i)] = bound + int(coupled.size()) - 1;
-      queue.push({m_degree[size_t(i)], -int(columns.size()), rank[size_t(i)]});
+      height[size_t(i)] = std::max(height[size_t(i)], height[size_t(node)] + 1);
+      const int now = int(columns.size());
+      since[size_t(i)] = m_degree[size_t(i)] <= 2 ? now : -now;
+      push(i);
     }
     m_cliques.push_back(std::move(coupled));
   }

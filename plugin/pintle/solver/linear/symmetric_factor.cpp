@@ -80,44 +80,6 @@ PINTLE_TARGET_CLONES void solveAll(const FactorPattern& of, const double* diagon
   }
 }
 
-// Z_ik = -sum of Z_ij L_jk over the rows j of column k; Z_kk = D_k^-1 - sum of L_jk^T Z_jk. From the last column on.
-PINTLE_TARGET_CLONES void invertAll(const FactorPattern& of, const double* D, const double* L,
-                                    double* diagonal, double* Z) {
-  for (int k = of.blocks - 1; k >= 0; --k) {
-    if (of.idle[k]) continue;
-    const int first = of.first[k], last = of.first[k + 1];
-    for (int q = first; q < last; ++q) {
-      const int j = of.row[q];
-      if (of.idle[j]) continue;
-      const double* const L_j = L + block_area * q;
-      MatrixBlock Z_j(Z + block_area * q);
-      Z_j.subtractProduct(MatrixBlock(diagonal + block_area * j), L_j);
-      int at = of.first[j];
-      const bool same = of.first[j + 1] - at == last - q - 1;
-      for (int p = q + 1; p < last; ++p, ++at) {
-        const int i = of.row[p];
-        while (!same && of.row[at] != i) ++at;
-        if (of.idle[i]) continue;
-        const double* const Z_ij = Z + block_area * at;
-        MatrixBlock Z_i(Z + block_area * p);
-        Z_i.subtractProduct(MatrixBlock(Z_ij), L_j);
-        Z_i.store(Z + block_area * p);
-        Z_j.subtractProduct(transposed(Z_ij), L + block_area * p);
-      }
-      Z_j.store(Z + block_area * q);
-    }
-    double* const own = diagonal + block_area * k;
-    for (int i = 0; i < block_size; ++i) {
-      own[block_stride * i + i] = 1;
-      solveBlock(D + block_area * k, own + block_stride * i);
-    }
-    MatrixBlock sum(own);
-    for (int q = first; q < last; ++q)
-      sum.subtractProduct(transposed(L + block_area * q), Z + block_area * q);
-    sum.store(own);
-  }
-}
-
 }  // namespace
 
 // The rows of a column are its own, and those of the columns of which it is the first one below.
@@ -165,6 +127,15 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
     if (columns >= size_t(Supernode::least_columns))
       most = std::max(most, Supernode::panelSize(columns, size_t(rows) + 1));
   }
+  m_parent.clear();
+  for (size_t k = 0; k < n; ++k)
+    m_parent.push_back(m_first[k] < m_first[k + 1] ? m_row[size_t(m_first[k])] : int(n));
+  m_height.assign(n + 1, 1);
+  for (size_t k = 0; k < n; ++k) {
+    int& after = m_height[size_t(m_parent[k])];
+    after = std::max(after, m_height[k] + 1);
+  }
+  m_height.pop_back();
   m_panel.resize(most);
   m_places.resize(most_rows);
 }
@@ -194,13 +165,46 @@ void SymmetricFactor::solve(double* x) const {
   solveAll(pattern, diagonal, diagonal + area * size_t(blocks()), x);
 }
 
-void SymmetricFactor::invertWhereFactored(std::vector<double>& to) const {
-  const FactorPattern pattern{blocks(), m_first.data(), m_row.data(), m_last.data(), m_idle.data()};
-  to.assign(m_numbers.size(), 0.);
-  const double* const D = m_numbers.data();
-  double* const diagonal = to.data();
-  const size_t below = area * size_t(blocks());
-  invertAll(pattern, D, D + below, diagonal, diagonal + below);
+bool SymmetricFactor::followPaths(int from, int and_from, int most, double* x,
+                                  PathBlocks& to) const {
+  for (int k = std::min(from, and_from); k < blocks(); k = std::min(from, and_from)) {
+    if (!m_idle[size_t(k)]) {
+      if (m_height[size_t(k)] > most) {
+        clear(from, x);
+        clear(and_from, x);
+        return false;
+      }
+      follow(k, x, to.add());
+    }
+    if (from == k) from = m_parent[size_t(k)];
+    if (and_from == k) and_from = m_parent[size_t(k)];
+  }
+  return true;
+}
+
+// All that a path may still lead to: column k has the rows of all those before it.
+void SymmetricFactor::clear(int k, double* x) const {
+  if (k == blocks()) return;
+  std::fill_n(x + stride * k, stride, 0.);
+  for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
+    std::fill_n(x + stride * m_row[size_t(p)], stride, 0.);
+}
+
+PINTLE_TARGET_CLONES void SymmetricFactor::follow(int k, double* x, PathBlock& to) const {
+  to.at = size_t(stride) * size_t(k);
+  double* const own = x + to.at;
+  const FourLanes y(own);
+  y.store(to.adds);
+  FourLanes().store(own);
+  const double* l = m_numbers.data() + area * size_t(blocks() + m_first[size_t(k)]);
+  for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p, l += area) {
+    double* const x_i = x + block_stride * m_row[size_t(p)];
+    FourLanes left(x_i);
+    for (int c = 0; c < block_size; ++c) left.subtract(FourLanes(l + block_stride * c), y[c]);
+    left.store(x_i);
+  }
+  for (int c = 0; c < block_stride; ++c) to.reads[c] = -y[c];
+  solveBlock(m_numbers.data() + area * size_t(k), to.reads);
 }
 
 }  // namespace PINTLE_PRECISION

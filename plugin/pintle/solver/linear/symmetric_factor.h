@@ -4,8 +4,9 @@
 
 #include <pintle/precision.h>
 #include <pintle/solver/bytes.h>
-#include <pintle/solver/linear/four_lanes.h>
+#include <pintle/solver/linear/path_blocks.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace pintle {
@@ -39,18 +40,31 @@ class SymmetricFactor {
   bool factorise(double least_pivot);
   /// x = A^-1 x.
   void solve(double* x) const;
-  /// Of A^-1, the blocks that the factor has, too: each at its place in `to` (Takahashi, Fagan and Chen 1973).
-  void invertWhereFactored(std::vector<double>& to) const;
+  /// Of y = L^-1 x, where x has numbers only at two blocks, and at some of those to which their paths lead: from each block on to the
+  /// first one that its column is coupled to, up to the root (Liu 1990). Each block on both reads -D^-1 y, and adds y. x becomes 0.
+  /// Only blocks of a height up to `most` are followed. Returns whether these are all.
+  bool followPaths(int from, int and_from, int most, double* x, PathBlocks& to) const;
+  /// The longest path.
+  int height() const {
+    return m_height.empty() ? 0 : *std::max_element(m_height.begin(), m_height.end());
+  }
 
   size_t bytes() const {
-    return bytesOf(m_row, m_first, m_last, m_idle, m_numbers, m_panel, m_places);
+    return bytesOf(m_row, m_first, m_parent, m_height, m_last, m_idle, m_numbers, m_panel,
+                   m_places);
   }
 
  private:
   static constexpr size_t area = size_t(size) * size_t(stride);
 
+  void follow(int k, double* x, PathBlock& to) const;
+  void clear(int k, double* x) const;
+
   std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
   std::vector<int> m_first;  ///< of each column in m_row
+  std::vector<int>
+      m_parent;  ///< of each column: the first one that it is coupled to; none: blocks()
+  std::vector<int> m_height;  ///< of each column: the longest path that ends there, in blocks
   std::vector<int> m_last;  ///< of each column: the last one of those with the same rows below them
   std::vector<char> m_idle;
   /// Of the diagonal, then of those below: A, and then D, each block by its own factor, and L.

@@ -1,0 +1,77 @@
+// Purpose: what impulses of contacts do to the velocities of contacts, while joints hold:
+//   u = (J M^-1 J^T - R^T K^-1 R) p,   K = L D L^T of the joints, R: what impulses of 1 do to their rows
+// Of Y = L^-1 R a contact has numbers only on the paths of its bodies' joints to the root of the factor. So an impulse adds to a state of
+// bodies and joints, and a contact reads its velocity from it, at those few places. Each contact sees what all others have done, through
+// any joints, as in Gauss and Seidel's method with the whole matrix.
+#pragma once
+
+#include <pintle/solver/bytes.h>
+#include <pintle/solver/contacts.h>
+#include <pintle/solver/joint_matrix.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class ContactResponse {
+ public:
+  /// Of an island with so many bodies: no contact is known, and no joint.
+  void begin(size_t bodies) {
+    m_parts.clear();
+    m_bodies.assign(bodies, {});
+    m_state.assign(body_size * bodies, 0.);
+    m_is_whole = true;
+  }
+  /// Joints of the bodies from `first` on: they are left out, until they have a factor.
+  void addJoints(int first, JointMatrix& joints);
+  /// They have one, another than before.
+  void takeFactor(int first, JointMatrix& joints);
+  /// What an impulse does to each body of the row without joints. Returns K of that.
+  double findAnswers(const Island& island, ContactRow& row) const;
+  /// The response of a row is found anew, if a body of it has another factor.
+  void forgetOld(ContactRow& row) const {
+    for (const int body : row.body)
+      if (body >= 0 && m_bodies[size_t(body)].is_new) row.parts = 0;
+  }
+
+  /// The state of a body.
+  void setVelocity(int body, const Vector6d& v);
+  /// Those of the joints of the bodies from `first` on are at rest.
+  void rest(int first, const JointMatrix& joints);
+  /// All of them, and all bodies.
+  void rest() { std::fill(m_state.begin(), m_state.end(), 0.); }
+  /// The state, as if rows had this part more of their impulses.
+  void push(Span<ContactRow> rows, double part);
+  /// d/d(part) of what they make of the dual function (block_gauss_seidel.h), where they have this part of their impulses.
+  double slope(Span<ContactRow> rows, double part);
+  /// One pass over rows, each with the velocity that all before it have left. Returns the largest change of one, m/s or rad/s. What is
+  /// not known of a row (ContactRow::parts) is found when it is needed: a contact that does not press has no friction.
+  double sweep(Span<ContactRow> rows);
+  /// Whether all joints hold. Else these must be solved after each pass: what it does is found as if those further away did not hold,
+  /// so it does less than it might, and never too much.
+  bool isWhole() const { return m_is_whole; }
+
+  size_t bytes() const { return bytesOf(m_bodies, m_state) + m_parts.bytes(); }
+
+ private:
+  static constexpr size_t lanes = SymmetricFactor::stride, body_size = 2 * lanes;
+  struct Body {
+    const InverseInertia* inertia = nullptr;  ///< null: no joint holds it
+    JointMatrix* joints = nullptr;            ///< with a factor; null: they are left out
+    int number = 0;                           ///< among the bodies of that
+    size_t joints_at = 0;                     ///< in the state
+    bool is_new = false;                      ///< rows do not know the factor
+  };
+
+  void find(ContactRow& row);
+  void addBody(const ContactRow& row, int side, bool is_unknown);
+  void addPath(const Body& of, int a, int b, const RowJacobian& J);
+
+  std::vector<Body> m_bodies;
+  bool m_is_whole = true;
+  PathBlocks m_parts;  ///< of rows, each side by side
+  std::vector<double>
+      m_state;  ///< of each body three and a zero, twice, and the unknowns of joints
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
