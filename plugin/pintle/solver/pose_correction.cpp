@@ -77,16 +77,17 @@ bool PoseCorrection::findGoals() {
     const LawPiece& piece = m_work.pieces[r];
     double stop = 0;
     const bool beyond = row.has_position && isBeyond(row.law, m_u[r], stop);
-    // What rebounds has a velocity to end with, and no pose. And among contacts nothing is pulled to a stop.
-    const bool holds = piece.acts && (row.has_position || row.law.isEquality()) &&
-                       !row.law.rebounds(piece.target) &&
-                       (beyond || m_work.parts.empty() || !row.law.isLimit());
+    // What rebounds has a velocity to end with, and no pose.
+    const bool holds =
+        piece.acts && (row.has_position || row.law.isEquality()) && !row.law.rebounds(piece.target);
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || row.open != 0;
     if (!m_closes[r]) return;
-    const double end = !(holds && row.has_position) ? m_u[r]
-                       : piece.softness > 0         ? m_work.u[r]
-                                                    : piece.target;
+    // Among contacts nothing is pulled to a stop: it stays where it is, so that nothing else moves it beyond.
+    const bool stays = holds && !beyond && row.law.isLimit() && !m_work.parts.empty();
+    const double end = !(holds && row.has_position) || stays ? m_u[r]
+                       : piece.softness > 0                  ? m_work.u[r]
+                                                             : piece.target;
     m_goal[r] = (comes_back ? stop : end) - row.open / m_island.dt;
     all_act = all_act && piece.acts;
   });
@@ -267,7 +268,8 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   double of_joints = left;
   if (!(left <= met) && mayFactorise() && leaveLimits()) {
     m_work.moved = m_nearest;
-    if (factorise(true)) of_joints = iterate(measure());
+    of_joints = measure();
+    if (!(of_joints <= met) && factorise(true)) of_joints = iterate(measure());
   }
   findChanges(changes);
   if (!(of_joints <= met)) shorten(changes);
