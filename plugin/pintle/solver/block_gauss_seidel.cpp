@@ -52,7 +52,7 @@ class Passes {
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
     for (const BlockOfJoints& part : of)
-      memory.response.addJoints(part.component->first_body, *part.K);
+      if (!contacts.empty()) memory.response.addJoints(part.component->first_body, *part.K);
     for (ContactRow& row : contacts) {
       row.K = memory.response.findAnswers(island, row);
       row.before = 0;
@@ -110,10 +110,11 @@ class Passes {
     for (BlockSolver& block : blocks()) largest = std::fmax(largest, block.sweep(m_velocities));
     return largest;
   }
-  bool isUnsettled() const {
-    for (const BlockSolver& block : blocks())
-      if (block.isUnsettled()) return true;
-    return false;
+  // Where not all joints are on the paths, what a pass does is less than it might, and never too much. Then they are solved after each.
+  bool areJointsOnPaths() const {
+    for (const BlockOfJoints& part : m_of)
+      if (!part.K->findsWholePaths()) return false;
+    return true;
   }
   bool mayChangeSet() const {
     for (const BlockSolver& block : blocks())
@@ -206,7 +207,7 @@ double Passes::passAtOnce(bool is_last) {
                  of_bounds = response.sweep(m_memory.bounds),
                  largest = std::fmax(of_contacts, of_bounds);
     const bool is_converged = largest * m_island.dt <= m_options.contact_tolerance;
-    const bool is_whole = response.isWhole();
+    const bool is_whole = areJointsOnPaths();
     if (is_whole && !is_last && !is_converged && m_passes < m_next_look) return largest;
     if (m_passes >= m_next_look) m_next_look *= 2;
     if ((is_whole && !mayChangeSet()) || !hasNews()) return largest;

@@ -8,6 +8,13 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+namespace {
+
+double sumOf(const AxisLaw::Parts& parts) {
+  return std::accumulate(parts.begin(), parts.end(), 0.);
+}
+
+}  // namespace
 
 void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
   measureAtStart(m_island, *m_of.component, own(velocities), m_work.u);
@@ -33,9 +40,7 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
 void BlockSolver::beginLimits() {
   m_set.takeLimits();
   for (const ActiveSet::Place& of : m_work.limits) {
-    double& y = m_work.y[of.at];
-    const AxisLaw::Parts parts = partsOf(of);
-    y = std::accumulate(parts.begin(), parts.begin() + of.row->law.parts(), 0.) * of.row->root_K;
+    m_work.y[of.at] = sumOf(partsOf(of)) * of.row->root_K;
   }
   m_set.release(m_work.limits);
 }
@@ -96,7 +101,7 @@ void BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
     while (m_has_factor && solve(velocities).changes_set) continue;
   takeBounds(bounds);
   if (m_has_factor && !(pressLimits(velocities) && solveToTheEnd(velocities))) {
-    releaseLimits();
+    releaseLimits(velocities);
     // A factor that rounding has spoilt leads elsewhere.
     m_solvable = m_has_factor && solveToTheEnd(velocities);
   }
@@ -128,25 +133,34 @@ bool BlockSolver::pressLimits(const std::vector<Vector6d>& velocities) {
   return any && factoriseAgain();
 }
 
-void BlockSolver::releaseLimits() {
+// work.x: by how much it changes, in the units of K.
+void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
+  double& y = m_work.y[of.at];
+  m_work.x[of.at] = impulse * of.row->root_K - y;
+  y = impulse * of.row->root_K;
+}
+
+// Back to what passes have found of them.
+void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
   bool any = false;
+  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   for (const Workspace::AsContact& as : m_work.as_contacts) {
-    LawPiece& piece = m_work.pieces[as.of.r];
-    if (!piece.acts) continue;
+    const ActiveSet::Place& of = as.of;
+    if (!m_work.pieces[of.r].acts) continue;
     any = true;
-    piece = {false, 0, 0, m_work.y[as.of.at] * as.of.row->by_root_K};
+    const double impulse = sumOf(m_work.parts[of.r]);
+    setImpulse(of, impulse);
+    m_work.pieces[of.r] = {false, 0, 0, impulse};
   }
-  if (any) factoriseAgain();
+  if (!any) return;
+  respond(m_work.x, velocities);
+  factoriseAgain();
 }
 
 void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {
   const IslandRow& row = *of.row;
   const AxisLaw::Parts parts = partsOf(of);
-  double sum = 0;
-  for (int i = 0; i < row.law.parts(); ++i) sum += parts[size_t(i)];
-  double& y = m_work.y[of.at];
-  m_work.x[of.at] = sum * row.root_K - y;
-  y = sum * row.root_K;
+  setImpulse(of, sumOf(parts));
   m_work.as_contacts.push_back({of, to.size()});
   const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
   const double moved = m_island.velocityOfUnmoved(joint, row.J);

@@ -19,9 +19,9 @@ enum class Sweep {
   /// From the impulses of the last step, with those that act: which may not be found. Among contacts limits go on as contacts do, and
   /// other rows with bounds, too, where contacts change which of them act.
   all_at_once,
-  all_at_once_from_less,  ///< the same, from that part of contacts' impulses that leaves least energy
-  bounds_one_by_one,      ///< from none. Those with bounds as contacts are, the others at once
-  one_by_one              ///< from none, as contacts are: this needs no factor
+  all_at_once_from_less,  ///< the same, from that part of what contacts have by now that leaves least energy
+  bounds_one_by_one,  ///< from none. Those with bounds as contacts are, the others at once
+  one_by_one          ///< from none, as contacts are: this needs no factor
 };
 
 inline bool isAtOnce(Sweep sweep) {
@@ -79,7 +79,8 @@ class BlockSolver {
   void takeBounds(const std::vector<ContactRow>& from);
   void splitBounds();
   bool pressLimits(const std::vector<Vector6d>& velocities);
-  void releaseLimits();
+  void setImpulse(const ActiveSet::Place& of, double impulse);
+  void releaseLimits(std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   struct Pass {
     double error;      ///< m or rad, before it

@@ -45,11 +45,8 @@ PINTLE_TARGET_CLONES size_t sweepRows(size_t i, ContactRow* rows, size_t count,
                                       const PathBlock* parts, double* state, double& largest) {
   for (; i < count; ++i) {
     ContactRow& row = rows[i];
-    if (row.isFriction()) {
-      row.upper = row.friction * rows[row.normal].impulse;
-      row.lower = -row.upper;
-      if (row.upper == 0 && row.impulse == 0) continue;
-    }
+    boundFriction({rows, count}, row);
+    if (row.isFriction() && row.upper == 0 && row.impulse == 0) continue;
     if (row.parts == 0) return i;
     if (!(row.K > 0)) continue;
     const PathBlock* const first = parts + row.first_part;
@@ -127,7 +124,7 @@ void ContactResponse::addBody(const ContactRow& row, int side, bool is_unknown) 
 
 void ContactResponse::addPath(const Body& of, int a, int b, const RowJacobian& J) {
   const size_t first = m_parts.size();
-  if (!of.joints->findPath({a, b}, J, m_parts)) m_is_whole = false;
+  of.joints->findPath({a, b}, J, m_parts);
   for (PathBlock* part = m_parts.begin() + first; part != m_parts.end(); ++part)
     part->at += of.joints_at;
 }
@@ -151,6 +148,7 @@ void ContactResponse::find(ContactRow& row) {
     if (of[1] != nullptr) addPath(*of[1], -1, of[1]->number, row.J);
   }
   row.parts = unsigned(m_parts.size() - row.first_part);
+  btAssert(row.parts > 0);  // else it would be asked for again
   row.K = findK(m_parts.begin() + row.first_part, m_parts.end());
   if (!(row.K > least_part_free * K_alone)) row.K = 0;
 }

@@ -19,7 +19,6 @@ class ContactResponse {
     m_parts.clear();
     m_bodies.assign(bodies, {});
     m_state.assign(body_size * bodies, 0.);
-    m_is_whole = true;
   }
   /// Joints of the bodies from `first` on: they are left out, until they have a factor.
   void addJoints(int first, JointMatrix& joints);
@@ -46,10 +45,6 @@ class ContactResponse {
   /// One pass over rows, each with the velocity that all before it have left. Returns the largest change of one, m/s or rad/s. What is
   /// not known of a row (ContactRow::parts) is found when it is needed: a contact that does not press has no friction.
   double sweep(Span<ContactRow> rows);
-  /// Whether all joints hold. Else these must be solved after each pass: what it does is found as if those further away did not hold,
-  /// so it does less than it might, and never too much.
-  bool isWhole() const { return m_is_whole; }
-
   size_t bytes() const { return bytesOf(m_bodies, m_state) + m_parts.bytes(); }
 
  private:
@@ -67,7 +62,6 @@ class ContactResponse {
   void addPath(const Body& of, int a, int b, const RowJacobian& J);
 
   std::vector<Body> m_bodies;
-  bool m_is_whole = true;
   PathBlocks m_parts;  ///< of rows, each side by side
   std::vector<double>
       m_state;  ///< of each body three and a zero, twice, and the unknowns of joints

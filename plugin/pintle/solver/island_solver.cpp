@@ -237,7 +237,6 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
     if (again && m_options.max_new_factors > 1) solve(sweep);  // the first one is for poses
-
     return done.is_solvable && gainInVelocity(group) <= rounding * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.

@@ -75,9 +75,10 @@ class JointMatrix {
   bool isUnknown(int body) const { return m_stays[size_t(body)]; }
   /// What joints do to impulses on bodies, and by these to other impulses: -R^T K^-1 R, R the rows' velocities of them without joints.
   /// K^-1 = L^-T D^-1 L^-1: so two impulses see each other by those blocks of L^-1 R that both have. `to`: those of an impulse of 1 along
-  /// `J`, on one or two of the bodies (-1: none), are added. Returns false if these are not all: joints further away do not hold then,
-  /// so that all moves more easily than it does.
-  bool findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to);
+  /// `J`, on one or two of the bodies (-1: none), are added.
+  void findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to);
+  /// Whether these are all. Else some joints do not hold in what they say, so that all moves more easily than it does.
+  bool findsWholePaths() const { return m_most_on_path >= m_factor.blocks(); }
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
   /// x -= J v of the rows that act.
@@ -164,7 +165,7 @@ class JointMatrix {
   std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: their scaled inverse in the matrix
   SymmetricFactor m_factor;
   std::vector<double> m_path;  ///< a vector of all unknowns, of zeros
-  int m_most_on_path = 0;      ///< blocks
+  int m_most_on_path = 0;      ///< the height of the highest block
 };
 
 }  // namespace PINTLE_PRECISION

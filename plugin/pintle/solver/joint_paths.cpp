@@ -6,9 +6,9 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-// Paths of trees, chains and rings are no longer than that (MinimumDegree). Of larger nets they are, and then it takes longer to follow
-// them than to solve the joints after each pass: only the first joints are on them, the same ones for all bodies. (Not where bodies
-// are unknowns: joints that do not hold would leave these at rest.)
+// Paths of trees, of rings and of chains of a hundred joints are no longer than that (MinimumDegree). Those of larger nets are, and of
+// very long chains. Then it takes longer to follow them than to solve the joints after each pass: only the first blocks are on them, the
+// same ones for all bodies. (Not where bodies are unknowns: joints that do not hold would leave these at rest.)
 int JointMatrix::mostOnPath() const {
   constexpr int longest = 64, first = 8;
   const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();
@@ -42,7 +42,7 @@ PINTLE_TARGET_CLONES int JointMatrix::addVelocities(int body, const Vector6d& an
   return from;
 }
 
-bool JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to) {
+void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to) {
   int from[2] = {m_factor.blocks(), m_factor.blocks()};
   for (int side = 0; side < 2; ++side) {
     const int body = bodies[size_t(side)];
@@ -50,7 +50,7 @@ bool JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, PathBlocks
     from[side] =
         addVelocities(body, m_bodies[size_t(body)].answer(J.L(side), J.A(side)), m_path.data());
   }
-  return m_factor.followPaths(from[0], from[1], m_most_on_path, m_path.data(), to);
+  m_factor.followPaths(from[0], from[1], m_most_on_path, m_path.data(), to);
 }
 
 }  // namespace PINTLE_PRECISION

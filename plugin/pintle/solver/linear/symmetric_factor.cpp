@@ -135,7 +135,7 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
     int& after = m_height[size_t(m_parent[k])];
     after = std::max(after, m_height[k] + 1);
   }
-  m_height.pop_back();
+  m_height.pop_back();  // that of no column
   m_panel.resize(most);
   m_places.resize(most_rows);
 }
@@ -165,26 +165,25 @@ void SymmetricFactor::solve(double* x) const {
   solveAll(pattern, diagonal, diagonal + area * size_t(blocks()), x);
 }
 
-bool SymmetricFactor::followPaths(int from, int and_from, int most, double* x,
+void SymmetricFactor::followPaths(int from, int and_from, int most, double* x,
                                   PathBlocks& to) const {
   for (int k = std::min(from, and_from); k < blocks(); k = std::min(from, and_from)) {
-    if (!m_idle[size_t(k)]) {
-      if (m_height[size_t(k)] > most) {
-        clear(from, x);
-        clear(and_from, x);
-        return false;
-      }
+    int next = m_parent[size_t(k)];
+    if (m_height[size_t(k)] > most) {  // the other path may have lower ones yet
+      clear(k, x);
+      next = blocks();
+    } else if (m_idle[size_t(k)]) {
+      std::fill_n(x + stride * k, stride, 0.);
+    } else {
       follow(k, x, to.add());
     }
-    if (from == k) from = m_parent[size_t(k)];
-    if (and_from == k) and_from = m_parent[size_t(k)];
+    if (from == k) from = next;
+    if (and_from == k) and_from = next;
   }
-  return true;
 }
 
 // All that a path may still lead to: column k has the rows of all those before it.
 void SymmetricFactor::clear(int k, double* x) const {
-  if (k == blocks()) return;
   std::fill_n(x + stride * k, stride, 0.);
   for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
     std::fill_n(x + stride * m_row[size_t(p)], stride, 0.);

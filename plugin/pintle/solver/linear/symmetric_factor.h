@@ -42,8 +42,8 @@ class SymmetricFactor {
   void solve(double* x) const;
   /// Of y = L^-1 x, where x has numbers only at two blocks, and at some of those to which their paths lead: from each block on to the
   /// first one that its column is coupled to, up to the root (Liu 1990). Each block on both reads -D^-1 y, and adds y. x becomes 0.
-  /// Only blocks of a height up to `most` are followed. Returns whether these are all.
-  bool followPaths(int from, int and_from, int most, double* x, PathBlocks& to) const;
+  /// Only blocks of a height up to `most` are followed.
+  void followPaths(int from, int and_from, int most, double* x, PathBlocks& to) const;
   /// The longest path.
   int height() const {
     return m_height.empty() ? 0 : *std::max_element(m_height.begin(), m_height.end());
