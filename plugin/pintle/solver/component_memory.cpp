@@ -95,14 +95,14 @@ class MostImpulse {
 
 }  // namespace
 
-// Velocities lead where the last step's changes do.
+// Velocities are those that are foreseen.
 void ComponentMemory::begin(const Island& island, const Component& component) {
-  const bool known = int(m_change.size()) == component.bodies;
+  const bool known = int(m_forecast.size()) == component.bodies;
   work.v.resize(size_t(component.bodies));
   MostImpulse most(island.bodies[size_t(component.first_body)]);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work.v[size_t(i)] = known ? Vector6d(body.v0 + m_change[size_t(i)]) : body.v_free;
+    work.v[size_t(i)] = known ? Vector6d(body.v0 + m_forecast[size_t(i)]) : body.v_free;
     most.add(body);
   }
   most.finish();
@@ -153,9 +153,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 }
 
 void ComponentMemory::keep(const Island& island, const Component& component) {
-  m_change.resize(size_t(component.bodies));
-  for (int i = 0; i < component.bodies; ++i)
-    m_change[size_t(i)] = work.v[size_t(i)] - island.bodies[size_t(component.first_body + i)].v0;
+  m_forecast.take(&island.bodies[size_t(component.first_body)], work.v);
   m_rows = sizes;
   m_lambda = work.lambda;
   addLoad(work);
@@ -176,7 +174,7 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
 }
 
 void ComponentMemory::forget() {
-  m_change.clear();
+  m_forecast.clear();
   m_rows.clear();
 }
 

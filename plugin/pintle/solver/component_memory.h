@@ -1,9 +1,10 @@
 // Purpose: what a solver keeps of a component of joints from step to step: the order and memory of its equations, the impulses and
-// changes of velocity with which the next step begins, and its energies.
+// the forecast of velocities with which the next step begins, and its energies.
 #pragma once
 
 #include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/velocity_forecast.h>
 #include <pintle/solver/workspace.h>
 
 #include <memory>
@@ -43,7 +44,8 @@ struct ComponentMemory {
   size_t bytes() const {
     return sizeof(*this) + K.bytes() + work.bytes() +
            bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_lambda, m_load, m_stretch,
-                   m_last_stretch, m_change);
+                   m_last_stretch) +
+           m_forecast.bytes();
   }
 
  private:
@@ -57,7 +59,7 @@ struct ComponentMemory {
   std::vector<int> m_rows;                         ///< of each joint, in the last step
   std::vector<double> m_lambda, m_load;            ///< of each row of it
   std::vector<Stretch> m_stretch, m_last_stretch;  ///< of each row's spring
-  std::vector<Vector6d> m_change;                  ///< of each body's velocity
+  VelocityForecast m_forecast;
 };
 
 /// Makes `memory` that of these joints, if it is not: symbolic work, which allocates.

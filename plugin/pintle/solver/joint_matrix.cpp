@@ -179,19 +179,22 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
     const int body = m_joints[size_t(c)][size_t(side)];
     if (body < 0) continue;
     Rows& to = rows(node, side);
-    const Vector3d L = by_root * J.L(side), A = by_root * J.A(side);
-    bool is_same = true;
-    const auto set = [&](double& number, double value) {
-      is_same = is_same && number == value;
-      number = value;
-    };
-    const Vector6d answer = m_bodies[size_t(body)].answer(L, A);
-    for (int k = 0; k < 3; ++k) {
-      set(to.J[k][i % block], L[k]);
-      set(to.J[3 + k][i % block], A[k]);
+    Vector6d along;
+    along << by_root * J.L(side), by_root * J.A(side);
+    const Vector6d answer = m_bodies[size_t(body)].answer(along.head<3>(), along.tail<3>());
+    double* const J_of = &to.J[0][i % block];
+    double* const answer_of = to.answer[i % block];
+    if (m_is_assembled || m_is_factorised) {
+      bool is_same = true;
+      for (int k = 0; k < 6; ++k)
+        is_same = is_same && J_of[stride * k] == along[k] && answer_of[k] == answer[k];
+      if (is_same) continue;
+      m_is_assembled = m_is_factorised = false;
     }
-    for (int k = 0; k < 6; ++k) set(to.answer[i % block][k], answer[k]);
-    if (!is_same) m_is_assembled = m_is_factorised = false;
+    for (int k = 0; k < 6; ++k) {
+      J_of[stride * k] = along[k];
+      answer_of[k] = answer[k];
+    }
   }
 }
 

@@ -1,0 +1,84 @@
+// Where velocities go in the next step.
+#include <pintle/solver/velocity_forecast.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace exact_velocity_forecast_test {
+
+using pintle::IslandBody;
+using pintle::Vector6d;
+using pintle::VelocityForecast;
+
+// A body whose velocity at the end of step n is along(n) in all linear, and about(n) in all angular parts.
+class Course {
+ public:
+  Course() : m_body() { m_body.scale[0] = m_body.scale[1] = 1; }
+  template <class Along, class About>
+  void go(int steps, const Along& along, const About& about) {
+    for (int i = 0; i < steps; ++i, ++m_step) {
+      m_body.v0 = m_v;
+      m_v.head<3>().setConstant(along(m_step));
+      m_v.tail<3>().setConstant(about(m_step));
+      m_forecast.take(&m_body, {m_v});
+    }
+  }
+  // Of the next step.
+  double alongError(double expected) const { return error(0, expected); }
+  double aboutError(double expected) const { return error(3, expected); }
+
+ private:
+  double error(int i, double expected) const {
+    return std::abs(m_v[i] + m_forecast[0][i] - expected);
+  }
+
+  IslandBody m_body;
+  Vector6d m_v = Vector6d::Zero();
+  VelocityForecast m_forecast;
+  int m_step = 0;
+};
+
+// Each half by itself.
+TEST(VelocityForecast, IsExactOfPolynomials) {
+  const auto quartic = [](double n) { return 3 - n + 0.2 * n * n - 0.01 * std::pow(n, 4); };
+  const auto line = [](double n) { return 2 - 7 * n; };
+  Course course;
+  course.go(12, quartic, line);
+  EXPECT_LT(course.alongError(quartic(12)), 1e-9);
+  EXPECT_LT(course.aboutError(line(12)), 1e-9);
+}
+
+TEST(VelocityForecast, IsFarNearerThanTheLastChangeWhereBodiesSwing) {
+  const auto swing = [](double n) { return std::sin(0.1 * n); };
+  double far = 0, near = 0;
+  for (int steps = 20; steps < 80; ++steps) {
+    Course course;
+    course.go(steps, swing, swing);
+    near += course.alongError(swing(steps));
+    far += std::abs(2 * swing(steps - 1) - swing(steps - 2) - swing(steps));
+  }
+  EXPECT_LT(near, far / 20);
+}
+
+// Its differences would make it larger, by up to 8 times.
+TEST(VelocityForecast, DoesNotGoOnByRounding) {
+  const auto shakes = [](double n) { return std::fmod(n, 2) == 0 ? 1e-9 : -1e-9; };
+  const auto line = [](double n) { return 3 * n; };
+  Course course;
+  course.go(
+      12, [&](double n) { return line(n) + shakes(n); }, line);
+  EXPECT_LT(course.alongError(line(12)), 6e-9);
+}
+
+TEST(VelocityForecast, ForgetsABlow) {
+  const auto rest = [](double) { return 0.; };
+  const auto blow = [](double) { return 5.; };
+  Course course;
+  course.go(6, rest, rest);
+  course.go(2, blow, rest);
+  EXPECT_EQ(course.alongError(5), 0);
+  EXPECT_EQ(course.aboutError(0), 0);
+}
+
+}  // namespace exact_velocity_forecast_test
