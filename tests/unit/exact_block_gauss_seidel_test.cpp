@@ -201,6 +201,18 @@ TEST_F(Chain, WithoutContactsEveryRowIsOnItsLaw) {
   EXPECT_GT(acts, support::trials(250));
 }
 
+// Nor do those that press in the end pull, when they are solved with all others, however early the passes end.
+TEST_F(Chain, LimitsOnlyPush) {
+  for (int trial = 0; trial < support::trials(200); ++trial) {
+    make(8);
+    for (const int passes : {1, 2, 5}) {
+      solve(pintle::Sweep::all_at_once, passes);
+      for (size_t r = 3; r < m_island.rows.size(); r += rows_of_joint)
+        EXPECT_GE(m_work.lambda[r], 0) << trial << ", " << passes;
+    }
+  }
+}
+
 // The least kinetic energy is one, however it is found.
 TEST_F(Chain, AllWaysLeadToTheSameVelocities) {
   for (int trial = 0; trial < support::trials(30); ++trial) {

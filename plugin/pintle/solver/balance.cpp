@@ -157,7 +157,9 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   double done = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
     const Vector6d next = stays[i] + part * (v[i] - stays[i]);
-    changes[i] = changeFor(next, v[i], changes[i], island.dt);
+    changes[i] = stays[i].isZero(0) && changes[i].isZero(0)
+                     ? changeForPart(part, v[i], island.dt)
+                     : changeFor(next, v[i], changes[i], island.dt);
     v[i] = next;
   }
   return done + workOfPoses(island, component, changes);

@@ -100,7 +100,10 @@ void BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   if (m_alone)
     while (m_has_factor && solve(velocities).changes_set) continue;
   takeBounds(bounds);
-  if (m_has_factor && !(pressLimits(velocities) && solveToTheEnd(velocities))) {
+  bool are_pressed = m_has_factor && pressLimits(velocities);
+  do are_pressed = are_pressed && m_has_factor && solveToTheEnd(velocities);
+  while (are_pressed && releaseWhatPulls(velocities));
+  if (m_has_factor && !are_pressed) {
     releaseLimits(velocities);
     // A factor that rounding has spoilt leads elsewhere.
     m_solvable = m_has_factor && solveToTheEnd(velocities);
@@ -140,21 +143,40 @@ void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
   y = impulse * of.row->root_K;
 }
 
-// Back to what passes have found of them.
-void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
+// Limits that are rows of the block become what they were among contacts, with impulses that they are given. Returns whether there are
+// any: isOne(which).
+template <class IsOne, class ImpulseOf>
+bool BlockSolver::release(std::vector<Vector6d>& velocities, const IsOne& isOne,
+                          const ImpulseOf& impulseOf) {
   bool any = false;
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   for (const Workspace::AsContact& as : m_work.as_contacts) {
     const ActiveSet::Place& of = as.of;
-    if (!m_work.pieces[of.r].acts) continue;
+    if (!m_work.pieces[of.r].acts || !isOne(of)) continue;
     any = true;
-    const double impulse = sumOf(m_work.parts[of.r]);
+    const double impulse = impulseOf(of);
     setImpulse(of, impulse);
     m_work.pieces[of.r] = {false, 0, 0, impulse};
   }
-  if (!any) return;
+  if (!any) return false;
   respond(m_work.x, velocities);
   factoriseAgain();
+  return true;
+}
+
+// With all others that press, a limit may have come to pull: it is none. Returns whether there was one.
+bool BlockSolver::releaseWhatPulls(std::vector<Vector6d>& velocities) {
+  return release(
+      velocities,
+      [&](const ActiveSet::Place& of) { return m_work.y[of.at] * sumOf(partsOf(of)) <= 0; },
+      [](const ActiveSet::Place&) { return 0.; });
+}
+
+// Back to what passes have found of them.
+void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
+  release(
+      velocities, [](const ActiveSet::Place&) { return true; },
+      [&](const ActiveSet::Place& of) { return sumOf(m_work.parts[of.r]); });
 }
 
 void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {

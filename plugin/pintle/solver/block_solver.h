@@ -80,6 +80,9 @@ class BlockSolver {
   void splitBounds();
   bool pressLimits(const std::vector<Vector6d>& velocities);
   void setImpulse(const ActiveSet::Place& of, double impulse);
+  template <class IsOne, class ImpulseOf>
+  bool release(std::vector<Vector6d>& velocities, const IsOne& isOne, const ImpulseOf& impulseOf);
+  bool releaseWhatPulls(std::vector<Vector6d>& velocities);
   void releaseLimits(std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   struct Pass {

@@ -22,6 +22,15 @@ inline PoseChange changeFor(const Vector6d& next, const Vector6d& v, const PoseC
   return to;
 }
 
+/// The same where only how fast it is changes, to this part of `v`: it turns about the same axis.
+inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
+  PoseChange to;
+  to.head<3>() = dt * (1 - part) * v.head<3>();
+  to.tail<3>() =
+      RotationOfStep::vector(v.tail<3>(), dt) - RotationOfStep::vector(part * v.tail<3>(), dt);
+  return to;
+}
+
 /// Whether a row is open by more than `tolerance`, m or rad, or gives by as much in a loop (softness.h): moving poses is to close it.
 bool isOpen(const Island& island, const Component& component, const Workspace& end,
             double tolerance);

@@ -15,8 +15,13 @@ double angleBeyond(double asked) { return 2 * std::atan(slope_of_tangent * asked
 
 }  // namespace
 
-RotationOfStep::RotationOfStep(const Vector3d& w, double dt) : phi(dt * w) {
-  if (const double length = phi.norm(); length > max_turn) phi *= angleBeyond(length) / length;
+Vector3d RotationOfStep::vector(const Vector3d& w, double dt) {
+  const Vector3d phi = dt * w;
+  const double length = phi.norm();
+  return length > max_turn ? Vector3d(angleBeyond(length) / length * phi) : phi;
+}
+
+RotationOfStep::RotationOfStep(const Vector3d& w, double dt) : phi(vector(w, dt)) {
   const double t2 = phi.squaredNorm();
   if (t2 < 1e-6) {
     once = 1 - t2 / 6;

@@ -34,6 +34,8 @@ struct RotationOfStep {
   double once, twice;  ///< R = 1 + once [phi]x + twice [phi]x^2
 
   RotationOfStep(const Vector3d& w, double dt);
+  /// phi alone.
+  static Vector3d vector(const Vector3d& w, double dt);
   /// Whether a body turns by dt w.
   static bool follows(const Vector3d& w, double dt);
   /// Where an arm r of the body points in the end.
