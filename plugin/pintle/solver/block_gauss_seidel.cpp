@@ -99,7 +99,8 @@ class Passes {
   }
   void finish() {
     if (isAtOnce(m_sweep)) forEachRow([&](ContactRow& row) { row.push(m_velocities); });
-    for (BlockSolver& block : blocks()) block.finish(m_velocities, m_memory.bounds);
+    for (size_t i = 0; i < blocks().size(); ++i)
+      if (blocks()[i].finish(m_velocities, m_memory.bounds) && !m_contacts.empty()) takeFactor(i);
   }
 
  private:

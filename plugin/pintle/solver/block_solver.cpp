@@ -96,10 +96,11 @@ double BlockSolver::solveOnce(std::vector<Vector6d>& velocities) {
   return error;
 }
 
-void BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
+bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
   if (m_alone)
     while (m_has_factor && solve(velocities).changes_set) continue;
   takeBounds(bounds);
+  const int factors = m_set.factors();
   bool are_pressed = m_has_factor && pressLimits(velocities);
   do are_pressed = are_pressed && m_has_factor && solveToTheEnd(velocities);
   while (are_pressed && releaseWhatPulls(velocities));
@@ -113,6 +114,7 @@ void BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   measure(velocities);
   splitBounds();
   m_set.keepImpulses();
+  return m_has_factor && m_set.factors() > factors;
 }
 
 // Returns whether rows that act are met.

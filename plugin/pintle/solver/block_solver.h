@@ -45,8 +45,9 @@ class BlockSolver {
   void begin(Sweep sweep, std::vector<Vector6d>& velocities);
   /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
-  /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are.
-  void finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds);
+  /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are. Returns whether it has
+  /// another factor than before: limits that press are in it.
+  bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds);
   /// Whether rows are solved one by one.
   bool isSwept() const { return m_swept != nullptr; }
   /// Its rows with bounds go on as contacts do: each part of their laws is added to them.

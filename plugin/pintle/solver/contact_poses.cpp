@@ -27,6 +27,7 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
     rows.push_back(row);
     rows.back().target = speedOut(row);
     rows.back().softness = rows.back().impulse = rows.back().before = 0;
+    response.forgetOld(rows.back());
   }
   if (rows.empty()) return false;
   std::vector<Vector6d>& push = memory.push;
