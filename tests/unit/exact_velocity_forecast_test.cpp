@@ -16,12 +16,12 @@ class Course {
  public:
   Course() : m_body() { m_body.scale[0] = m_body.scale[1] = 1; }
   template <class Along, class About>
-  void go(int steps, const Along& along, const About& about) {
+  void go(int steps, const Along& along, const About& about, bool was_enough = false) {
     for (int i = 0; i < steps; ++i, ++m_step) {
       m_body.v0 = m_v;
       m_v.head<3>().setConstant(along(m_step));
       m_v.tail<3>().setConstant(about(m_step));
-      m_forecast.take(&m_body, {m_v});
+      m_forecast.take(&m_body, {m_v}, was_enough);
     }
   }
   // Of the next step.
@@ -69,6 +69,18 @@ TEST(VelocityForecast, DoesNotGoOnByRounding) {
   course.go(
       12, [&](double n) { return line(n) + shakes(n); }, line);
   EXPECT_LT(course.alongError(line(12)), 6e-9);
+}
+
+// Where one solve has led to the end, the last change is enough, and nothing else is looked after. Where it has not, more are found again.
+TEST(VelocityForecast, HasNoMoreDifferencesThanAreNeeded) {
+  const auto square = [](double n) { return 0.3 * n * n; };
+  Course course;
+  course.go(10, square, square, true);
+  EXPECT_NEAR(course.alongError(square(10)), 0.6, 1e-9);
+  course.go(6, square, square);
+  EXPECT_LT(course.alongError(square(16)), 1e-9);
+  course.go(6, square, square, true);
+  EXPECT_LT(course.alongError(square(22)), 1e-9) << "those that help stay";
 }
 
 TEST(VelocityForecast, ForgetsABlow) {

@@ -153,7 +153,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 }
 
 void ComponentMemory::keep(const Island& island, const Component& component) {
-  m_forecast.take(&island.bodies[size_t(component.first_body)], work.v);
+  m_forecast.take(&island.bodies[size_t(component.first_body)], work.v, is_foreseen);
   m_rows = sizes;
   m_lambda = work.lambda;
   addLoad(work);

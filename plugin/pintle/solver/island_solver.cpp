@@ -154,6 +154,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   const SolveReport done = pintle::solveByChord(m_island, component, m_options, kept.K, kept.work);
   count(done, 1);
   kept.converged = done.converged;
+  kept.is_foreseen = done.converged && done.steps == 1;
   if (!done.converged) return false;
   kept.residual = done.error;
   kept.tolerance = m_options.pose_tolerance;
@@ -259,6 +260,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     kept.converged = done.converged;
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
     kept.holds_end = false;
+    kept.is_foreseen = kept.is_foreseen || !rows.empty();
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
                                   : workAmongContacts(m_island, *of, kept.work);
   }

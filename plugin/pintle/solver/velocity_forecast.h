@@ -5,6 +5,7 @@
 #include <pintle/solver/bytes.h>
 #include <pintle/solver/island.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -28,13 +29,23 @@ class VelocityForecast {
 
   /// The step ends with velocities `v`. They go on by as many differences as would have told this step best, along and about each body by
   /// itself: what is rounding has fewer. A blow is in all of them alike, and does not go on: so with one more of them half of what all
-  /// miss must be gone.
-  void take(const IslandBody* bodies, const std::vector<Vector6d>& v) {
+  /// miss must be gone. `was_enough`: one solve has led there. Then no more differences are found than before.
+  void take(const IslandBody* bodies, const std::vector<Vector6d>& v, bool was_enough) {
     m_of.resize(v.size());
     double missed2[most] = {};  // by the first 1, 2, ... of them, J
-    for (size_t i = 0; i < v.size(); ++i) m_of[i].take(v[i] - bodies[i].v0, bodies[i], missed2);
+    for (size_t i = 0; i < v.size(); ++i) {
+      const Vector6d change = v[i] - bodies[i].v0;
+      if (m_known == 1 && was_enough)
+        m_of[i].difference[0] = change;
+      else
+        m_of[i].take(change, bodies[i], m_known, missed2);
+    }
     m_last = 0;
-    while (m_last + 1 < most && 4 * missed2[m_last + 1] < missed2[m_last]) ++m_last;
+    while (m_last + 1 < m_known && 4 * missed2[m_last + 1] < missed2[m_last]) ++m_last;
+    if (!was_enough)
+      m_known = std::min(m_known + 1, most);
+    else if (m_last == 0)
+      m_known = 1;
   }
 
   size_t bytes() const { return bytesOf(m_of); }
@@ -48,10 +59,10 @@ class VelocityForecast {
     /// Along and about, of the first 1, 2, ...: the last one of those that told the step best.
     std::array<signed char, 2> best[most] = {};
 
-    void take(const Vector6d& change, const IslandBody& body, double* missed2) {
+    void take(const Vector6d& change, const IslandBody& body, int known, double* missed2) {
       Vector6d left = change;
       double least2[2];
-      for (int k = 0; k < most; ++k) {
+      for (int k = 0; k < known; ++k) {
         const Vector6d before = difference[k];
         difference[k] = left;
         left -= before;
@@ -63,11 +74,13 @@ class VelocityForecast {
           best[k][size_t(half)] = is_best ? (signed char)(k) : best[k - 1][size_t(half)];
         }
       }
+      if (known < most) difference[known] = left;
     }
   };
 
   std::vector<OfBody> m_of;
-  int m_last = 0;  ///< difference, of all bodies
+  int m_known = 1;  ///< differences of all bodies
+  int m_last = 0;   ///< of these, the last one by which they go on
 };
 
 }  // namespace PINTLE_PRECISION
