@@ -54,6 +54,7 @@ void remember(const Island& island, const Component& component,
   }
   if (same_sizes) return;
   memory->K.setSizes(sizes);
+  memory->forecast.reserve(size_t(component.bodies));
   memory->work.reserve(size_t(component.bodies), size_t(component.joints), size_t(component.rows),
                        memory->K.vectorSize());
 }
@@ -97,12 +98,12 @@ class MostImpulse {
 
 // Velocities are those that are foreseen.
 void ComponentMemory::begin(const Island& island, const Component& component) {
-  const bool known = int(m_forecast.size()) == component.bodies;
+  const bool known = int(forecast.size()) == component.bodies;
   work.v.resize(size_t(component.bodies));
   MostImpulse most(island.bodies[size_t(component.first_body)]);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work.v[size_t(i)] = known ? Vector6d(body.v0 + m_forecast[size_t(i)]) : body.v_free;
+    work.v[size_t(i)] = known ? Vector6d(body.v0 + forecast[size_t(i)]) : body.v_free;
     most.add(body);
   }
   most.finish();
@@ -153,7 +154,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 }
 
 void ComponentMemory::keep(const Island& island, const Component& component) {
-  m_forecast.take(&island.bodies[size_t(component.first_body)], work.v, is_foreseen);
+  forecast.take(&island.bodies[size_t(component.first_body)], work.v, is_foreseen);
   m_rows = sizes;
   m_lambda = work.lambda;
   addLoad(work);
@@ -174,7 +175,7 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
 }
 
 void ComponentMemory::forget() {
-  m_forecast.clear();
+  forecast.clear();
   m_rows.clear();
 }
 

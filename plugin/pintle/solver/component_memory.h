@@ -31,6 +31,7 @@ struct ComponentMemory {
   double residual = 0;     ///< m and rad: how far they miss their goals there
   bool converged = false;  ///< its contacts and bounded rows have settled
   Workspace work;
+  VelocityForecast forecast;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
 
@@ -47,7 +48,7 @@ struct ComponentMemory {
     return sizeof(*this) + K.bytes() + work.bytes() +
            bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_lambda, m_load, m_stretch,
                    m_last_stretch) +
-           m_forecast.bytes();
+           forecast.bytes();
   }
 
  private:
@@ -61,7 +62,6 @@ struct ComponentMemory {
   std::vector<int> m_rows;                         ///< of each joint, in the last step
   std::vector<double> m_lambda, m_load;            ///< of each row of it
   std::vector<Stretch> m_stretch, m_last_stretch;  ///< of each row's spring
-  VelocityForecast m_forecast;
 };
 
 /// Makes `memory` that of these joints, if it is not: symbolic work, which allocates.

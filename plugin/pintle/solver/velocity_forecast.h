@@ -15,15 +15,22 @@ inline namespace PINTLE_PRECISION {
 class VelocityForecast {
  public:
   /// Of so many bodies.
-  size_t size() const { return m_of.size(); }
-  void clear() { m_of.clear(); }
+  size_t size() const { return m_difference[0].size(); }
+  void clear() {
+    for (auto& of : m_difference) of.clear();
+    m_known = 1;
+    m_last = 0;
+  }
+  void reserve(size_t bodies) {
+    for (auto& of : m_difference) of.reserve(bodies);
+    m_best.reserve(bodies);
+  }
   /// By how much the velocity of body i changes in the next step.
   Vector6d operator[](size_t i) const {
-    const OfBody& of = m_of[i];
-    Vector6d sum = of.difference[0];
-    for (int half = 0; half < 2; ++half)
-      for (int k = 1; k <= of.best[size_t(m_last)][size_t(half)]; ++k)
-        sum.segment<3>(3 * half) += of.difference[k].segment<3>(3 * half);
+    Vector6d sum = m_difference[0][i];
+    for (int half = 0; half < 2 && m_last > 0; ++half)
+      for (int k = 1; k <= m_best[i][size_t(m_last)][size_t(half)]; ++k)
+        sum.segment<3>(3 * half) += m_difference[size_t(k)][i].segment<3>(3 * half);
     return sum;
   }
 
@@ -31,56 +38,58 @@ class VelocityForecast {
   /// itself: what is rounding has fewer. A blow is in all of them alike, and does not go on: so with one more of them half of what all
   /// miss must be gone. `was_enough`: one solve has led there. Then no more differences are found than before.
   void take(const IslandBody* bodies, const std::vector<Vector6d>& v, bool was_enough) {
-    m_of.resize(v.size());
+    const int kept = was_enough ? m_known : std::min(m_known + 1, most);
+    for (int k = 0; k < kept; ++k) m_difference[size_t(k)].resize(v.size(), Vector6d::Zero());
     double missed2[most] = {};  // by the first 1, 2, ... of them, J
+    if (kept > 1) m_best.resize(v.size());
     for (size_t i = 0; i < v.size(); ++i) {
       const Vector6d change = v[i] - bodies[i].v0;
-      if (m_known == 1 && was_enough)
-        m_of[i].difference[0] = change;
+      if (kept > 1)
+        take(i, bodies[i], change, kept, missed2);
       else
-        m_of[i].take(change, bodies[i], m_known, missed2);
+        m_difference[0][i] = change;
     }
     m_last = 0;
     while (m_last + 1 < m_known && 4 * missed2[m_last + 1] < missed2[m_last]) ++m_last;
-    if (!was_enough)
-      m_known = std::min(m_known + 1, most);
-    else if (m_last == 0)
-      m_known = 1;
+    m_known = was_enough && m_last == 0 ? 1 : kept;
   }
 
-  size_t bytes() const { return bytesOf(m_of); }
+  size_t bytes() const {
+    size_t sum = bytesOf(m_best);
+    for (const auto& of : m_difference) sum += bytesOf(of);
+    return sum;
+  }
 
  private:
   static constexpr int most = 4;  ///< differences
 
-  struct OfBody {
-    Vector6d difference[most] = {Vector6d::Zero(), Vector6d::Zero(), Vector6d::Zero(),
-                                 Vector6d::Zero()};
-    /// Along and about, of the first 1, 2, ...: the last one of those that told the step best.
-    std::array<signed char, 2> best[most] = {};
-
-    void take(const Vector6d& change, const IslandBody& body, int known, double* missed2) {
-      Vector6d left = change;
-      double least2[2];
-      for (int k = 0; k < known; ++k) {
-        const Vector6d before = difference[k];
-        difference[k] = left;
-        left -= before;
-        for (int half = 0; half < 2; ++half) {
-          const double left2 = left.segment<3>(3 * half).squaredNorm();
-          missed2[k] += body.scale[half] * body.scale[half] * left2;
-          const bool is_best = k == 0 || left2 < least2[half];
-          if (is_best) least2[half] = left2;
-          best[k][size_t(half)] = is_best ? (signed char)(k) : best[k - 1][size_t(half)];
-        }
+  // Of the last of those that are kept, which may be new, it is not known what they would have told.
+  void take(size_t i, const IslandBody& body, const Vector6d& change, int kept, double* missed2) {
+    Vector6d left = change;
+    double least2[2];
+    auto& best = m_best[i];
+    for (int k = 0; k < m_known; ++k) {
+      Vector6d& difference = m_difference[size_t(k)][i];
+      const Vector6d before = difference;
+      difference = left;
+      left -= before;
+      for (int half = 0; half < 2; ++half) {
+        const double left2 = left.segment<3>(3 * half).squaredNorm();
+        missed2[k] += body.scale[half] * body.scale[half] * left2;
+        const bool is_best = k == 0 || left2 < least2[half];
+        if (is_best) least2[half] = left2;
+        best[size_t(k)][size_t(half)] =
+            is_best ? static_cast<signed char>(k) : best[size_t(k) - 1][size_t(half)];
       }
-      if (known < most) difference[known] = left;
     }
-  };
+    if (m_known < kept) m_difference[size_t(m_known)][i] = left;
+  }
 
-  std::vector<OfBody> m_of;
-  int m_known = 1;  ///< differences of all bodies
-  int m_last = 0;   ///< of these, the last one by which they go on
+  std::array<std::vector<Vector6d>, most> m_difference;  ///< of each body
+  /// Of each body, by the first 1, 2, ... of them, along and about: the last one of those that told the step best.
+  std::vector<std::array<std::array<signed char, 2>, most>> m_best;
+  int m_known = 1;  ///< of them, so many
+  int m_last = 0;   ///< of these, the last one by which velocities go on
 };
 
 }  // namespace PINTLE_PRECISION
