@@ -21,16 +21,25 @@ double kineticEnergy(const Island& island, const Component& component, Vector6d 
 }
 
 void EnergyLedger::begin(const Island& island, const Component& component, double share) {
-  double before = 0;  // in one loop: both need the inertia
-  with_forces = 0;
+  now = with_forces = 0;  // in one loop: both need the inertia
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(i)];
-    before += body.product(body.v0, body.v0) / 2;
+    now += body.product(body.v0, body.v0) / 2;
     with_forces += body.product(body.v_free, body.v_free) / 2;
   }
   // It is forgotten within a second or so.
-  peak = std::fmax(peak * std::fmax(1 - island.dt, 0), before);
+  peak = std::fmax(peak * std::fmax(1 - island.dt, 0), std::fmin(m_left, now));
   given = std::fmin(given, share * peak);
+}
+
+void EnergyLedger::book(double work, double share, const Island& island, const Component& component,
+                        const std::vector<Vector6d>& v) {
+  m_left = 0;
+  for (size_t i = 0; i < v.size(); ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body) + i];
+    m_left += body.product(v[i], v[i]) / 2;
+  }
+  given = std::fmax(-share * peak, given + work);
 }
 
 namespace {

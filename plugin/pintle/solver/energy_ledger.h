@@ -9,17 +9,26 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct EnergyLedger {
-  double given = 0;        ///< J: by the joints, so far
-  double peak = 0;         ///< J: the largest recent kinetic energy
+  double given = 0;  ///< J: by the joints, so far
+  double peak =
+      0;  ///< J: the largest recent kinetic energy that a step has left: not that of a blow which joints take at once
+  double now = 0;          ///< J: the kinetic energy with which this step begins
   double taken = 0;        ///< J: what was taken of what arcs gave, and may be given back
   double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
 
   void begin(const Island& island, const Component& component, double share);
-  bool mayGive(double work, double share) const { return given + work <= share * peak; }
+  bool mayGive(double work, double share) const { return excess(work, share) <= 0; }
   /// J: what is beyond that.
-  double excess(double work, double share) const { return given + work - share * peak; }
-  double largest() const { return std::fmax(peak, with_forces); }
-  void book(double work, double share) { given = std::fmax(-share * peak, given + work); }
+  double excess(double work, double share) const {
+    return given + work - share * std::fmax(peak, now);
+  }
+  double largest() const { return std::fmax(std::fmax(peak, now), with_forces); }
+  /// Of a step that ends with velocities `v`.
+  void book(double work, double share, const Island& island, const Component& component,
+            const std::vector<Vector6d>& v);
+
+ private:
+  double m_left = infinity;  ///< J: the kinetic energy with which the last step ended
 };
 
 /// J: kinetic energy from one velocity to another.
