@@ -85,11 +85,7 @@ double energyOfArcs(const Island& island, const Component& component, const Work
 
 // J: of the same, what is by turns alone, and by no load.
 double energyOfTurns(const Island& island, const Component& component, const Workspace& end) {
-  double kinetic = 0;
-  for (int i = 0; i < component.bodies; ++i)
-    kinetic +=
-        gainOf(island.bodies[size_t(component.first_body + i)], Vector6d::Zero(), end.v[size_t(i)]);
-  return shareOfArcs(end.v, island.dt) * kinetic;
+  return shareOfArcs(end.v, island.dt) * kineticEnergy(island, component, end.v);
 }
 
 // Whether that is all that joints give and take: not where a stop bears something, which takes, nor where a body turns further than

@@ -51,8 +51,9 @@ class Passes {
     if (!isAtOnce(sweep))
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
-    for (const BlockOfJoints& part : of)
-      if (!contacts.empty()) memory.response.addJoints(part.component->first_body, *part.K);
+    if (!contacts.empty())
+      for (const BlockOfJoints& part : of)
+        memory.response.addJoints(part.component->first_body, *part.K);
     for (ContactRow& row : contacts) {
       row.K = memory.response.findAnswers(island, row);
       row.before = 0;
@@ -111,7 +112,7 @@ class Passes {
     for (BlockSolver& block : blocks()) largest = std::fmax(largest, block.sweep(m_velocities));
     return largest;
   }
-  // Where not all joints are on the paths, what a pass does is less than it might, and never too much. Then they are solved after each.
+  // Where not all joints are on the paths, what a pass does is less than it might, and never too much. Then joints are solved after each pass.
   bool areJointsOnPaths() const {
     for (const BlockOfJoints& part : m_of)
       if (!part.K->findsWholePaths()) return false;

@@ -39,9 +39,8 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
 // Limits are no rows of the block: contacts turn them on and off.
 void BlockSolver::beginLimits() {
   m_set.takeLimits();
-  for (const ActiveSet::Place& of : m_work.limits) {
+  for (const ActiveSet::Place& of : m_work.limits)
     m_work.y[of.at] = sumOf(partsOf(of)) * of.row->root_K;
-  }
   m_set.release(m_work.limits);
 }
 
@@ -102,8 +101,9 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   takeBounds(bounds);
   const int factors = m_set.factors();
   bool are_pressed = m_has_factor && pressLimits(velocities);
-  do are_pressed = are_pressed && m_has_factor && solveToTheEnd(velocities);
-  while (are_pressed && releaseWhatPulls(velocities));
+  do {
+    are_pressed = are_pressed && m_has_factor && solveToTheEnd(velocities);
+  } while (are_pressed && releaseWhatPulls(velocities));
   if (m_has_factor && !are_pressed) {
     releaseLimits(velocities);
     // A factor that rounding has spoilt leads elsewhere.
@@ -145,8 +145,8 @@ void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
   y = impulse * of.row->root_K;
 }
 
-// Limits that are rows of the block become what they were among contacts, with impulses that they are given. Returns whether there are
-// any: isOne(which).
+// Those limits that press, and of which isOne(which) says so, are rows with a given impulse again, impulseOf(which). Returns whether
+// there was one.
 template <class IsOne, class ImpulseOf>
 bool BlockSolver::release(std::vector<Vector6d>& velocities, const IsOne& isOne,
                           const ImpulseOf& impulseOf) {

@@ -46,7 +46,7 @@ class BlockSolver {
   /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
   /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are. Returns whether it has
-  /// another factor than before: limits that press are in it.
+  /// made its factor anew, for limits that press.
   bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds);
   /// Whether rows are solved one by one.
   bool isSwept() const { return m_swept != nullptr; }

@@ -20,6 +20,14 @@ double kineticEnergy(const Island& island, const Component& component, Vector6d 
   return sum;
 }
 
+double kineticEnergy(const Island& island, const Component& component,
+                     const std::vector<Vector6d>& v) {
+  double sum = 0;
+  for (size_t i = 0; i < v.size(); ++i)
+    sum += gainOf(island.bodies[size_t(component.first_body) + i], Vector6d::Zero(), v[i]);
+  return sum;
+}
+
 void EnergyLedger::begin(const Island& island, const Component& component, double share) {
   now = with_forces = 0;  // in one loop: both need the inertia
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
@@ -30,16 +38,6 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
   // It is forgotten within a second or so.
   peak = std::fmax(peak * std::fmax(1 - island.dt, 0), std::fmin(m_left, now));
   given = std::fmin(given, share * peak);
-}
-
-void EnergyLedger::book(double work, double share, const Island& island, const Component& component,
-                        const std::vector<Vector6d>& v) {
-  m_left = 0;
-  for (size_t i = 0; i < v.size(); ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body) + i];
-    m_left += body.product(v[i], v[i]) / 2;
-  }
-  given = std::fmax(-share * peak, given + work);
 }
 
 namespace {

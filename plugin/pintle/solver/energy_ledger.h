@@ -23,9 +23,11 @@ struct EnergyLedger {
     return given + work - share * std::fmax(peak, now);
   }
   double largest() const { return std::fmax(std::fmax(peak, now), with_forces); }
-  /// Of a step that ends with velocities `v`.
-  void book(double work, double share, const Island& island, const Component& component,
-            const std::vector<Vector6d>& v);
+  /// `left`: the kinetic energy with which the step ends, J.
+  void book(double work, double share, double left) {
+    given = std::fmax(-share * peak, given + work);
+    m_left = left;
+  }
 
  private:
   double m_left = infinity;  ///< J: the kinetic energy with which the last step ended
@@ -35,6 +37,9 @@ struct EnergyLedger {
 double gainOf(const IslandBody& body, const Vector6d& from, const Vector6d& to);
 /// J: of all bodies at v0 or v_free.
 double kineticEnergy(const Island& island, const Component& component, Vector6d IslandBody::*v);
+/// J: of all bodies at these velocities, which are those of the component.
+double kineticEnergy(const Island& island, const Component& component,
+                     const std::vector<Vector6d>& v);
 /// J: what joints gave in the step, without motors, springs and friction: all that bodies have gained but by their forces.
 double workOfJoints(const Island& island, const Component& component, const Workspace& end);
 /// The same where contacts act, too: of the impulses of joints alone.

@@ -285,7 +285,8 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     kept.work_done += workOfPoses(m_island, component, changes);
   }
   kept.work_done += balance(m_island, component, m_options, kept, changes);
-  kept.ledger.book(kept.work_done, m_options.ledger_share, m_island, component, work.v);
+  kept.ledger.book(kept.work_done, m_options.ledger_share,
+                   kineticEnergy(m_island, component, work.v));
   kept.keep(m_island, component);
   pintle::report(m_island, component, work);
 }

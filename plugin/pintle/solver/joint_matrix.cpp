@@ -182,18 +182,17 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
     Vector6d along;
     along << by_root * J.L(side), by_root * J.A(side);
     const Vector6d answer = m_bodies[size_t(body)].answer(along.head<3>(), along.tail<3>());
-    double* const J_of = &to.J[0][i % block];
-    double* const answer_of = to.answer[i % block];
+    const int lane = i % block;
     if (m_is_assembled || m_is_factorised) {
       bool is_same = true;
       for (int k = 0; k < 6; ++k)
-        is_same = is_same && J_of[stride * k] == along[k] && answer_of[k] == answer[k];
+        is_same = is_same && to.J[k][lane] == along[k] && to.answer[lane][k] == answer[k];
       if (is_same) continue;
       m_is_assembled = m_is_factorised = false;
     }
     for (int k = 0; k < 6; ++k) {
-      J_of[stride * k] = along[k];
-      answer_of[k] = answer[k];
+      to.J[k][lane] = along[k];
+      to.answer[lane][k] = answer[k];
     }
   }
 }

@@ -165,7 +165,7 @@ class JointMatrix {
   std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: their scaled inverse in the matrix
   SymmetricFactor m_factor;
   std::vector<double> m_path;  ///< a vector of all unknowns, of zeros
-  int m_most_on_path = 0;      ///< the height of the highest block
+  int m_most_on_path = 0;      ///< the height of the highest block that is followed
 };
 
 }  // namespace PINTLE_PRECISION

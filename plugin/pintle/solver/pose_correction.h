@@ -22,7 +22,7 @@ inline PoseChange changeFor(const Vector6d& next, const Vector6d& v, const PoseC
   return to;
 }
 
-/// The same where only how fast it is changes, to this part of `v`: it turns about the same axis.
+/// The same for next = part * v, and no change before: both turn about one axis.
 inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
   PoseChange to;
   to.head<3>() = dt * (1 - part) * v.head<3>();

@@ -28,15 +28,17 @@ class VelocityForecast {
   /// By how much the velocity of body i changes in the next step.
   Vector6d operator[](size_t i) const {
     Vector6d sum = m_difference[0][i];
-    for (int half = 0; half < 2 && m_last > 0; ++half)
+    if (m_last == 0) return sum;
+    for (int half = 0; half < 2; ++half)
       for (int k = 1; k <= m_best[i][size_t(m_last)][size_t(half)]; ++k)
         sum.segment<3>(3 * half) += m_difference[size_t(k)][i].segment<3>(3 * half);
     return sum;
   }
 
   /// The step ends with velocities `v`. They go on by as many differences as would have told this step best, along and about each body by
-  /// itself: what is rounding has fewer. A blow is in all of them alike, and does not go on: so with one more of them half of what all
-  /// miss must be gone. `was_enough`: one solve has led there. Then no more differences are found than before.
+  /// itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further. So with one
+  /// more of them half of what all miss must be gone. `was_enough`: one solve has led to the end of the step. Then no more differences
+  /// are found than before, and the last change alone where the others did not help.
   void take(const IslandBody* bodies, const std::vector<Vector6d>& v, bool was_enough) {
     const int kept = was_enough ? m_known : std::min(m_known + 1, most);
     for (int k = 0; k < kept; ++k) m_difference[size_t(k)].resize(v.size(), Vector6d::Zero());
