@@ -220,12 +220,12 @@ TEST(ExactEnergy, HoldsAMillionTimesItsMass) {
   }
 }
 
-// Along the chain, joints take nearly all of it in the same step. Of that they give nothing back.
+// Along the chain, joints take nearly all of it in the same step. Of that they give nothing back; not in the first step either.
 TEST(ExactEnergy, ABlowThatJointsTakeIsNoCredit) {
   for (size_t link = 2; link < 10; ++link)
-    for (const double blow : {100., 300., 1000.}) {
+    for (const auto& [blow, before] : {std::pair{100., 60}, {300., 60}, {1000., 60}, {300., 0}}) {
       Books books(60);
-      swingChain(books, 1, 0, 60);
+      swingChain(books, 1, 0, before);
       btRigidBody &struck = *books.bodies[link], &next = *books.bodies[link + 1];
       const btVector3 along = next.getCenterOfMassPosition() - struck.getCenterOfMassPosition();
       struck.applyCentralImpulse(scalar(blow) * along.normalized());
@@ -233,7 +233,7 @@ TEST(ExactEnergy, ABlowThatJointsTakeIsNoCredit) {
       books.gain = 0;
       books.begin();
       for (int i = 0; i < 240; ++i) books.step();
-      EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak) << blow << " on " << link;
+      EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak) << blow << " on " << link << " after " << before;
     }
 }
 

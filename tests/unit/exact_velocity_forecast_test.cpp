@@ -11,32 +11,38 @@ using pintle::IslandBody;
 using pintle::Vector6d;
 using pintle::VelocityForecast;
 
-// A body whose velocity at the end of step n is along(n) in all linear, and about(n) in all angular parts.
+// A body whose velocity at the end of a step that begins at t is along(t) in all linear, and about(t) in all angular parts.
 class Course {
  public:
   Course() : m_body() { m_body.scale[0] = m_body.scale[1] = 1; }
   template <class Along, class About>
   void go(int steps, const Along& along, const About& about, bool was_enough = false) {
-    for (int i = 0; i < steps; ++i, ++m_step) {
+    for (int i = 0; i < steps; ++i) {
       m_body.v0 = m_v;
-      m_v.head<3>().setConstant(along(m_step));
-      m_v.tail<3>().setConstant(about(m_step));
-      m_forecast.take(&m_body, {m_v}, was_enough);
+      m_v.head<3>().setConstant(along(m_time));
+      m_v.tail<3>().setConstant(about(m_time));
+      m_forecast.take(&m_body, {m_v}, m_dt, was_enough);
+      m_time += m_dt;
     }
   }
-  // Of the next step.
+  void changeStep(double dt) {
+    m_time += dt - m_dt;
+    m_dt = dt;
+  }
+  // Where the next step ends, with the velocity of which is foreseen:
+  double time() const { return m_time; }
   double alongError(double expected) const { return error(0, expected); }
   double aboutError(double expected) const { return error(3, expected); }
 
  private:
   double error(int i, double expected) const {
-    return std::abs(m_v[i] + m_forecast[0][i] - expected);
+    return std::abs(m_v[i] + m_forecast.change(0, m_dt)[i] - expected);
   }
 
   IslandBody m_body;
   Vector6d m_v = Vector6d::Zero();
   VelocityForecast m_forecast;
-  int m_step = 0;
+  double m_time = 0, m_dt = 1;
 };
 
 // Each half by itself.
@@ -91,6 +97,21 @@ TEST(VelocityForecast, ForgetsABlow) {
   course.go(2, blow, rest);
   EXPECT_EQ(course.alongError(5), 0);
   EXPECT_EQ(course.aboutError(0), 0);
+}
+
+// What falls falls by its acceleration, in a longer step farther.
+TEST(VelocityForecast, KnowsHowLongAStepIs) {
+  const auto fall = [](double t) { return -10 * t; };
+  const auto rest = [](double) { return 0.; };
+  for (const bool was_enough : {true, false}) {
+    Course course;
+    course.go(6, fall, rest, was_enough);
+    for (const double dt : {0.5, 2., 0.25}) {
+      course.changeStep(dt);
+      EXPECT_EQ(course.alongError(fall(course.time())), 0) << dt;
+      course.go(1, fall, rest, was_enough);
+    }
+  }
 }
 
 }  // namespace exact_velocity_forecast_test

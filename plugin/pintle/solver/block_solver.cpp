@@ -100,14 +100,13 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
     while (m_has_factor && solve(velocities).changes_set) continue;
   takeBounds(bounds);
   const int factors = m_set.factors();
-  bool are_pressed = m_has_factor && pressLimits(velocities);
-  do {
-    are_pressed = are_pressed && m_has_factor && solveToTheEnd(velocities);
-  } while (are_pressed && releaseWhatPulls(velocities));
-  if (m_has_factor && !are_pressed) {
-    releaseLimits(velocities);
-    // A factor that rounding has spoilt leads elsewhere.
-    m_solvable = m_has_factor && solveToTheEnd(velocities);
+  if (m_has_factor) {
+    const bool are_pressed = pressLimits(velocities);
+    if (!are_pressed || !holdLimits(velocities)) {
+      if (are_pressed) releaseLimits(bounds, velocities);
+      // A factor that rounding has spoilt leads elsewhere.
+      m_solvable = m_has_factor && solveToTheEnd(velocities);
+    }
   }
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
@@ -128,14 +127,24 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// Limits that press are rows of the block in the end, so that they hold as joints do. Returns whether there are any, with a factor.
+// Limits that press are rows of the block in the end, so that they hold as joints do. Returns whether there are any.
 bool BlockSolver::pressLimits(const std::vector<Vector6d>& velocities) {
   if (m_work.as_contacts.empty()) return false;
   bool any = false;
   measure(velocities);
   for (const Workspace::AsContact& as : m_work.as_contacts)
     if (as.of.row->law.isLimit() && m_work.y[as.of.at] != 0) any = m_set.press(as.of) || any;
-  return any && factoriseAgain();
+  if (any) factoriseAgain();
+  return any;
+}
+
+// Returns whether all that press hold, and none of them pulls.
+bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
+  for (int round = 0; round < m_options.max_set_factors; ++round) {
+    if (!m_has_factor || !solveToTheEnd(velocities)) return false;
+    if (!releaseWhatPulls(velocities)) return true;
+  }
+  return false;
 }
 
 // work.x: by how much it changes, in the units of K.
@@ -145,20 +154,22 @@ void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
   y = impulse * of.row->root_K;
 }
 
-// Those limits that press, and of which isOne(which) says so, are rows with a given impulse again, impulseOf(which). Returns whether
-// there was one.
-template <class IsOne, class ImpulseOf>
-bool BlockSolver::release(std::vector<Vector6d>& velocities, const IsOne& isOne,
-                          const ImpulseOf& impulseOf) {
+// With all others that press, a limit may have come to pull: with its impulse its law does not meet at its stop. It is none. Returns
+// whether there was one.
+bool BlockSolver::releaseWhatPulls(std::vector<Vector6d>& velocities) {
   bool any = false;
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   for (const Workspace::AsContact& as : m_work.as_contacts) {
     const ActiveSet::Place& of = as.of;
-    if (!m_work.pieces[of.r].acts || !isOne(of)) continue;
+    LawPiece& piece = m_work.pieces[of.r];
+    if (!piece.acts) continue;
+    const double free = piece.target - of.row->root_K * m_work.y[of.at];
+    const LawPiece met = of.row->law.meet(free, of.row->K);
+    if (met.acts && met.target == piece.target) continue;
     any = true;
-    const double impulse = impulseOf(of);
-    setImpulse(of, impulse);
-    m_work.pieces[of.r] = {false, 0, 0, impulse};
+    setImpulse(of, 0);
+    piece = {false, 0, 0, 0};
+    m_work.parts[of.r] = {};
   }
   if (!any) return false;
   respond(m_work.x, velocities);
@@ -166,19 +177,17 @@ bool BlockSolver::release(std::vector<Vector6d>& velocities, const IsOne& isOne,
   return true;
 }
 
-// With all others that press, a limit may have come to pull: it is none. Returns whether there was one.
-bool BlockSolver::releaseWhatPulls(std::vector<Vector6d>& velocities) {
-  return release(
-      velocities,
-      [&](const ActiveSet::Place& of) { return m_work.y[of.at] * sumOf(partsOf(of)) <= 0; },
-      [](const ActiveSet::Place&) { return 0.; });
-}
-
-// Back to what passes have found of them.
-void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
-  release(
-      velocities, [](const ActiveSet::Place&) { return true; },
-      [&](const ActiveSet::Place& of) { return sumOf(m_work.parts[of.r]); });
+// Back to what passes have found of them, also of those that were released.
+void BlockSolver::releaseLimits(const std::vector<ContactRow>& bounds,
+                                std::vector<Vector6d>& velocities) {
+  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
+  for (const Workspace::AsContact& as : m_work.as_contacts) {
+    const double impulse = takeParts(as, bounds);
+    setImpulse(as.of, impulse);
+    m_work.pieces[as.of.r] = {false, 0, 0, impulse};
+  }
+  respond(m_work.x, velocities);
+  factoriseAgain();
 }
 
 void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {
@@ -235,17 +244,22 @@ bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& 
   return true;
 }
 
+// What passes have found of the parts of its law. Returns their sum.
+double BlockSolver::takeParts(const Workspace::AsContact& as, const std::vector<ContactRow>& from) {
+  AxisLaw::Parts& parts = m_work.parts[as.of.r];
+  double impulse = 0;
+  for (int i = 0; i < as.of.row->law.parts(); ++i)
+    impulse += parts[size_t(i)] = from[as.first + size_t(i)].impulse;
+  return impulse;
+}
+
 void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
   if (m_work.as_contacts.empty()) return;
   m_work.parts.assign(m_work.pieces.size(), {});
   for (const Workspace::AsContact& as : m_work.as_contacts) {
-    const ActiveSet::Place& of = as.of;
-    AxisLaw::Parts& parts = m_work.parts[of.r];
-    double impulse = 0;
-    for (int i = 0; i < of.row->law.parts(); ++i)
-      impulse += parts[size_t(i)] = from[as.first + size_t(i)].impulse;
-    m_work.y[of.at] = impulse * of.row->root_K;
-    m_work.pieces[of.r].impulse = impulse;
+    const double impulse = takeParts(as, from);
+    m_work.y[as.of.at] = impulse * as.of.row->root_K;
+    m_work.pieces[as.of.r].impulse = impulse;
   }
 }
 

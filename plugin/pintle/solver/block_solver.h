@@ -77,14 +77,14 @@ class BlockSolver {
   void goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to);
   void beginLimits();
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
+  double takeParts(const Workspace::AsContact& as, const std::vector<ContactRow>& from);
   void takeBounds(const std::vector<ContactRow>& from);
   void splitBounds();
   bool pressLimits(const std::vector<Vector6d>& velocities);
+  bool holdLimits(std::vector<Vector6d>& velocities);
   void setImpulse(const ActiveSet::Place& of, double impulse);
-  template <class IsOne, class ImpulseOf>
-  bool release(std::vector<Vector6d>& velocities, const IsOne& isOne, const ImpulseOf& impulseOf);
   bool releaseWhatPulls(std::vector<Vector6d>& velocities);
-  void releaseLimits(std::vector<Vector6d>& velocities);
+  void releaseLimits(const std::vector<ContactRow>& bounds, std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   struct Pass {
     double error;      ///< m or rad, before it

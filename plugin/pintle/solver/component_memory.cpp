@@ -103,7 +103,8 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
   MostImpulse most(island.bodies[size_t(component.first_body)]);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work.v[size_t(i)] = known ? Vector6d(body.v0 + forecast[size_t(i)]) : body.v_free;
+    work.v[size_t(i)] =
+        known ? Vector6d(body.v0 + forecast.change(size_t(i), island.dt)) : body.v_free;
     most.add(body);
   }
   most.finish();
@@ -154,7 +155,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 }
 
 void ComponentMemory::keep(const Island& island, const Component& component) {
-  forecast.take(&island.bodies[size_t(component.first_body)], work.v, is_foreseen);
+  forecast.take(&island.bodies[size_t(component.first_body)], work.v, island.dt, is_foreseen);
   m_rows = sizes;
   m_lambda = work.lambda;
   addLoad(work);

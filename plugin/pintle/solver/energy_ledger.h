@@ -17,11 +17,11 @@ struct EnergyLedger {
   double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
 
   void begin(const Island& island, const Component& component, double share);
-  bool mayGive(double work, double share) const { return excess(work, share) <= 0; }
+  /// J: what they may have given at the end of this step.
+  double limit(double share) const { return share * std::fmax(peak, now); }
   /// J: what is beyond that.
-  double excess(double work, double share) const {
-    return given + work - share * std::fmax(peak, now);
-  }
+  double excess(double work, double share) const { return given + work - limit(share); }
+  bool mayGive(double work, double share) const { return excess(work, share) <= 0; }
   double largest() const { return std::fmax(std::fmax(peak, now), with_forces); }
   /// `left`: the kinetic energy with which the step ends, J.
   void book(double work, double share, double left) {
@@ -30,7 +30,7 @@ struct EnergyLedger {
   }
 
  private:
-  double m_left = infinity;  ///< J: the kinetic energy with which the last step ended
+  double m_left = 0;  ///< J: the kinetic energy with which the last step ended
 };
 
 /// J: kinetic energy from one velocity to another.

@@ -305,7 +305,7 @@ void IslandSolver::report(const Component& component, ComponentMemory& kept) {
         std::max(m_report.open, m_island.joints[size_t(component.first_joint + c)].error);
   m_report.work += kept.work_done;
   m_report.ledger += kept.ledger.given;
-  m_report.ledger_limit += m_options.ledger_share * kept.ledger.peak;
+  m_report.ledger_limit += kept.ledger.limit(m_options.ledger_share);
 }
 
 void IslandSolver::beginComponents() {

@@ -1,5 +1,5 @@
-// Purpose: where the velocities of bodies go in the next step, by what they did in the last ones: Newton's backward differences, as
-// Adams' methods predict. The nearer a solve begins to where it ends, the fewer steps it takes.
+// Purpose: where the velocities of bodies go in the next step, by what they did in the last ones: Newton's backward differences of
+// their accelerations, as Adams' methods predict. The nearer a solve begins to where it ends, the fewer steps it takes.
 #pragma once
 
 #include <pintle/solver/bytes.h>
@@ -25,31 +25,31 @@ class VelocityForecast {
     for (auto& of : m_difference) of.reserve(bodies);
     m_best.reserve(bodies);
   }
-  /// By how much the velocity of body i changes in the next step.
-  Vector6d operator[](size_t i) const {
+  /// By how much the velocity of body i changes in the next step, of length dt.
+  Vector6d change(size_t i, double dt) const {
     Vector6d sum = m_difference[0][i];
-    if (m_last == 0) return sum;
-    for (int half = 0; half < 2; ++half)
-      for (int k = 1; k <= m_best[i][size_t(m_last)][size_t(half)]; ++k)
-        sum.segment<3>(3 * half) += m_difference[size_t(k)][i].segment<3>(3 * half);
-    return sum;
+    if (m_last > 0)
+      for (int half = 0; half < 2; ++half)
+        for (int k = 1; k <= m_best[i][size_t(m_last)][size_t(half)]; ++k)
+          sum.segment<3>(3 * half) += m_difference[size_t(k)][i].segment<3>(3 * half);
+    return dt * sum;
   }
 
-  /// The step ends with velocities `v`. They go on by as many differences as would have told this step best, along and about each body by
+  /// A step of length dt ends with velocities `v`. They go on by as many differences as would have told this step best, along and about each body by
   /// itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further. So with one
   /// more of them half of what all miss must be gone. `was_enough`: one solve has led to the end of the step. Then no more differences
   /// are found than before, and the last change alone where the others did not help.
-  void take(const IslandBody* bodies, const std::vector<Vector6d>& v, bool was_enough) {
+  void take(const IslandBody* bodies, const std::vector<Vector6d>& v, double dt, bool was_enough) {
     const int kept = was_enough ? m_known : std::min(m_known + 1, most);
     for (int k = 0; k < kept; ++k) m_difference[size_t(k)].resize(v.size(), Vector6d::Zero());
-    double missed2[most] = {};  // by the first 1, 2, ... of them, J
+    double missed2[most] = {};  // by the first 1, 2, ... of them, J / s^2
     if (kept > 1) m_best.resize(v.size());
     for (size_t i = 0; i < v.size(); ++i) {
-      const Vector6d change = v[i] - bodies[i].v0;
+      const Vector6d acceleration = (v[i] - bodies[i].v0) / dt;
       if (kept > 1)
-        take(i, bodies[i], change, kept, missed2);
+        take(i, bodies[i], acceleration, kept, missed2);
       else
-        m_difference[0][i] = change;
+        m_difference[0][i] = acceleration;
     }
     m_last = 0;
     while (m_last + 1 < m_known && 4 * missed2[m_last + 1] < missed2[m_last]) ++m_last;
@@ -66,8 +66,9 @@ class VelocityForecast {
   static constexpr int most = 4;  ///< differences
 
   // Of the last of those that are kept, which may be new, it is not known what they would have told.
-  void take(size_t i, const IslandBody& body, const Vector6d& change, int kept, double* missed2) {
-    Vector6d left = change;
+  void take(size_t i, const IslandBody& body, const Vector6d& acceleration, int kept,
+            double* missed2) {
+    Vector6d left = acceleration;
     double least2[2];
     auto& best = m_best[i];
     for (int k = 0; k < m_known; ++k) {
@@ -87,7 +88,7 @@ class VelocityForecast {
     if (m_known < kept) m_difference[size_t(m_known)][i] = left;
   }
 
-  std::array<std::vector<Vector6d>, most> m_difference;  ///< of each body
+  std::array<std::vector<Vector6d>, most> m_difference;  ///< of each body's acceleration
   /// Of each body, by the first 1, 2, ... of them, along and about: the last one of those that told the step best.
   std::vector<std::array<std::array<signed char, 2>, most>> m_best;
   int m_known = 1;  ///< of them, so many
