@@ -233,7 +233,8 @@ TEST(ExactEnergy, ABlowThatJointsTakeIsNoCredit) {
       books.gain = 0;
       books.begin();
       for (int i = 0; i < 240; ++i) books.step();
-      EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak) << blow << " on " << link << " after " << before;
+      EXPECT_LE(books.gain, rounding(0.02, 0.01) * books.peak)
+          << blow << " on " << link << " after " << before;
     }
 }
 

@@ -13,10 +13,10 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   work.pieces.resize(rows);
   work.parts.clear();
   work.u.resize(rows);
-  work.softness.assign(rows, 0.);
-  work.y.assign(K.vectorSize(), 0.);
-  work.x.assign(K.vectorSize(), 0.);
-  work.aim.assign(K.vectorSize(), 0.);
+  setZero(rows, work.softness);
+  setZero(K.vectorSize(), work.y);
+  setZero(K.vectorSize(), work.x);
+  setZero(K.vectorSize(), work.aim);
   work.bounded.clear();
   work.scales.resize(rows);
   forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
@@ -109,7 +109,7 @@ bool ActiveSet::press(const Place& of) {
   return piece.acts;
 }
 
-void ActiveSet::setRows() {
+void ActiveSet::aim() {
   const bool any_moves = m_island.anyUnmovedMoves();
   for (int c = 0; c < m_component.joints; ++c) {
     const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
@@ -130,10 +130,9 @@ void ActiveSet::setRows() {
   }
 }
 
-bool ActiveSet::factorise(int most) {
+bool ActiveSet::factoriseAimed(int most) {
   if (m_factors >= most) return false;
   ++m_factors;
-  setRows();
   return m_K.factorise(m_options.least_pivot);
 }
 

@@ -36,8 +36,15 @@ class ActiveSet {
   /// A released row acts, if its impulse says so. Returns whether it does.
   bool press(const Place& of);
 
+  /// Which rows act in K, and what they aim at.
+  void aim();
   /// K of the rows that act. Returns false if there is none, or it has been factorised often enough.
-  bool factorise(int most);
+  bool factorise(int most) {
+    aim();
+    return factoriseAimed(most);
+  }
+  /// The same, after that.
+  bool factoriseAimed(int most);
   int factors() const { return m_factors; }
   /// work.x = what work.u is off of rows that act, in the units of K. Returns the most, m or rad.
   double findResidual();
@@ -55,7 +62,6 @@ class ActiveSet {
   }
 
  private:
-  void setRows();
   void set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece);
   LawPiece pieceOf(const IslandRow& row, size_t r, size_t at) const {
     return row.law.meet(m_work.u[r] - row.root_K * m_work.y[at], row.K);

@@ -70,9 +70,13 @@ class AxisLaw {
   /// Of max_parts, for which there must be `room` as long as the law is in use. Copies share it.
   explicit AxisLaw(LawPart* room) : m_room(room) {}
 
-  void clear() { m_parts = 0; }
+  void clear() {
+    m_parts = 0;
+    m_is_equality = false;
+  }
   void add(const LawPart& part) {
     btAssert(m_parts < (m_room != nullptr ? max_parts : 1));
+    m_is_equality = m_parts == 0 && isUnbounded(part);
     own(m_parts++) = part;
   }
   /// Changes the target of a law of one part.
@@ -111,12 +115,11 @@ class AxisLaw {
   void foresee(double share) {
     for (int i = 0; i < m_parts; ++i)
       if (part(i).spring_share > 0) own(i).foresee(share);
+    m_is_equality = m_parts == 1 && isUnbounded(part(0));
   }
   int parts() const { return m_parts; }
   const LawPart& part(int i) const { return first()[i]; }
-  bool isEquality() const {
-    return m_parts == 1 && part(0).lower == -unbounded && part(0).upper == unbounded;
-  }
+  bool isEquality() const { return m_is_equality; }
   /// Whether it has rigid stops, and nothing else.
   bool isLimit() const {
     for (int i = 0; i < m_parts; ++i)
@@ -153,12 +156,16 @@ class AxisLaw {
  private:
   LawPiece meetWithBounds(double free, double K) const;
 
+  static bool isUnbounded(const LawPart& part) {
+    return part.lower == -unbounded && part.upper == unbounded;
+  }
   const LawPart* first() const { return m_room != nullptr ? m_room : &m_only; }
   LawPart& own(int i) { return m_room != nullptr ? m_room[i] : m_only; }
 
   LawPart m_only;
   LawPart* m_room = nullptr;
   int m_parts = 0;
+  bool m_is_equality = false;
 };
 
 }  // namespace PINTLE_PRECISION

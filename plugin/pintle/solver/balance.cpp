@@ -163,12 +163,14 @@ double scale(const Island& island, const Component& component, bool is_free, dou
 
 // Both are impulses along the rows of the start: l = -A^-1 J^T K^-1 J (v_base - v0) stops what forces would do to them, and c follows
 // their bend.
-bool findWhirls(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
+bool findWhirls(const Island& island, const Component& component, double least_pivot,
+                JointMatrix& K, Workspace& work) {
+  if (!K.factorise(least_pivot)) return false;  // what was foreseen may have needed none
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
   std::vector<Vector6d>& change = work.stays;
   std::vector<double>&x = work.x, &by_forces = work.by_forces, &by_joints = work.y_before_choice;
   const auto measure = [&](std::vector<double>& to) {
-    to.assign(x.size(), 0.);
+    setZero(x.size(), to);
     K.subtractVelocities(change.data(), to.data());
   };
   change.clear();
@@ -200,7 +202,7 @@ void keepWhirls(const Island& island, const Component& component, const SolverOp
   kept.whirls = energyOfTurns(island, component, kept.work) >
                     workOfGaps(kept.work, options.newton_tolerance, island.dt) &&
                 actsByArcs(island, component, kept.work) &&
-                findWhirls(island, component, kept.K, kept.work);
+                findWhirls(island, component, options.least_pivot, kept.K, kept.work);
 }
 
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
@@ -223,7 +225,8 @@ double balance(const Island& island, const Component& component, const SolverOpt
                excess = ledger.excess(kept.work_done, options.ledger_share);
   const bool by_arcs =
       kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work) &&
-      (kept.whirls ? *kept.whirls : findWhirls(island, component, kept.K, kept.work));
+      (kept.whirls ? *kept.whirls
+                   : findWhirls(island, component, options.least_pivot, kept.K, kept.work));
   const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);

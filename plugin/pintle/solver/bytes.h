@@ -1,8 +1,9 @@
-// Purpose: how much memory vectors take, and that they take it at once.
+// Purpose: how much memory vectors take, that they take it at once, and that they begin with zeros.
 #pragma once
 
 #include <pintle/precision.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -19,6 +20,12 @@ size_t bytesOf(const std::vector<T>&... of) {
 template <class... T>
 void reserve(size_t count, std::vector<T>&... of) {
   (of.reserve(count), ...);
+}
+
+/// So many zeros. (std::vector::assign takes longer for few.)
+inline void setZero(size_t count, std::vector<double>& of) {
+  of.resize(count);
+  std::fill(of.begin(), of.end(), 0.);
 }
 
 }  // namespace PINTLE_PRECISION

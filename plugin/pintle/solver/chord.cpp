@@ -1,6 +1,7 @@
 #include <pintle/solver/chord.h>
 
 #include <pintle/solver/balance.h>
+#include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
@@ -34,7 +35,8 @@ class Chord {
   SolveReport run();
 
  private:
-  bool startFromForeseen();
+  void findWhatForeseenMisses();
+  bool isForeseen();
   void measureEnd() {
     moveBodies(m_island, m_component, m_work.v.data(), m_work.moved);
     measureAtEnd(m_island, m_component, m_work.moved, m_work.u);
@@ -53,14 +55,36 @@ class Chord {
 };
 
 // At the velocities that are foreseen rows bend as they will. From there to those of the impulses they are taken to be straight.
-bool Chord::startFromForeseen() {
+void Chord::findWhatForeseenMisses() {
   std::vector<Vector6d>& change = m_work.stays;
   change = m_work.base;
   m_K.addResponse(m_work.y.data(), change.data());
   for (size_t i = 0; i < change.size(); ++i) change[i] -= m_work.v[i];
   m_set.findResidual();
   m_K.subtractVelocities(change.data(), m_work.x.data());
-  return m_work.broyden.step(m_K, m_work.x, m_work.y);
+}
+
+// Where impulses lead to what is foreseen, but for rounding, and rows are met there, nothing is to be solved.
+bool Chord::isForeseen() {
+  const IslandBody* const bodies = &m_island.bodies[size_t(m_component.first_body)];
+  double by_forces = 0, missed = 0, left2 = 0, left = 0;  // J, J, J, and m/s or rad/s
+  for (size_t i = 0; i < m_work.v.size(); ++i) {
+    const Vector6d &v = bodies[i].v_free, &by = m_work.stays[i];
+    by_forces += bodies[i].product(v, v);
+    missed += bodies[i].product(by, by);
+  }
+  for (const Workspace::Scale& of : m_work.scales) {
+    const double x = m_work.x[of.at];
+    left2 += x * x;
+    left = larger(left, of.root_K * x);
+  }
+  m_report.error = left * m_island.dt;
+  constexpr double least = rounding_of_velocities * rounding_of_velocities;
+  if (!(std::fmax(missed, left2) <= least * by_forces) ||
+      m_report.error > m_options.newton_tolerance)
+    return false;
+  for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_work.stays[i];
+  return true;
 }
 
 // What the impulses lead to.
@@ -85,7 +109,15 @@ SolveReport Chord::run() {
   measureEnd();
   m_set.choose();
   broyden.begin();
-  if (!factorise() || !startFromForeseen()) return m_report;
+  m_set.aim();
+  findWhatForeseenMisses();
+  if (isForeseen()) {
+    m_report.converged = true;
+    m_set.keepImpulses();
+    return m_report;
+  }
+  if (!m_set.factoriseAimed(m_options.max_set_factors) || !broyden.step(m_K, m_work.x, m_work.y))
+    return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.
   const bool may_wander =
       m_work.is_resolved &&

@@ -109,8 +109,8 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
   }
   most.finish();
   std::vector<double>& lambda = work.lambda;
-  lambda.assign(size_t(component.rows), 0.);
-  work.load.assign(size_t(component.rows), 0.);
+  setZero(size_t(component.rows), lambda);
+  setZero(size_t(component.rows), work.load);
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];

@@ -8,6 +8,11 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// Of the velocities to which forces lead: less may be rounding.
+constexpr double rounding_of_velocities = 1e-12;
+/// Of their energy: joints that bear some times what forces give do this by it.
+constexpr double rounding_of_work = 10 * rounding_of_velocities;
+
 struct EnergyLedger {
   double given = 0;  ///< J: by the joints, so far
   double peak =
@@ -18,7 +23,9 @@ struct EnergyLedger {
 
   void begin(const Island& island, const Component& component, double share);
   /// J: what they may have given at the end of this step.
-  double limit(double share) const { return share * std::fmax(peak, now); }
+  double limit(double share) const {
+    return share * std::fmax(peak, now) + rounding_of_work * with_forces;
+  }
   /// J: what is beyond that.
   double excess(double work, double share) const { return given + work - limit(share); }
   bool mayGive(double work, double share) const { return excess(work, share) <= 0; }

@@ -40,7 +40,8 @@ class IslandBuilder {
   struct EqualitySettings {
     int group;
     double erp, cfm, bound;
-    double left;  ///< what damping leaves of the velocity that forces lead to
+    double left;      ///< what damping leaves of the velocity that forces lead to
+    double rounding;  ///< m or rad: of poses
   };
   EqualitySettings settingsOf(const Joint& joint, int group) const;
   void setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,

@@ -154,11 +154,12 @@ bool IslandSolver::solveByChord(const Component& component) {
   const SolveReport done = pintle::solveByChord(m_island, component, m_options, kept.K, kept.work);
   count(done, 1);
   kept.converged = done.converged;
-  kept.is_foreseen = done.converged && done.steps == 1;
+  kept.is_foreseen = done.converged && done.steps <= 1;
   if (!done.converged) return false;
   kept.residual = done.error;
   kept.tolerance = m_options.pose_tolerance;
-  kept.has_factor = kept.holds_end = true;
+  kept.has_factor = done.steps > 0;
+  kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   return kept.ledger.mayGive(kept.work_done, m_options.ledger_share) ||
          (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));

@@ -85,7 +85,7 @@ class JointMatrix {
   void subtractVelocities(const Vector6d* v, double* x) const;
   /// Adds to v what holds the rows that act. `x`: memory for the unknowns.
   void hold(Vector6d* v, std::vector<double>& x) const {
-    x.assign(vectorSize(), 0.);
+    setZero(vectorSize(), x);
     subtractVelocities(v, x.data());
     solve(x.data());
     addResponse(x.data(), v);

@@ -25,7 +25,7 @@ Matrix3d clipped(const Matrix3d& m) {
 bool mayBeFast(const Island& island, const Component& component, double stable_swing,
                Workspace& work) {
   std::vector<double>& most = work.most_stiffness;
-  most.assign(size_t(component.bodies), 0.);
+  setZero(size_t(component.bodies), most);
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     double load = 0;

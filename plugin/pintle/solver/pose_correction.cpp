@@ -232,7 +232,7 @@ void PoseCorrection::shorten(PoseChange* changes) const {
 void PoseCorrection::begin() {
   const auto rows = size_t(m_component.rows);
   m_u.resize(rows);
-  m_goal.assign(rows, 0.);
+  setZero(rows, m_goal);
   m_closes.assign(rows, false);
   m_work.moved.clear();
   for (int b = 0; b < m_component.bodies; ++b) {

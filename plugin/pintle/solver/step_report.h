@@ -29,8 +29,7 @@ struct StepReport {
   double work = 0;
   double ledger =
       0;  ///< J: `work` of all steps so far, of which the oldest is forgotten where it is below -`ledger_limit`
-  double ledger_limit =
-      0;  ///< J: what `ledger` may be in this step (SolverOptions::ledger_share)
+  double ledger_limit = 0;  ///< J: what `ledger` may be in this step (SolverOptions::ledger_share)
 
   /// Of several components, or islands.
   StepReport& operator+=(const StepReport& of) {
