@@ -3,6 +3,7 @@
 // their ratios. Usage: solver [--page FOLDER] [chains|scaling|grid|crowd|motors|tangles]...
 //   --page FOLDER   also the tables of plugin/docs/exact-solver.md, a file each (solver.sh)
 //   solver steps chain|tree JOINTS stock|exact STEPS   runs one of scaling's, for an instruction counter (linear.sh)
+//   solver crowd SCENE stock|exact|least STEPS         runs one of crowd's, for the same (flops.sh), and prints its number of joints
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -13,6 +14,10 @@ int main(int argc, char** argv) {
   using namespace solver_bench;
   if (argc == 6 && std::strcmp(argv[1], "steps") == 0) {
     step(argv[2], std::atoi(argv[3]), std::strcmp(argv[4], "exact") == 0, std::atoi(argv[5]));
+    return 0;
+  }
+  if (argc == 5 && std::strcmp(argv[1], "crowd") == 0) {
+    std::printf("%d\n", stepCrowd(argv[2], argv[3], std::atoi(argv[4])));
     return 0;
   }
   const struct {

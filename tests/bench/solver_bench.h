@@ -24,9 +24,20 @@ void motors();
 void tangles();
 // One run of scaling's.
 void step(const char* shape, int joints, bool is_exact, int steps);
+// One of a crowd, by `stock`, `exact`, or `least`: the exact solver with one pass and coarse tolerances. Returns how many joints it has;
+// 0: there is none of that name.
+int stepCrowd(const std::string& name, const std::string& solver, int steps);
 
 inline std::unique_ptr<btConstraintSolver> exact() {
   return std::make_unique<pintle::ExactJointSolver>();
+}
+inline std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_new_factors) {
+  auto solver = std::make_unique<pintle::ExactJointSolver>();
+  pintle::SolverOptions options = solver->options();
+  options.newton_tolerance = options.pose_tolerance = options.loose_pose_tolerance = tolerance;
+  options.max_new_factors = max_new_factors;
+  solver->setOptions(options);
+  return solver;
 }
 
 // Runs all in turn and keeps the shortest time of each.

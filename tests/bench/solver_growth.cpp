@@ -16,14 +16,6 @@ using bench::cell;
 using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
-std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_new_factors) {
-  auto solver = std::make_unique<ExactJointSolver>();
-  pintle::SolverOptions options = solver->options();
-  options.newton_tolerance = options.pose_tolerance = options.loose_pose_tolerance = tolerance;
-  options.max_new_factors = max_new_factors;
-  solver->setOptions(options);
-  return solver;
-}
 std::unique_ptr<btConstraintSolver> toAMicrometre() {
   return exactTo(1e-6, pintle::SolverOptions().max_new_factors);
 }

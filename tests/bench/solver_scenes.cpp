@@ -35,23 +35,46 @@ void print(const char* scene, const char* who, const measures::CrowdResult& r,
               r.microseconds_per_step / stock.microseconds_per_step);
 }
 
+struct Crowd {
+  const char *name, *title;
+  scenes::Scene scene;
+};
+std::vector<Crowd> crowds() {
+  return {{"doors", "100 doors with limits and motors", scenes::doors_scene()},
+          {"vehicles", "20 cars with driven wheels", scenes::vehicles_scene()},
+          {"bridges", "20 rope bridges, a crate on each", scenes::crate_bridges(20).scene},
+          {"ragdolls", "20 ragdolls", scenes::ragdolls_scene()},
+          {"pile", "pile of 50 ragdolls", scenes::ragdoll_pile_scene()},
+          {"bridge", "bridge of 100 planks, a load of 100 planks dropped on it",
+           scenes::loaded_bridge_scene()},
+          {"track", "closed track of 200 links around two wheels", scenes::track_scene()}};
+}
+
 }  // namespace
+
+int stepCrowd(const std::string& name, const std::string& solver, int steps) {
+  for (const Crowd& of : crowds()) {
+    if (of.name != name) continue;
+    const bool is_least = solver == "least";
+    const auto least = [] { return exactTo(1e-5, 1); };
+    const auto engine =
+        solver == "stock"
+            ? engines::make_bullet(of.scene, 10, engines::make_stock_joint)
+            : engines::make_bullet(of.scene, is_least ? 1 : 10, engines::make_conditioned_joint,
+                                   is_least ? SolverFactory(least) : SolverFactory(exact));
+    for (int i = 0; i < steps; ++i) {
+      engine->drive(i / 60., 1 / 60.);
+      engine->step(1 / 60.);
+    }
+    return int(of.scene.joints.size());
+  }
+  return 0;
+}
 
 void crowd() {
   std::printf("\n%-10s %-16s %7s %9s %9s %10s %9s %8s %8s %9s %6s\n", "", "", "joints", "mean gap",
               "max gap", "deepest", "end J", "lowest", "travel", "us/step", "ratio");
-  const struct {
-    const char *name, *title;
-    scenes::Scene scene;
-  } all[] = {{"doors", "100 doors with limits and motors", scenes::doors_scene()},
-             {"vehicles", "20 cars with driven wheels", scenes::vehicles_scene()},
-             {"bridges", "20 rope bridges, a crate on each", scenes::crate_bridges(20).scene},
-             {"ragdolls", "20 ragdolls", scenes::ragdolls_scene()},
-             {"pile", "pile of 50 ragdolls", scenes::ragdoll_pile_scene()},
-             {"bridge", "bridge of 100 planks, a load of 100 planks dropped on it",
-              scenes::loaded_bridge_scene()},
-             {"track", "closed track of 200 links around two wheels", scenes::track_scene()}};
-  for (const auto& [name, title, scene] : all) {
+  for (const auto& [name, title, scene] : crowds()) {
     const auto with = [&scene = scene](engines::MakeJoint make_joint, const SolverFactory& solver) {
       return [&scene, make_joint, solver] {
         return measures::run_crowd(scene, *engines::make_bullet(scene, 10, make_joint, solver));
