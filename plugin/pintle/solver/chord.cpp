@@ -24,10 +24,11 @@ void findBase(const Island& island, const Component& component, JointMatrix& K, 
 class Chord {
  public:
   Chord(const Island& island, const Component& component, const SolverOptions& options,
-        JointMatrix& K, Workspace& work)
+        double energy_by_forces, JointMatrix& K, Workspace& work)
       : m_island(island),
         m_component(component),
         m_options(options),
+        m_energy_by_forces(energy_by_forces),
         m_K(K),
         m_work(work),
         m_set(island, component, options, K, work) {}
@@ -48,6 +49,7 @@ class Chord {
   const Island& m_island;
   const Component& m_component;
   const SolverOptions& m_options;
+  const double m_energy_by_forces;
   JointMatrix& m_K;
   Workspace& m_work;
   ActiveSet m_set;
@@ -66,23 +68,22 @@ void Chord::findWhatForeseenMisses() {
 
 // Where impulses lead to what is foreseen, but for rounding, and rows are met there, nothing is to be solved.
 bool Chord::isForeseen() {
-  const IslandBody* const bodies = &m_island.bodies[size_t(m_component.first_body)];
-  double by_forces = 0, missed = 0, left2 = 0, left = 0;  // J, J, J, and m/s or rad/s
-  for (size_t i = 0; i < m_work.v.size(); ++i) {
-    const Vector6d &v = bodies[i].v_free, &by = m_work.stays[i];
-    by_forces += bodies[i].product(v, v);
-    missed += bodies[i].product(by, by);
-  }
+  const double most2 =
+      2 * m_energy_by_forces * rounding_of_velocities * rounding_of_velocities;  // twice, J
+  double missed2 = 0, left = 0;
   for (const Workspace::Scale& of : m_work.scales) {
     const double x = m_work.x[of.at];
-    left2 += x * x;
+    missed2 += x * x;
+    if (!(missed2 <= most2)) return false;
     left = larger(left, of.root_K * x);
   }
   m_report.error = left * m_island.dt;
-  constexpr double least = rounding_of_velocities * rounding_of_velocities;
-  if (!(std::fmax(missed, left2) <= least * by_forces) ||
-      m_report.error > m_options.newton_tolerance)
-    return false;
+  if (m_report.error > m_options.newton_tolerance) return false;
+  const IslandBody* const bodies = &m_island.bodies[size_t(m_component.first_body)];
+  missed2 = 0;
+  for (size_t i = 0; i < m_work.v.size(); ++i)
+    missed2 += bodies[i].product(m_work.stays[i], m_work.stays[i]);
+  if (!(missed2 <= most2)) return false;
   for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_work.stays[i];
   return true;
 }
@@ -140,10 +141,11 @@ SolveReport Chord::run() {
 }  // namespace
 
 SolveReport solveByChord(const Island& island, const Component& component,
-                         const SolverOptions& options, JointMatrix& K, Workspace& work) {
+                         const SolverOptions& options, double energy_by_forces, JointMatrix& K,
+                         Workspace& work) {
   stiffen(island, component, work, K);
   findBase(island, component, K, work);
-  return Chord(island, component, options, K, work).run();
+  return Chord(island, component, options, energy_by_forces, K, work).run();
 }
 
 }  // namespace PINTLE_PRECISION

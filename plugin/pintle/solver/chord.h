@@ -12,9 +12,11 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 /// Solves the component from work.v and work.lambda to there. `work.stiffness` is added to the inertia of its bodies. Where it does
-/// not converge, work.v stays.
+/// not converge, work.v stays. What is missed by next to nothing of the kinetic energy to which forces alone would lead (J) is not
+/// solved for: then the report has no steps, and K no factor.
 SolveReport solveByChord(const Island& island, const Component& component,
-                         const SolverOptions& options, JointMatrix& K, Workspace& work);
+                         const SolverOptions& options, double energy_by_forces, JointMatrix& K,
+                         Workspace& work);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

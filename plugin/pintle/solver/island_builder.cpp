@@ -184,8 +184,8 @@ IslandBuilder::EqualitySettings IslandBuilder::settingsOf(const Joint& joint, in
                      : soft.own_erp             ? btMin(soft.erp, Scalar(1))
                                                 : m_info.m_erp;
   // Of two bodies, each with a place and a lever. A lever is of some m.
-  const Scalar far = btMax(joint.getRigidBodyA().getCenterOfMassPosition().length(),
-                           joint.getRigidBodyB().getCenterOfMassPosition().length());
+  const Scalar far = btSqrt(btMax(joint.getRigidBodyA().getCenterOfMassPosition().length2(),
+                                  joint.getRigidBodyB().getCenterOfMassPosition().length2()));
   return {group,
           double(erp),
           double(soft.cfm),

@@ -151,7 +151,8 @@ bool IslandSolver::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
   kept.holds_end = false;
   kept.whirls.reset();
-  const SolveReport done = pintle::solveByChord(m_island, component, m_options, kept.K, kept.work);
+  const SolveReport done = pintle::solveByChord(m_island, component, m_options,
+                                                kept.ledger.with_forces, kept.K, kept.work);
   count(done, 1);
   kept.converged = done.converged;
   kept.is_foreseen = done.converged && done.steps <= 1;
