@@ -52,8 +52,10 @@ class Passes {
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
     if (!contacts.empty())
-      for (const BlockOfJoints& part : of)
+      for (const BlockOfJoints& part : of) {
         memory.response.addJoints(part.component->first_body, *part.K);
+        m_are_paths_whole = m_are_paths_whole && part.K->findsWholePaths();
+      }
     for (ContactRow& row : contacts) {
       row.K = memory.response.findAnswers(island, row);
       row.before = 0;
@@ -111,12 +113,6 @@ class Passes {
     double largest = 0;
     for (BlockSolver& block : blocks()) largest = std::fmax(largest, block.sweep(m_velocities));
     return largest;
-  }
-  // Where not all joints are on the paths, what a pass does is less than it might, and never too much. Then joints are solved after each pass.
-  bool areJointsOnPaths() const {
-    for (const BlockOfJoints& part : m_of)
-      if (!part.K->findsWholePaths()) return false;
-    return true;
   }
   bool mayChangeSet() const {
     for (const BlockSolver& block : blocks())
@@ -197,6 +193,9 @@ class Passes {
   const Sweep m_sweep;
   PassMemory& m_memory;
   int m_passes = 0, m_next_look = 1;
+  /// Where not all joints are on the paths, what a pass does is less than it might, and never too much. Then joints are solved after each
+  /// pass.
+  bool m_are_paths_whole = true;
 };
 
 // Contacts see each other through the joints. These are solved when the passes are over, and before after 1, 2, 4, ... of them, only
@@ -209,10 +208,9 @@ double Passes::passAtOnce(bool is_last) {
                  of_bounds = response.sweep(m_memory.bounds),
                  largest = std::fmax(of_contacts, of_bounds);
     const bool is_converged = largest * m_island.dt <= m_options.contact_tolerance;
-    const bool is_whole = areJointsOnPaths();
-    if (is_whole && !is_last && !is_converged && m_passes < m_next_look) return largest;
+    if (m_are_paths_whole && !is_last && !is_converged && m_passes < m_next_look) return largest;
     if (m_passes >= m_next_look) m_next_look *= 2;
-    if ((is_whole && !mayChangeSet()) || !hasNews()) return largest;
+    if ((m_are_paths_whole && !mayChangeSet()) || !hasNews()) return largest;
     if (!is_last) return infinity;
   }
 }
