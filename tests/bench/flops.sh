@@ -29,9 +29,9 @@ objdump -d --no-show-raw-insn "$program" | awk '
   }' >"$work/flops"
 main=$(nm "$program" | awk '$3 == "main" { print $1 }')
 
-counts() {  # SCENE SOLVER STEPS: instructions of all, of the program's own code, and the operations of that
+counts() {  # SCENE SOLVER STEPS: instructions of all, those of Bullet's own code, and the operations of the program's own
   valgrind --tool=callgrind --dump-instr=yes --compress-pos=no --compress-strings=no \
-    --callgrind-out-file="$work/out" "$program" crowd "$@" >/dev/null 2>&1
+    --callgrind-out-file="$work/out.$3" "$program" crowd "$@" >/dev/null 2>"$work/log.$3" || { cat "$work/log.$3" >&2; exit 1; }
   awk -v program="$(basename "$program")" -v main="$main" '
     function number(hex, n, i) {
       n = 0
@@ -39,14 +39,14 @@ counts() {  # SCENE SOLVER STEPS: instructions of all, of the program's own code
       return n
     }
     FNR == NR { flops[number($1)] = $2; next }
-    /^ob=/ { own = $0 ~ program "$"; next }
+    /^ob=/ { own = $0 ~ program "$"; is_bullet = $0 ~ /\/lib(Bullet|LinearMath)/; next }
     /^fn=/ { is_main = $0 == "fn=main"; next }
     /^calls=/ { skip = 1; next }
     /^0x/ {
       if (skip) { skip = 0; next }
       all += $3
+      if (is_bullet) bullet += $3
       if (!own) next
-      mine += $3
       at[$1] += $3
       if (!is_main) next
       address = number(substr($1, 3))
@@ -55,23 +55,25 @@ counts() {  # SCENE SOLVER STEPS: instructions of all, of the program's own code
     END {
       base = first - number(main)  # where the program was loaded
       for (a in at) sum += at[a] * flops[number(substr(a, 3)) - base]
-      printf "%d %d %d\n", all, mine, sum
-    }' "$work/flops" "$work/out"
+      printf "%d %d %d\n", all, bullet, sum
+    }' "$work/flops" "$work/out.$3"
 }
 each() {  # the difference of two runs leaves out all that is not repeated
-  paste -d' ' <(counts "$1" "$2" $((2 * steps))) <(counts "$1" "$2" "$steps") |
-    awk -v n="$((steps * joints))" '{ print ($1 - $4) / n, ($2 - $5) / n, ($3 - $6) / n }'
+  local many few
+  many=$(counts "$1" "$2" $((2 * steps)))
+  few=$(counts "$1" "$2" "$steps")
+  awk -v n="$((steps * joints))" '{ print ($1 - $4) / n, ($2 - $5) / n, ($3 - $6) / n }' <<<"$many $few"
 }
 printf '%-10s %8s %8s %8s %8s %8s %8s %8s\n' '' stock exact Bullet left flops least 'least/left'
 printf '| scene | Bullet | exact | of it Bullet'\''s own | left at 1.1 | operations | at least | for each instruction left |\n|---|---|---|---|---|---|---|---|\n' >"$page"
 steps=60
 for scene in "$@"; do
   joints=$("$program" crowd "$scene" stock 0)
+  [ "$joints" -gt 0 ] || { echo "flops.sh: there is no scene $scene" >&2; exit 1; }
   read -r stock _ _ < <(each "$scene" stock)
-  read -r all own operations < <(each "$scene" exact)
+  read -r all bullet operations < <(each "$scene" exact)
   read -r _ _ least < <(each "$scene" least)
-  awk -v scene="$scene" -v stock="$stock" -v all="$all" -v own="$own" -v operations="$operations" -v least="$least" -v page="$page" 'BEGIN {
-    bullet = all - own
+  awk -v scene="$scene" -v stock="$stock" -v all="$all" -v bullet="$bullet" -v operations="$operations" -v least="$least" -v page="$page" 'BEGIN {
     left = 1.1 * stock - bullet
     printf "%-10s %8d %8d %8d %8d %8d %8d %8.2f\n", scene, stock, all, bullet, left, operations, least, least / left
     printf "| %s | %d | %d | %d | %d | %d | %d | %.2f |\n", scene, stock, all, bullet, left, operations, least, least / left >>page

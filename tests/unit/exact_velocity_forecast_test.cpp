@@ -11,7 +11,7 @@ using pintle::IslandBody;
 using pintle::Vector6d;
 using pintle::VelocityForecast;
 
-// A body whose velocity at the end of a step that begins at t is along(t) in all linear, and about(t) in all angular parts.
+// A body whose velocity at the end of a step, at time t, is along(t) in all linear, and about(t) in all angular parts.
 class Course {
  public:
   Course() : m_body() { m_body.scale[0] = m_body.scale[1] = 1; }
@@ -29,7 +29,7 @@ class Course {
     m_time += dt - m_dt;
     m_dt = dt;
   }
-  // Where the next step ends, with the velocity of which is foreseen:
+  // At which the next step ends, of which a velocity is foreseen.
   double time() const { return m_time; }
   double alongError(double expected) const { return error(0, expected); }
   double aboutError(double expected) const { return error(3, expected); }

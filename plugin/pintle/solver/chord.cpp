@@ -70,11 +70,12 @@ void Chord::findWhatForeseenMisses() {
 bool Chord::isForeseen() {
   const double most2 =
       2 * m_energy_by_forces * rounding_of_velocities * rounding_of_velocities;  // twice, J
-  double missed2 = 0, left = 0;
+  double missed2 = 0, left = 0, work = 0;
   for (const Workspace::Scale& of : m_work.scales) {
     const double x = m_work.x[of.at];
     missed2 += x * x;
-    if (!(missed2 <= most2)) return false;
+    work += std::abs(x * m_work.y[of.at]);
+    if (!(missed2 <= most2 && work <= rounding_of_work * m_energy_by_forces)) return false;
     left = larger(left, of.root_K * x);
   }
   m_report.error = left * m_island.dt;

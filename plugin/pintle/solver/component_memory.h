@@ -22,7 +22,7 @@ struct ComponentMemory {
   JointMatrix K;
   bool has_factor = false;  ///< K is that with which the step was solved
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
-  /// One solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
+  /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
   /// Whether what holds its bodies on arcs is more than what bears their load, where it was found before it was asked for
   /// (balance.h).

@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 
 /// Of the velocities to which forces lead: less may be rounding.
 constexpr double rounding_of_velocities = 1e-12;
-/// Of their energy: joints that bear some times what forces give do this by it.
+/// Of the energy to which forces alone would lead: what joints give may be rounding, while it is less.
 constexpr double rounding_of_work = 10 * rounding_of_velocities;
 
 struct EnergyLedger {

@@ -148,7 +148,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
   const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
   const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
   to.equalities = rows.equalities();
-  EqualitySettings settings = {-1, 0, 0, 0, 0, 0};
+  EqualitySettings settings = {-1, 0, 0, 0, 0};
   for (int i = 0; i < rows.size(); ++i) {
     IslandRow& row = newRow();
     row.start = &rows[i];
@@ -183,20 +183,12 @@ IslandBuilder::EqualitySettings IslandBuilder::settingsOf(const Joint& joint, in
   const Scalar erp = bound < AxisLaw::unbounded ? soft.erp
                      : soft.own_erp             ? btMin(soft.erp, Scalar(1))
                                                 : m_info.m_erp;
-  // Of two bodies, each with a place and a lever. A lever is of some m.
-  const Scalar far = btSqrt(btMax(joint.getRigidBodyA().getCenterOfMassPosition().length2(),
-                                  joint.getRigidBodyB().getCenterOfMassPosition().length2()));
-  return {group,
-          double(erp),
-          double(soft.cfm),
-          bound,
-          1 - double(setting.damping),
-          4 * double(SIMD_EPSILON * (1 + far))};
+  return {group, double(erp), double(soft.cfm), bound, 1 - double(setting.damping)};
 }
 
 void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
                                    IslandRow& row) const {
-  const auto& [group, erp, cfm, bound, left, rounding] = settings;
+  const auto& [group, erp, cfm, bound, left] = settings;
   const double position = double(row.start->position),
                target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
   if (bound < AxisLaw::unbounded) {
@@ -207,13 +199,12 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
   row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
                      double(row.start->max_speed));
-  // In double precision that little is what the last solve has left, but for the rounding of poses, with which bodies would shake. In
-  // single precision it is all rounding.
+  // In double precision that little is what the last solve has left. In single precision it is rounding, with which bodies would shake.
   constexpr bool is_exact = sizeof(Scalar) > 4;
   if (cfm > 0) {
     m_island.giveExtras(row).spring = {erp, row.open, 0};
   } else if (is_exact && std::abs(row.open) <= m_options.pose_tolerance) {
-    if (std::abs(row.open) > rounding) row.law.aim(target - row.open / m_island.dt);
+    row.law.aim(target - row.open / m_island.dt);
     row.open = 0;
   }
 }

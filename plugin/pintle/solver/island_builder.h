@@ -40,8 +40,7 @@ class IslandBuilder {
   struct EqualitySettings {
     int group;
     double erp, cfm, bound;
-    double left;      ///< what damping leaves of the velocity that forces lead to
-    double rounding;  ///< m or rad: of poses
+    double left;  ///< what damping leaves of the velocity that forces lead to
   };
   EqualitySettings settingsOf(const Joint& joint, int group) const;
   void setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,

@@ -28,7 +28,7 @@ struct StepReport {
   /// that are moved against the weight do.
   double work = 0;
   double ledger =
-      0;  ///< J: `work` of all steps so far, of which the oldest is forgotten where it is below -`ledger_limit`
+      0;  ///< J: `work` of all steps so far, as far as it is within a share of the kinetic energy that recent steps have left
   double ledger_limit = 0;  ///< J: what `ledger` may be in this step (SolverOptions::ledger_share)
 
   /// Of several components, or islands.
