@@ -105,6 +105,55 @@ TEST(LastStep, TakesFewSolvesAtRest) {
   EXPECT_NEAR(double(of.body.getCenterOfMassPosition().z()), -1, rounding(1e-6, 1e-12));
 }
 
+// Its impulses are large, and so is what they do by an error that is next to nothing.
+TEST(LastStep, AHeavyLoadThatHangsStaysInTheFirstTier) {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  pintle::ExactJointSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  world.setGravity(vec(0, 0, -9.81));
+  btBoxShape shape{vec(0.1, 0.1, 0.1)};
+  std::vector<std::unique_ptr<btRigidBody>> links;
+  std::vector<std::unique_ptr<pintle::BallJoint>> joints;
+  for (int i = 0; i < 10; ++i) {
+    const double mass = i < 9 ? 1 : 1e6, inertia = 0.01 * mass;
+    auto link = std::make_unique<btRigidBody>(scalar(mass), nullptr, &shape,
+                                              vec(inertia, inertia, inertia));
+    link->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0, -0.5 - i)));
+    link->setActivationState(DISABLE_DEACTIVATION);
+    world.addRigidBody(link.get(), 0, 0);
+    const btVector3 top = vec(0, 0, 0.5), bottom = vec(0, 0, -0.5);
+    joints.push_back(i > 0 ? std::make_unique<pintle::BallJoint>(*links.back(), *link, bottom, top)
+                           : std::make_unique<pintle::BallJoint>(*link, top));
+    world.addConstraint(joints.back().get());
+    links.push_back(std::move(link));
+  }
+  int second_tier = 0;
+  for (int i = 0; i < 2000; ++i) {
+    world.stepSimulation(scalar(dt), 0, scalar(dt));
+    second_tier += solver.lastStep().second_tier;
+  }
+  EXPECT_LE(second_tier, 20);
+  for (const auto& joint : joints) world.removeConstraint(joint.get());
+  for (const auto& link : links) world.removeRigidBody(link.get());
+}
+
+// Also where it rests and takes no solve, and poses have no factor but that of the velocities.
+TEST(LastStep, WhatRestsClosesByTheFactorOfItsVelocities) {
+  Pendulum of;
+  pintle::SolverOptions options;
+  options.max_new_factors = 0;
+  of.solver.setOptions(options);
+  of.body.setActivationState(DISABLE_DEACTIVATION);
+  const btQuaternion hanging(vec(0, 1, 0), scalar(SIMD_HALF_PI));
+  of.body.setCenterOfMassTransform(btTransform(hanging, vec(-1, 0, -1)));
+  for (int i = 0; i < 60; ++i) of.step();
+  of.body.setCenterOfMassTransform(btTransform(hanging, vec(-1, 0, -1.001)));
+  for (int i = 0; i < 120; ++i) of.step();
+  EXPECT_LT(of.solver.lastStep().open, rounding(1e-5, 1e-9));
+}
+
 TEST(LastStep, SaysHowFarJointsAreOpen) {
   Pendulum of;
   of.body.setCenterOfMassTransform(btTransform(btQuaternion::getIdentity(), vec(0.3, 0, 0)));
