@@ -153,7 +153,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.whirls.reset();
   const SolveReport done = pintle::solveByChord(m_island, component, m_options,
                                                 kept.ledger.with_forces, kept.K, kept.work);
-  count(done, 1);
+  m_report.newton_steps += done.steps;
   kept.converged = done.converged;
   kept.is_foreseen = done.converged && done.steps <= 1;
   if (!done.converged) return false;
@@ -215,12 +215,11 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
   const auto& rows = group.rows;
   m_report.second_tier += int(those.size());
   m_report.tier = std::max(m_report.tier, 2);
-  std::vector<BlockOfJoints>& blocks = m_blocks;
-  blocks.clear();
+  m_blocks.clear();
   double largest = 0;
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
-    blocks.push_back({of, &kept.K, &kept.work});
+    m_blocks.push_back({of, &kept.K, &kept.work});
     largest += kept.ledger.largest();
   }
   for (const int i : group.bodies)
@@ -230,9 +229,9 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
   SolveReport done;
   const auto solve = [&](Sweep sweep) {
     const int most = rows.empty() ? m_options.max_sweeps : m_sweeps;
-    done = pintle::solveInVelocity(m_island, blocks, group.bodies, rows, m_options, sweep, most,
+    done = pintle::solveInVelocity(m_island, m_blocks, group.bodies, rows, m_options, sweep, most,
                                    m_velocities, m_pass_memory);
-    count(done, int(those.size()));
+    m_report.newton_steps += done.steps * int(those.size());
   };
   // Again, where bodies swing fast, and under another load than was foreseen.
   const auto attempt = [&](Sweep sweep) {
@@ -293,11 +292,6 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
                    kineticEnergy(m_island, component, work.v));
   kept.keep(m_island, component);
   pintle::report(m_island, component, work);
-}
-
-// `of`: so many components, solved together.
-void IslandSolver::count(const SolveReport& done, int of) {
-  m_report.newton_steps += done.steps * of;
 }
 
 void IslandSolver::report(const Component& component, ComponentMemory& kept) {

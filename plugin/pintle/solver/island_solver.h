@@ -58,7 +58,6 @@ class IslandSolver {
   void solveInVelocity(const ContactGroup& group);
   double gainInVelocity(const ContactGroup& group);
   void finish(const Component& component, ComponentMemory& kept);
-  void count(const SolveReport& done, int components);
   void report(const Component& component, ComponentMemory& kept);
   void gatherVelocities(const Component& component);
   void writeVelocities(SolverBodies& bodies) const;
