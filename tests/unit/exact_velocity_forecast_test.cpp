@@ -29,7 +29,7 @@ class Course {
     m_time += dt - m_dt;
     m_dt = dt;
   }
-  // At which the next step ends, of which a velocity is foreseen.
+  // Of the end of the next step, of which the velocity is foreseen.
   double time() const { return m_time; }
   double alongError(double expected) const { return error(0, expected); }
   double aboutError(double expected) const { return error(3, expected); }

@@ -20,7 +20,7 @@ struct ComponentMemory {
   std::vector<int> sizes;                  ///< of each: rows
   JointMatrix::Locks locks;                ///< of each body
   JointMatrix K;
-  bool has_factor = false;  ///< K is that with which the step was solved
+  bool has_factor = false;  ///< K is that of the step, and has a factor or can have one
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;

@@ -159,10 +159,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   if (!done.converged) return false;
   kept.residual = done.error;
   kept.tolerance = m_options.pose_tolerance;
-  kept.has_factor =
-      done.steps > 0 || (isOpen(m_island, component, kept.work, m_options.pose_tolerance / 2) &&
-                         kept.K.factorise(m_options.least_pivot));
-  kept.holds_end = true;
+  kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   return kept.ledger.mayGive(kept.work_done, m_options.ledger_share) ||
          (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));

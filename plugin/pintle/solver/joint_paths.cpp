@@ -7,8 +7,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 // Paths of rings, of most trees and of chains of a hundred joints are no longer than that (MinimumDegree). Those of larger nets are, and
-// of chains of several hundred. Then it takes longer to follow them than to solve the joints after each pass: only the first blocks are on them, the
-// same ones for all bodies. (Not where bodies are unknowns: joints that do not hold would leave these at rest.)
+// of chains of several hundred. Then it takes longer to follow them than to solve the joints after each pass: only the first blocks are
+// on them, the same ones for all bodies. (Not where bodies are unknowns: joints that do not hold would leave these at rest.)
 int JointMatrix::mostOnPath() const {
   constexpr int longest = 64, first = 8;
   const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();

@@ -253,6 +253,8 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   m_work.start = m_nearest;
   m_first.clear();
   m_work.broyden.begin();
+  // (Nothing is done where K has its factor.)
+  has_factor = has_factor && m_K.factorise(m_options.least_pivot);
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
   const double met = m_options.loose_pose_tolerance;  // but for rounding

@@ -35,10 +35,10 @@ class VelocityForecast {
     return dt * sum;
   }
 
-  /// A step of length dt ends with velocities `v`. They go on by as many differences as would have told this step best, along and about each body by
-  /// itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further. So with one
-  /// more of them half of what all miss must be gone. `was_enough`: at most one solve has led to the end of the step. Then no more differences
-  /// are found than before, and the last change alone where the others did not help.
+  /// A step of length dt ends with velocities `v`. They go on by as many differences as would have told this step best, along and about
+  /// each body by itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further.
+  /// So with one more of them half of what all miss must be gone. `was_enough`: at most one solve has led to the end of the step. Then no
+  /// more differences are found than before, and the last change alone where the others did not help.
   void take(const IslandBody* bodies, const std::vector<Vector6d>& v, double dt, bool was_enough) {
     const int kept = was_enough ? m_known : std::min(m_known + 1, most);
     for (int k = 0; k < kept; ++k) m_difference[size_t(k)].resize(v.size(), Vector6d::Zero());
