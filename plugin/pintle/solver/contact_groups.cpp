@@ -77,12 +77,14 @@ void ContactGroups::find(const std::vector<Component>& components, size_t bodies
   sort(
       bodies, &Ends::bodies, [&](size_t i) { return m_group[i]; },
       [&](size_t i, size_t place) { m_bodies[place] = int(i); });
-  m_sorted = contacts;
-  m_place.resize(contacts.size());
+  const size_t rows = contacts.size();
+  m_unsorted.swap(contacts);
+  contacts.resize(rows);
+  m_place.resize(rows);
   sort(
-      contacts.size(), &Ends::rows, [&](size_t i) { return groupOf(m_sorted[i]); },
+      rows, &Ends::rows, [&](size_t i) { return groupOf(m_unsorted[i]); },
       [&](size_t i, size_t place) {
-        contacts[place] = m_sorted[i];
+        contacts[place] = m_unsorted[i];
         m_place[i] = int(place);
       });
   for (ContactRow& row : contacts)

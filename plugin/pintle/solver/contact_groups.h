@@ -30,7 +30,7 @@ class ContactGroups {
     pintle::reserve(components, m_components);
   }
   size_t bytes() const {
-    return bytesOf(m_root, m_group, m_components, m_bodies, m_sorted, m_place, m_ends);
+    return bytesOf(m_root, m_group, m_components, m_bodies, m_unsorted, m_place, m_ends);
   }
 
  private:
@@ -51,9 +51,9 @@ class ContactGroups {
   std::vector<const Component*> m_components;  ///< group by group
   std::vector<int> m_bodies;
   ContactRow* m_rows = nullptr;
-  std::vector<ContactRow> m_sorted;  ///< memory
-  std::vector<int> m_place;          ///< of each row: after it was sorted
-  std::vector<Ends> m_ends;          ///< of each group
+  std::vector<ContactRow> m_unsorted;  ///< memory
+  std::vector<int> m_place;            ///< of each row: after it was sorted
+  std::vector<Ends> m_ends;            ///< of each group
 };
 
 }  // namespace PINTLE_PRECISION

@@ -11,7 +11,7 @@ void IslandBuilder::addContacts(btConstraintArray& rows, const SolverBodies& bod
   const Vector6d zero = Vector6d::Zero();
   for (int i = 0; i < rows.size(); ++i) {
     btSolverConstraint& from = rows[i];
-    ContactRow row;
+    ContactRow& row = to.emplace_back();
     // Bullet's target of a contact has the velocities of bodies that their owner moves.
     const auto bodyOf = [&](int number) {
       return std::max(body(bodies, number), Island::unmoved(Island::at_rest));
@@ -32,7 +32,6 @@ void IslandBuilder::addContacts(btConstraintArray& rows, const SolverBodies& bod
     row.friction = double(from.m_friction);
     row.impulse = double(from.m_appliedImpulse);
     row.from = &from;
-    to.push_back(row);
   }
 }
 

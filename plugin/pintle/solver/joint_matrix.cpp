@@ -150,10 +150,14 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   m_products.clear();
   m_staying.clear();
   m_couplings.clear();
+  std::vector<bool> is_taken(m_factor.numbers());
   forEachBlock(
       [&](size_t b, int i, int side_i, int k, int side_k) {
-        m_products.push_back({m_factor.place(i, k), int(b), i, 2 * i + side_i, k, 2 * k + side_k});
-        m_couplings.push_back({i, k, m_products.back().place});
+        const size_t place = m_factor.place(i, k);
+        m_products.push_back(
+            {place, int(b), i, 2 * i + side_i, k, 2 * k + side_k, !is_taken[place]});
+        is_taken[place] = true;
+        m_couplings.push_back({i, k, place});
       },
       [&](int b, int i, int side) {
         for (int half = 0; half < 2; ++half) {
@@ -172,17 +176,16 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
 }
 
 void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
-  const int node = m_node[size_t(c)] + i / block;
+  const int node = m_node[size_t(c)] + i / block, lane = i % block;
   const double by_root = 1 / root_K;
-  m_root_K[row(c, i)] = root_K;
+  m_root_K[size_t(stride * node + lane)] = root_K;
   for (int side = 0; side < 2; ++side) {
-    const int body = m_joints[size_t(c)][size_t(side)];
+    const int body = m_bodies_of[size_t(node)][size_t(side)];
     if (body < 0) continue;
     Rows& to = rows(node, side);
     Vector6d along;
     along << by_root * J.L(side), by_root * J.A(side);
     const Vector6d answer = m_bodies[size_t(body)].answer(along.head<3>(), along.tail<3>());
-    const int lane = i % block;
     if (m_is_assembled || m_is_factorised) {
       bool is_same = true;
       for (int k = 0; k < 6; ++k)
@@ -217,7 +220,8 @@ PINTLE_TARGET_CLONES void JointMatrix::addProducts() {
     const Rows &i = m_rows[size_t(of.rows_i)], &k = m_rows[size_t(of.rows_k)];
     double* const to = m_matrix.data() + of.place;
     for (int s = 0; s < block; ++s) {
-      FourLanes column(to + stride * s);
+      FourLanes column;
+      if (!of.is_first) column = FourLanes(to + stride * s);
       addVelocity(i.J, k.answer[s], column);
       column.store(to + stride * s);
     }
@@ -226,7 +230,6 @@ PINTLE_TARGET_CLONES void JointMatrix::addProducts() {
 
 void JointMatrix::assemble() {
   m_is_assembled = true;
-  std::fill(m_matrix.begin(), m_matrix.end(), 0.);
   const auto in = SymmetricFactor::in;
   for (size_t b = 0; b < m_ends.size(); ++b) {
     if (!m_stays[b]) continue;
@@ -249,7 +252,7 @@ void JointMatrix::assemble() {
     double* const to = m_matrix.data() + of.place;
     for (int r = 0; r < block; ++r)
       for (int k = 0; k < 3; ++k)
-        to[of.is_row ? in(k, r) : in(r, k)] +=
+        to[of.is_row ? in(k, r) : in(r, k)] =
             rows.answer[r][3 * of.half + k] * m_bodies[size_t(of.body)].scale[of.half];
   }
 }
@@ -267,15 +270,18 @@ bool JointMatrix::findWhole() {
   return all;
 }
 
-void JointMatrix::leaveOutWhatDoesNotAct() {
+PINTLE_TARGET_CLONES void JointMatrix::leaveOutWhatDoesNotAct() {
   for (const Coupling& of : m_couplings) {
     if (m_is_whole[size_t(of.row)] && m_is_whole[size_t(of.column)]) continue;
-    const double *const row = m_acts.data() + stride * of.row, *const column = m_acts.data() +
-                                                                               stride * of.column;
+    const FourLanes rows(m_acts.data() + stride * of.row);
+    const double* const columns = m_acts.data() + stride * of.column;
     double* const to = m_factor.at(of.place);
-    for (int r = 0; r < block; ++r)
-      for (int s = 0; s < block; ++s)
-        if (row[r] == 0 || column[s] == 0) to[SymmetricFactor::in(r, s)] = 0;
+    for (int s = 0; s < block; ++s) {
+      FourLanes column(to + stride * s);
+      column.multiply(rows);
+      column.scale(columns[s]);
+      column.store(to + stride * s);
+    }
   }
 }
 

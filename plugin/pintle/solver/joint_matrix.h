@@ -110,6 +110,7 @@ class JointMatrix {
   struct Product {
     size_t place;
     int body, i, rows_i, k, rows_k;
+    bool is_first;  ///< of those at this place
   };
   /// The same of a node and the linear or angular half of a body that stays.
   struct Staying {
