@@ -83,7 +83,7 @@ struct Problem {
           J.block<1, 3>(r, 6 * b) = row.L(side).transpose() / root_K;
           J.block<1, 3>(r, 6 * b + 3) = row.A(side).transpose() / root_K;
         }
-        matrix.setRow(int(c), i, row, root_K);
+        matrix.setRow(int(c), i, row, root_K, 1 / root_K);
         matrix.setActing(matrix.row(int(c), i), acts[c].back(), softness[r]);
       }
     }
@@ -277,7 +277,7 @@ TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
     for (int c = 0; c < spokes; ++c)
       for (int i = 0; i < 3; ++i) {
         const Vector3d n = Vector3d::Unit(i), r = Vector3d(0, c % 2 ? of.lever : 0, 0);
-        matrix.setRow(c, i, {-n, -r.cross(n), n, Vector3d::Zero()}, 1);
+        matrix.setRow(c, i, {-n, -r.cross(n), n, Vector3d::Zero()}, 1, 1);
         matrix.setActing(matrix.row(c, i), of.first_acts || c > 0, 1);
       }
     EXPECT_TRUE(matrix.factorise(of.least_pivot));
@@ -312,7 +312,7 @@ TEST(JointMatrix, ARefusedFactorIsNotKept) {
   const auto setRows = [&](const Vector3d& last) {
     for (int i = 0; i < 3; ++i) {
       const Vector3d n = i < 2 ? Vector3d(Vector3d::Unit(i)) : last;
-      matrix.setRow(0, i, {-n, Vector3d::Zero(), n, Vector3d::Zero()}, 1);
+      matrix.setRow(0, i, {-n, Vector3d::Zero(), n, Vector3d::Zero()}, 1, 1);
       matrix.setActing(matrix.row(0, i), true, 0);
     }
   };

@@ -26,7 +26,7 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
       work.pieces[r] = row.law.meet(0, row.K);  // wherever it is
     else
       work.bounded.push_back({&row, c, r, at});
-    K.setRow(c, i, row.J, row.root_K);
+    K.setRow(c, i, row.J, row.root_K, row.by_root_K);
   });
 }
 

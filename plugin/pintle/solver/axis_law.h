@@ -72,11 +72,12 @@ class AxisLaw {
 
   void clear() {
     m_parts = 0;
-    m_is_equality = false;
+    m_is_equality = m_has_drives = false;
   }
   void add(const LawPart& part) {
     btAssert(m_parts < (m_room != nullptr ? max_parts : 1));
     m_is_equality = m_parts == 0 && isUnbounded(part);
+    m_has_drives = m_has_drives || part.drives;
     own(m_parts++) = part;
   }
   /// Changes the target of a law of one part.
@@ -123,14 +124,10 @@ class AxisLaw {
   /// Whether it has rigid stops, and nothing else.
   bool isLimit() const {
     for (int i = 0; i < m_parts; ++i)
-      if (part(i).softness > 0 || part(i).drives) return false;
-    return !isEquality();
+      if (part(i).softness > 0) return false;
+    return !isEquality() && !hasDrives();
   }
-  bool hasDrives() const {
-    for (int i = 0; i < m_parts; ++i)
-      if (part(i).drives) return true;
-    return false;
-  }
+  bool hasDrives() const { return m_has_drives; }
 
   /// Lambda. At the target of a rigid part, of which it may be any: as little as can be.
   double at(double u) const {
@@ -165,7 +162,7 @@ class AxisLaw {
   LawPart m_only;
   LawPart* m_room = nullptr;
   int m_parts = 0;
-  bool m_is_equality = false;
+  bool m_is_equality = false, m_has_drives = false;
 };
 
 }  // namespace PINTLE_PRECISION

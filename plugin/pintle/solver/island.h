@@ -239,12 +239,16 @@ struct IslandJoint {
   void add(const IslandRow& row) {
     ++rows;
     open = std::max(open, std::abs(row.open));
-    has_springs = has_springs || row.isSoft();
-    drives = drives || row.law.hasDrives() || row.reboundEnergy() > 0;
-    has_axes = has_axes || row.isOfAxis();
+    const bool is_of_axis = row.isOfAxis();
+    has_axes = has_axes || is_of_axis;
+    drives = drives || row.law.hasDrives();
+    if (row.extras != nullptr) {
+      has_springs = has_springs || row.isSoft();
+      drives = drives || row.reboundEnergy() > 0;
+    }
     if (!row.law.isEquality())
       ++bounded;
-    else if (row.start != nullptr && !row.isOfAxis())
+    else if (row.start != nullptr && !is_of_axis)
       error = std::max(error, std::abs(double(row.start->position)));
   }
   /// None of its rows acts any more.

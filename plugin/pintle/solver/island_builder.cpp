@@ -189,13 +189,12 @@ IslandBuilder::EqualitySettings IslandBuilder::settingsOf(const Joint& joint, in
 void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
                                    IslandRow& row) const {
   const auto& [group, erp, cfm, bound, left] = settings;
-  const double position = double(row.start->position),
-               target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
+  const double position = double(row.start->position);
+  double target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
   if (bound < AxisLaw::unbounded) {
     row.law.add({target - erp * position / m_island.dt, cfm * row.K, -bound, bound, true});
     return;
   }
-  row.law.add({target, cfm * row.K, -bound, bound});
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
   row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
                      double(row.start->max_speed));
@@ -204,9 +203,10 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
   if (cfm > 0) {
     m_island.giveExtras(row).spring = {erp, row.open, 0};
   } else if (is_exact && std::abs(row.open) <= m_options.pose_tolerance) {
-    row.law.aim(target - row.open / m_island.dt);
+    target -= row.open / m_island.dt;
     row.open = 0;
   }
+  row.law.add({target, cfm * row.K, -AxisLaw::unbounded, AxisLaw::unbounded});
 }
 
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {

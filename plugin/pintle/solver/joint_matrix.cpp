@@ -175,27 +175,28 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
       m_couplings.end());
 }
 
-void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K) {
+void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, double by_root_K) {
   const int node = m_node[size_t(c)] + i / block, lane = i % block;
-  const double by_root = 1 / root_K;
   m_root_K[size_t(stride * node + lane)] = root_K;
   for (int side = 0; side < 2; ++side) {
     const int body = m_bodies_of[size_t(node)][size_t(side)];
     if (body < 0) continue;
+    const Vector3d L = by_root_K * J.L(side), A = by_root_K * J.A(side);
+    const InverseInertia& by = m_bodies[size_t(body)];
+    const Vector3d by_L = by.linear.cwiseProduct(L), by_A = by.angular * A;
     Rows& to = rows(node, side);
-    Vector6d along;
-    along << by_root * J.L(side), by_root * J.A(side);
-    const Vector6d answer = m_bodies[size_t(body)].answer(along.head<3>(), along.tail<3>());
-    if (m_is_assembled || m_is_factorised) {
-      bool is_same = true;
-      for (int k = 0; k < 6; ++k)
-        is_same = is_same && to.J[k][lane] == along[k] && to.answer[lane][k] == answer[k];
-      if (is_same) continue;
-      m_is_assembled = m_is_factorised = false;
-    }
-    for (int k = 0; k < 6; ++k) {
-      to.J[k][lane] = along[k];
-      to.answer[lane][k] = answer[k];
+    double* const answer = to.answer[lane];
+    bool is_same = m_is_assembled || m_is_factorised;
+    for (int k = 0; is_same && k < 3; ++k)
+      is_same = to.J[k][lane] == L[k] && to.J[3 + k][lane] == A[k] && answer[k] == by_L[k] &&
+                answer[3 + k] == by_A[k];
+    if (is_same) continue;
+    m_is_assembled = m_is_factorised = false;
+    for (int k = 0; k < 3; ++k) {
+      to.J[k][lane] = L[k];
+      to.J[3 + k][lane] = A[k];
+      answer[k] = by_L[k];
+      answer[3 + k] = by_A[k];
     }
   }
 }

@@ -49,8 +49,8 @@ class JointMatrix {
 
   /// A^-1 of each body, for who sets them before the rows.
   std::vector<InverseInertia>& bodies() { return m_bodies; }
-  /// Row `i` of joint c, divided by root_K. All rows must be set before the first factor, and again where bodies have changed.
-  void setRow(int c, int i, const RowJacobian& J, double root_K);
+  /// Row `i` of joint c, divided by root_K; `by_root_K` is 1 over that. All rows must be set before the first factor, and again where bodies have changed.
+  void setRow(int c, int i, const RowJacobian& J, double root_K, double by_root_K);
   /// Whether the row at `at` acts (row, below), with a softness relative to K. One that does not has the impulse that is asked for, which
   /// answers (addResponse), but is no unknown. Set before each factor.
   void setActing(size_t at, bool acts, double softness) {
@@ -67,9 +67,7 @@ class JointMatrix {
   /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
   /// x = K^-1 x. What lies between the joints' must be 0.
   size_t vectorSize() const { return size_t(m_factor.vectorSize()); }
-  size_t row(int c, int i) const {
-    return size_t(SymmetricFactor::stride * (m_node[size_t(c)] + i / block) + i % block);
-  }
+  size_t row(int c, int i) const { return size_t(stride * m_node[size_t(c)] + i + i / block); }
   void solve(double* x) const { m_factor.solve(x); }
   /// Whether the velocity of a body is one of the unknowns.
   bool isUnknown(int body) const { return m_stays[size_t(body)]; }
@@ -97,6 +95,7 @@ class JointMatrix {
 
  private:
   static constexpr int block = SymmetricFactor::size, stride = SymmetricFactor::stride;
+  static_assert(stride == block + 1, "row");
   /// Three rows of a joint on one of its bodies: J, a lane for each row, and A^-1 J^T of each, with two zeros.
   struct Rows {
     double J[6][stride] = {}, answer[block][2 * stride] = {};

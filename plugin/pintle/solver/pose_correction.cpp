@@ -101,7 +101,7 @@ bool PoseCorrection::factorise(bool at_end) {
   stiffen(m_island, m_component, m_work, m_K);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K);
+    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, row.by_root_K);
     m_K.setActing(m_K.row(c, i), m_closes[r], m_options.dependent_softness);
   });
   m_work.broyden.begin();
