@@ -33,6 +33,7 @@ class SingleRowLock;
 
 // solver/
 class ExactJointSolver;
+class ExactJointSolverPool;
 class ExactMultiBodyJointSolver;
 struct SolverOptions;
 class StepLog;

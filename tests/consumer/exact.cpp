@@ -1,6 +1,7 @@
 // All that is public of the exact solvers.
 #include <pintle/joints/ball_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
+#include <pintle/solver/exact_joint_solver_pool.h>
 #include <pintle/solver/exact_multi_body_joint_solver.h>
 #include <pintle/solver/step_log.h>
 

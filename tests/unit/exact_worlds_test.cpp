@@ -1,8 +1,9 @@
 // The exact solver in all kinds of Bullet's worlds: of multibodies, of many threads, and where Bullet ignores it.
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
-#include <pintle/solver/exact_multi_body_joint_solver.h>
 #include <pintle/solver/exact_joint_solver.h>
+#include <pintle/solver/exact_joint_solver_pool.h>
+#include <pintle/solver/exact_multi_body_joint_solver.h>
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -19,6 +20,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -327,6 +330,55 @@ TEST(ExactSolverMt, WhicheverSolverSolvesAnIsland) {
   EXPECT_TRUE(one == playChains(rotating(3), false)) << "any";
   EXPECT_TRUE(one == playChains(rotating(400), false)) << "a fresh one";
   EXPECT_TRUE(one == playChains(rotating(8), true)) << "on threads";
+}
+
+/// As threads may come to them.
+void solveInReverse(btAlignedObjectArray<Islands::Island*>* islands,
+                    const Islands::SolverParams& params) {
+  for (int i = islands->size(); i-- > 0;)
+    Islands::solveIsland(params.m_solverPool, *(*islands)[i], params);
+}
+
+/// Three chains, of which the joints of one are off for a step, and for two.
+std::vector<btScalar> playWithBreaks(bool in_reverse) {
+  MtWorld of(std::make_unique<pintle::ExactJointSolverPool>(2));
+  if (in_reverse) of.islands().setIslandDispatchFunction(solveInReverse);
+  Bodies bodies(of.world);
+  for (int i = 0; i < 3; ++i) bodies.addChain(40, vec(0, 3 * i, 0));
+  std::vector<btScalar> all;
+  for (int i = 0; i < 60; ++i) {
+    const bool is_off = i == 20 || i == 30 || i == 31;
+    for (int k = 0; k < 40; ++k) bodies.joints[size_t(k)]->setEnabled(!is_off);
+    of.world.stepSimulation(scalar(dt), 0, scalar(dt));
+    EXPECT_EQ(pintle::lastStep(of.world).components, is_off ? 2 : 3) << i;
+    const std::vector<btScalar> state = bodies.state();
+    all.insert(all.end(), state.begin(), state.end());
+  }
+  return all;
+}
+
+TEST(ExactSolverMt, APoolKnowsWhenAStepBegins) {
+  EXPECT_TRUE(playWithBreaks(false) == playWithBreaks(true));
+}
+
+TEST(ExactSolverMt, APoolTakesOptions) {
+  pintle::ExactJointSolverPool pool(2);
+  pintle::SolverOptions options;
+  options.max_iterations = 7;
+  pool.setOptions(options);
+  EXPECT_EQ(pool.options().max_iterations, 7);
+  options.max_iterations = 0;
+  EXPECT_THROW(pool.setOptions(options), std::invalid_argument);
+  EXPECT_EQ(pool.options().max_iterations, 7);
+  for (const int count : {0, -1}) {
+    try {
+      pintle::ExactJointSolverPool none(count);
+      ADD_FAILURE() << count;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("count = " + std::to_string(count)),
+                std::string::npos);
+    }
+  }
 }
 
 /// Links of 0.5 m and 1 kg, held at both ends, let go from a V.

@@ -39,8 +39,8 @@ inline namespace PINTLE_PRECISION {
 /// iterations are taken than ever. What is at rest or swings on allocates nothing. What is kept of a
 /// component is forgotten when a step does not solve it. The same calls give the same bits.
 ///
-/// **Threads.** An instance is used from one thread at a time. `btConstraintSolverPoolMt` takes several, which share what they keep of
-/// the world. A btDiscreteDynamicsWorldMt is to have no solver of its own for large islands. usesExactSolver() tells whether a world
+/// **Threads.** An instance is used from one thread at a time. An ExactJointSolverPool has several, which share what they keep of the
+/// world. A btDiscreteDynamicsWorldMt is to have no solver of its own for large islands. usesExactSolver() tells whether a world
 /// takes what it was given: a btMultiBodyDynamicsWorld needs an ExactMultiBodyJointSolver.
 ///
 /// **Errors.** A step never throws. Bodies that hold NaN have no joints of Pintle's for the step; if numbers overflow, nothing acts in

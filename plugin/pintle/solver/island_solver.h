@@ -20,6 +20,7 @@ class IslandSolver {
   /// Goes on from what the solvers of this world have kept.
   void enter(const btDispatcher* world);
   WorldMemory& memory() const { return *m_memory; }
+  void shareMemoryOf(const IslandSolver& other) { m_memory = other.m_memory; }
   size_t bytes() const;
   void setOptions(const SolverOptions& options) { m_options = options; }
   const SolverOptions& options() const { return m_options; }

@@ -41,6 +41,11 @@ void JointSolver<BulletSolver>::prepareSolve(int, int) {
 }
 
 template <class BulletSolver>
+void JointSolver<BulletSolver>::shareMemoryOf(const JointSolver& other) {
+  m_islands->shareMemoryOf(*other.m_islands);
+}
+
+template <class BulletSolver>
 void JointSolver<BulletSolver>::enter(const btDispatcher* world) {
   m_islands->enter(world);
 }

@@ -14,6 +14,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class ExactJointSolverPool;
 class IslandSolver;
 
 /// What ExactJointSolver and ExactMultiBodyJointSolver have in common.
@@ -66,6 +67,10 @@ class JointSolver : public BulletSolver {
                                          const btContactSolverInfo& info) override;
 
  private:
+  friend class ExactJointSolverPool;
+  /// What either keeps of the world, the other one goes on from.
+  void shareMemoryOf(const JointSolver& other);
+
   std::unique_ptr<IslandSolver> m_islands;
   bool m_has_joints = false;  ///< this island
 };

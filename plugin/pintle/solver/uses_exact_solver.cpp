@@ -83,7 +83,7 @@ Found find(const btConstraintSolverPoolMt& pool) {
     if (!report(of, by_this))
       found.why_not =
           "a solver of this world's btConstraintSolverPoolMt is not a pintle::ExactJointSolver: "
-          "make the pool of such solvers, with btConstraintSolverPoolMt(solvers, count)";
+          "give the world a pintle::ExactJointSolverPool";
     if (by_this.components > 0) found.last_step = by_this;
   }
   return found;

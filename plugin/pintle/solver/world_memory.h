@@ -22,7 +22,8 @@ class WorldMemory {
 
   /// What no island has used in the last step is forgotten: its joints sleep, or are gone.
   void beginStep();
-  /// Of a component, by its first joint. Bullet does not tell a pool when a step begins: one begins when a component comes again.
+  /// Of a component, by its first joint. Bullet's own pool does not tell its solvers when a step begins: one begins when a component
+  /// comes again.
   std::unique_ptr<ComponentMemory>& slot(const btTypedConstraint* first_joint);
   /// Of this step, from one of its islands.
   void add(const StepReport& island);
