@@ -3,7 +3,7 @@
 // their ratios. Usage: solver [--page FOLDER] [chains|scaling|grid|crowd|motors|tangles]...
 //   --page FOLDER   also the tables of plugin/docs/exact-solver.md, a file each (solver.sh)
 //   solver steps chain|tree JOINTS stock|exact STEPS   runs one of scaling's, for an instruction counter (linear.sh)
-//   solver crowd SCENE stock|exact|least STEPS         runs one of crowd's, for the same (flops.sh), and prints its number of joints
+//   solver scene NAME stock|exact|least STEPS   runs one of crowd's, or chain, for the same (flops.sh), and prints its number of joints
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -16,8 +16,8 @@ int main(int argc, char** argv) {
     step(argv[2], std::atoi(argv[3]), std::strcmp(argv[4], "exact") == 0, std::atoi(argv[5]));
     return 0;
   }
-  if (argc == 5 && std::strcmp(argv[1], "crowd") == 0) {
-    std::printf("%d\n", stepCrowd(argv[2], argv[3], std::atoi(argv[4])));
+  if (argc == 5 && std::strcmp(argv[1], "scene") == 0) {
+    std::printf("%d\n", stepScene(argv[2], argv[3], std::atoi(argv[4])));
     return 0;
   }
   const struct {

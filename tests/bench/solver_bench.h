@@ -24,9 +24,9 @@ void motors();
 void tangles();
 // One run of scaling's.
 void step(const char* shape, int joints, bool is_exact, int steps);
-// One of a crowd, by `stock`, `exact`, or `least`: the exact solver with one pass and coarse tolerances. Returns how many joints it has;
-// 0: there is none of that name.
-int stepCrowd(const std::string& name, const std::string& solver, int steps);
+// One of a crowd, or `chain`, by `stock`, `exact`, or `least`: the exact solver with one pass and coarse tolerances. Returns how many
+// joints it has; 0: there is none of that name.
+int stepScene(const std::string& name, const std::string& solver, int steps);
 
 inline std::unique_ptr<btConstraintSolver> exact() {
   return std::make_unique<pintle::ExactJointSolver>();

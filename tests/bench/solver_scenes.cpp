@@ -7,6 +7,7 @@
 
 #include <engines/bullet.h>
 #include <measures/crowd.h>
+#include <scenes/catalog.h>
 #include <scenes/crowds.h>
 #include <scenes/drive_shaft.h>
 #include <scenes/shoulder.h>
@@ -52,23 +53,25 @@ std::vector<Crowd> crowds() {
 
 }  // namespace
 
-int stepCrowd(const std::string& name, const std::string& solver, int steps) {
-  for (const Crowd& of : crowds()) {
-    if (of.name != name) continue;
-    const bool is_least = solver == "least";
-    const auto least = [] { return exactTo(1e-5, 1); };
-    const auto engine =
-        solver == "stock"
-            ? engines::make_bullet(of.scene, 10, engines::make_stock_joint)
-            : engines::make_bullet(of.scene, is_least ? 1 : 10, engines::make_conditioned_joint,
-                                   is_least ? SolverFactory(least) : SolverFactory(exact));
-    for (int i = 0; i < steps; ++i) {
-      engine->drive(i / 60., 1 / 60.);
-      engine->step(1 / 60.);
-    }
-    return int(of.scene.joints.size());
+int stepScene(const std::string& name, const std::string& solver, int steps) {
+  scenes::Scene scene;
+  const bool is_chain = name == "chain";
+  if (is_chain) scene = scenes::chain_scene(100, 1000);
+  for (const Crowd& of : crowds())
+    if (of.name == name) scene = of.scene;
+  const double dt = is_chain ? 1 / 240. : 1 / 60.;
+  const bool is_least = solver == "least";
+  const auto least = [] { return exactTo(1e-5, 1); };
+  const auto engine =
+      solver == "stock"
+          ? engines::make_bullet(scene, 10, engines::make_stock_joint)
+          : engines::make_bullet(scene, is_least ? 1 : 10, engines::make_conditioned_joint,
+                                 is_least ? SolverFactory(least) : SolverFactory(exact));
+  for (int i = 0; i < steps; ++i) {
+    engine->drive(i * dt, dt);
+    engine->step(dt);
   }
-  return 0;
+  return int(scene.joints.size());
 }
 
 void crowd() {
