@@ -323,6 +323,35 @@ TEST(JointMatrix, ARefusedFactorIsNotKept) {
   EXPECT_TRUE(matrix.factorise(0));
 }
 
+/// A row that overflows, and acts no more.
+TEST(JointMatrix, ARefusedFactorLeavesNothing) {
+  Random random(11);
+  JointMatrix matrix;
+  matrix.analyse({{0, 1}, {1, 2}}, JointMatrix::Locks(3));
+  matrix.setSizes({3, 4});
+  for (int i = 0; i < 3; ++i) matrix.bodies().emplace_back(body(random, false), Matrix3d::Zero());
+  const auto solve = [&](double last, bool acts) {
+    for (int c = 0; c < 2; ++c)
+      for (int i = 0; i < 3 + c; ++i) {
+        const Vector3d n = Vector3d::Unit(i % 3), by = (i < 3 ? 1 : last) * n;
+        const Vector3d along = i < 3 ? n : Vector3d(Vector3d::Zero());
+        matrix.setRow(c, i, {-along, -by, along, by}, 1, 1);
+        matrix.setActing(matrix.row(c, i), i < 3 || acts, 1e-3);
+      }
+    std::vector<double> x(matrix.vectorSize(), 0.);
+    x[matrix.row(0, 0)] = 1;
+    if (matrix.factorise(1e-13))
+      matrix.solve(x.data());
+    else
+      x.clear();
+    return x;
+  };
+  const std::vector<double> before = solve(1, false);
+  EXPECT_TRUE(solve(1e300, true).empty()) << "it overflows";
+  EXPECT_EQ(solve(1, false), before);
+  EXPECT_EQ(solve(2, false), before);
+}
+
 TEST(FourLanes, AreFourNumbers) {
   Random random(9);
   for (int trial = 0; trial < 100; ++trial) {

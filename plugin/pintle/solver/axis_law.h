@@ -123,9 +123,10 @@ class AxisLaw {
   bool isEquality() const { return m_is_equality; }
   /// Whether it has rigid stops, and nothing else.
   bool isLimit() const {
+    if (hasDrives() || isEquality()) return false;
     for (int i = 0; i < m_parts; ++i)
       if (part(i).softness > 0) return false;
-    return !isEquality() && !hasDrives();
+    return true;
   }
   bool hasDrives() const { return m_has_drives; }
 

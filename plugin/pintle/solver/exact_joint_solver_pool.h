@@ -12,7 +12,7 @@ inline namespace PINTLE_PRECISION {
 
 /// Takes the place of `btConstraintSolverPoolMt`:
 ///
-///     pintle::ExactJointSolverPool pool(btGetTaskScheduler()->getNumThreads());
+///     pintle::ExactJointSolverPool pool(4);  // as many as the task scheduler has threads
 ///     btDiscreteDynamicsWorldMt world(&dispatcher, &broadphase, &pool, nullptr, &configuration);
 ///
 /// Any of its solvers solves any island, and the bits are those of one solver. (Bullet's own pool takes solvers of Pintle's, too. It does

@@ -310,6 +310,10 @@ bool JointMatrix::factorise(double least_pivot) {
   }
   ++m_factorisations;
   m_is_factorised = m_factor.factorise(least_pivot);
+  if (!m_is_factorised) {  // what is no number must not stay where nodes are idle later
+    m_is_assembled = false;
+    std::fill(m_matrix.begin(), m_matrix.end(), 0.);
+  }
   return m_is_factorised;
 }
 

@@ -49,7 +49,8 @@ class JointMatrix {
 
   /// A^-1 of each body, for who sets them before the rows.
   std::vector<InverseInertia>& bodies() { return m_bodies; }
-  /// Row `i` of joint c, divided by root_K; `by_root_K` is 1 over that. All rows must be set before the first factor, and again where bodies have changed.
+  /// Row `i` of joint c, divided by root_K; `by_root_K` is 1 over that. All rows must be set before the first factor, and again where
+  /// bodies have changed.
   void setRow(int c, int i, const RowJacobian& J, double root_K, double by_root_K);
   /// Whether the row at `at` acts (row, below), with a softness relative to K. One that does not has the impulse that is asked for, which
   /// answers (addResponse), but is no unknown. Set before each factor.
