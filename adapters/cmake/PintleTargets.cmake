@@ -4,8 +4,8 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # The public headers of the solver.
-set(PINTLE_SOLVER_HEADERS exact_joint_solver.h exact_joint_solver_pool.h exact_multi_body_joint_solver.h joint_solver.h solver_options.h step_log.h
-  step_report.h uses_exact_solver.h)
+set(PINTLE_SOLVER_HEADERS exact_joint_solver.h exact_joint_solver_pool.h exact_multi_body_joint_solver.h joint_solver.h
+  solver_options.h step_log.h step_report.h uses_exact_solver.h)
 
 # Warnings are private: what includes or links Pintle keeps its own.
 function(pintle_set_warnings target)

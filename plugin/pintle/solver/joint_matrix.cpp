@@ -182,22 +182,19 @@ void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, doub
     const int body = m_bodies_of[size_t(node)][size_t(side)];
     if (body < 0) continue;
     const Vector3d L = by_root_K * J.L(side), A = by_root_K * J.A(side);
-    const InverseInertia& by = m_bodies[size_t(body)];
-    const Vector3d by_L = by.linear.cwiseProduct(L), by_A = by.angular * A;
-    Rows& to = rows(node, side);
-    double* const answer = to.answer[lane];
-    bool is_same = m_is_assembled || m_is_factorised;
+    Eigen::Map<Vector6d> kept(rows(node, side).answer[lane]);
+    auto& to_J = rows(node, side).J;
+    const Vector6d answer = m_bodies[size_t(body)].answer(L, A);
+    bool is_same = (m_is_assembled || m_is_factorised) && kept == answer;
     for (int k = 0; is_same && k < 3; ++k)
-      is_same = to.J[k][lane] == L[k] && to.J[3 + k][lane] == A[k] && answer[k] == by_L[k] &&
-                answer[3 + k] == by_A[k];
+      is_same = to_J[k][lane] == L[k] && to_J[3 + k][lane] == A[k];
     if (is_same) continue;
     m_is_assembled = m_is_factorised = false;
     for (int k = 0; k < 3; ++k) {
-      to.J[k][lane] = L[k];
-      to.J[3 + k][lane] = A[k];
-      answer[k] = by_L[k];
-      answer[3 + k] = by_A[k];
+      to_J[k][lane] = L[k];
+      to_J[3 + k][lane] = A[k];
     }
+    kept = answer;
   }
 }
 
