@@ -123,15 +123,22 @@ void expectAcross(const Played& bridge) {
 
 TEST(RealScenes, AConvoyCrossesTheSuspensionBridge) {
   const Played bridge = held("suspension_bridge", {1.5e-5, 1e-4, 1e-7, 1e-5});
-  EXPECT_LT(bridge.outcome[Error::overshoot], 0.005);
   expectAcross(bridge);
-  for (const double ahead : {0.03, 0.06, 0.09}) {  // m: other planks are met by other wheels
+  std::vector<double> overshoots{bridge.outcome[Error::overshoot]};
+  for (int i = 1; i < 9; ++i) {     // other planks are met by other wheels
+    const double ahead = 0.02 * i;  // m
     Scene scene = bridge.scene;
-    for (size_t i = scene.bodies.size() - 20; i < scene.bodies.size(); ++i)
-      scene.bodies[i].pose.translation().x() += ahead;
+    for (size_t k = scene.bodies.size() - 20; k < scene.bodies.size(); ++k)
+      scene.bodies[k].pose.translation().x() += ahead;
     SCOPED_TRACE(ahead);
-    expectAcross(play(scene, "exact"));
+    const Played of = play(scene, "exact");
+    expectAcross(of);
+    overshoots.push_back(of.outcome[Error::overshoot]);
   }
+  std::sort(overshoots.begin(), overshoots.end());
+  EXPECT_LT(overshoots[4], 0.002);
+  // m: a rope that a blow draws tight faster than its speed foretold has no row in that step (rows/limit_reach.h).
+  EXPECT_LT(overshoots.back(), 0.02);
   const auto below = [](const State& state) { return 1.3 - state.pose.translation().z(); };
   EXPECT_LE(bridge.most(0, below), 0) << "the deck stays up";
 }

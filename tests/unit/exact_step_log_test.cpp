@@ -1,5 +1,6 @@
 // What a step did, the options of the solver, and its log.
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/quaternion_hinge.h>
 #include <pintle/solver/exact_joint_solver.h>
 #include <pintle/solver/step_log.h>
 
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -15,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "autodiff.h"
+#include "bodies.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -27,17 +31,8 @@ using support::vec;
 
 constexpr double dt = 1. / 60;
 
-/// A box of 0.2 m and 2 kg on an arm of 1 m, let go from the horizontal.
-struct Pendulum {
-  Pendulum() {
-    world.setGravity(vec(0, 0, -9.81));
-    world.addRigidBody(&body, 0, 0);
-    world.addConstraint(&joint);
-  }
-  ~Pendulum() {
-    world.removeConstraint(&joint);
-    world.removeRigidBody(&body);
-  }
+struct World {
+  World() { world.setGravity(vec(0, 0, -9.81)); }
   void step(double by = dt) { world.stepSimulation(scalar(by), 0, scalar(by)); }
 
   btDefaultCollisionConfiguration configuration;
@@ -45,6 +40,18 @@ struct Pendulum {
   btDbvtBroadphase broadphase;
   pintle::ExactJointSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+};
+
+/// A box of 0.2 m and 2 kg on an arm of 1 m, let go from the horizontal.
+struct Pendulum : World {
+  Pendulum() {
+    world.addRigidBody(&body, 0, 0);
+    world.addConstraint(&joint);
+  }
+  ~Pendulum() {
+    world.removeConstraint(&joint);
+    world.removeRigidBody(&body);
+  }
   btBoxShape shape{vec(0.1, 0.1, 0.1)};
   btRigidBody body{2, nullptr, &shape, vec(0.02, 0.02, 0.02)};
   pintle::BallJoint joint{body, vec(-1, 0, 0)};
@@ -107,36 +114,20 @@ TEST(LastStep, TakesFewSolvesAtRest) {
 
 // Its impulses are large, and so is what they do by an error that is next to nothing.
 TEST(LastStep, AHeavyLoadThatHangsStaysInTheFirstTier) {
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadphase;
-  pintle::ExactJointSolver solver;
-  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
-  world.setGravity(vec(0, 0, -9.81));
-  btBoxShape shape{vec(0.1, 0.1, 0.1)};
-  std::vector<std::unique_ptr<btRigidBody>> links;
-  std::vector<std::unique_ptr<pintle::BallJoint>> joints;
+  World of;
+  support::Bodies bodies(of.world);
+  btRigidBody* last = &bodies.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0.5));
   for (int i = 0; i < 10; ++i) {
-    const double mass = i < 9 ? 1 : 1e6, inertia = 0.01 * mass;
-    auto link = std::make_unique<btRigidBody>(scalar(mass), nullptr, &shape,
-                                              vec(inertia, inertia, inertia));
-    link->setWorldTransform(btTransform(btQuaternion::getIdentity(), vec(0, 0, -0.5 - i)));
-    link->setActivationState(DISABLE_DEACTIVATION);
-    world.addRigidBody(link.get(), 0, 0);
-    const btVector3 top = vec(0, 0, 0.5), bottom = vec(0, 0, -0.5);
-    joints.push_back(i > 0 ? std::make_unique<pintle::BallJoint>(*links.back(), *link, bottom, top)
-                           : std::make_unique<pintle::BallJoint>(*link, top));
-    world.addConstraint(joints.back().get());
-    links.push_back(std::move(link));
+    btRigidBody& link = bodies.add(i < 9 ? 1 : 1e6, vec(0.17, 0.17, 0.17), vec(0, 0, -0.5 - i));
+    bodies.join(std::make_unique<pintle::BallJoint>(*last, link, vec(0, 0, -0.5), vec(0, 0, 0.5)));
+    last = &link;
   }
   int second_tier = 0;
   for (int i = 0; i < 2000; ++i) {
-    world.stepSimulation(scalar(dt), 0, scalar(dt));
-    second_tier += solver.lastStep().second_tier;
+    of.step();
+    second_tier += of.solver.lastStep().second_tier;
   }
   EXPECT_LE(second_tier, 20);
-  for (const auto& joint : joints) world.removeConstraint(joint.get());
-  for (const auto& link : links) world.removeRigidBody(link.get());
 }
 
 // Also where it rests and takes no solve, and poses have no factor but that of the velocities.
@@ -152,6 +143,39 @@ TEST(LastStep, WhatRestsClosesByTheFactorOfItsVelocities) {
   of.body.setCenterOfMassTransform(btTransform(hanging, vec(-1, 0, -1.001)));
   for (int i = 0; i < 120; ++i) of.step();
   EXPECT_LT(of.solver.lastStep().open, rounding(1e-5, 1e-9));
+}
+
+/// An arm of five links on hinges with stops, friction and motors, which is struck. Which of these act is found, by a few factors.
+TEST(LastStep, FindsWhichRowsActUnderBlows) {
+  World of;
+  support::Bodies bodies(of.world);
+  support::Random random(3);
+  btRigidBody* last = &bodies.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0.5));
+  const btVector3 top = vec(0, 0, 0.5), bottom = vec(0, 0, -0.5), axis = vec(1, 0, 0);
+  for (int i = 0; i < 5; ++i) {
+    btRigidBody& link = bodies.add(1, vec(0.17, 0.17, 0.17), vec(0, 0, -0.5 - i));
+    auto hinge = std::make_unique<pintle::QuaternionHinge>(*last, link, bottom, top, axis, axis);
+    hinge->setLimit(scalar(-0.4), scalar(0.4));
+    hinge->setFriction(scalar(random.uniform(0.1, 3)));
+    hinge->enableAngularMotor(true, scalar(random.uniform(-2, 2)),
+                              scalar(random.uniform(0.01, 0.2)));
+    bodies.join(std::move(hinge));
+    last = &link;
+  }
+  const int steps = 2000;
+  int not_converged = 0, factors = 0;
+  for (int i = 0; i < steps; ++i) {
+    for (const auto& body : bodies.bodies)
+      if (random.uniform(0, 1) < 0.1)
+        body->applyTorqueImpulse(
+            vec(random.uniform(-1, 1) * std::exp(random.uniform(-2, 2)), 0, 0));
+    of.step();
+    const pintle::StepReport step = of.solver.lastStep();
+    not_converged += step.not_converged;
+    factors += step.factorisations;
+  }
+  EXPECT_LE(not_converged, steps / 8);
+  EXPECT_LE(factors, 20 * steps);
 }
 
 TEST(LastStep, SaysHowFarJointsAreOpen) {

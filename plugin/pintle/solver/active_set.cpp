@@ -48,29 +48,58 @@ bool areDifferent(const LawPiece& a, const LawPiece& b) {
 
 }  // namespace
 
+// Whether a row would come to another piece, and to which. Less than the tolerance is no change: so finely no velocity is known.
+bool ActiveSet::changesPiece(const Place& of, LawPiece& to) const {
+  to = pieceOf(*of.row, of.r, of.at);
+  return areDifferent(m_work.pieces[of.r], to) &&
+         std::abs(changeOfImpulse(of, to)) * of.row->root_K * m_island.dt >
+             m_options.newton_tolerance;
+}
+
+// By how much its impulse would change, if it alone came to that piece, in the units of K.
+double ActiveSet::changeOfImpulse(const Place& of, const LawPiece& to) const {
+  const IslandRow& row = *of.row;
+  const double y = m_work.y[of.at], free = m_work.u[of.r] - row.root_K * y;
+  return to.impulseAt(free, row.K) * row.root_K - y;
+}
+
 // From one stop to the other by what lies between: a set that is wrong leads far beyond both.
-bool ActiveSet::change(const Place& of) {
-  const LawPiece before = m_work.pieces[of.r], now = pieceOf(*of.row, of.r, of.at);
+void ActiveSet::change(const Place& of) {
+  LawPiece now;
+  if (!changesPiece(of, now)) return;
+  const LawPiece before = m_work.pieces[of.r];
   const bool jumps = before.target != now.target && before.acts && now.acts &&
                      !(before.softness > 0) && !(now.softness > 0);
   set(*of.row, of.r, of.at,
       jumps ? LawPiece{false, 0, 0, of.row->law.at((before.target + now.target) / 2)} : now);
-  return areDifferent(before, now);
 }
 
-bool ActiveSet::wouldChange() const {
-  for (const Place& of : m_work.bounded)
-    if (areDifferent(m_work.pieces[of.r], pieceOf(*of.row, of.r, of.at))) return true;
-  return false;
+int ActiveSet::countChanges(const std::vector<Place>& rows) const {
+  LawPiece to;
+  return int(std::count_if(rows.begin(), rows.end(),
+                           [&](const Place& of) { return changesPiece(of, to); }));
 }
 
-bool ActiveSet::chooseAgain(bool one) {
-  bool changed = false;
-  for (const Place& of : m_work.bounded) {
-    changed = change(of) || changed;
-    if (changed && one) break;
+bool ActiveSet::changeAll(const std::vector<Place>& rows, int& fewest) {
+  const int changes = countChanges(rows);
+  if (changes == 0 || changes >= fewest) return false;
+  fewest = changes;
+  for (const Place& of : rows) change(of);
+  return true;
+}
+
+void ActiveSet::changeMost(const std::vector<Place>& rows) {
+  const Place* found = nullptr;
+  double most = -1;
+  LawPiece to;
+  for (const Place& of : rows) {
+    if (!changesPiece(of, to)) continue;
+    const double by = std::abs(changeOfImpulse(of, to));
+    if (!(by > most)) continue;
+    most = by;
+    found = &of;
   }
-  return changed;
+  if (found != nullptr) change(*found);
 }
 
 void ActiveSet::takeLimits() {
@@ -105,8 +134,9 @@ void ActiveSet::release(const std::vector<Place>& rows) {
 
 bool ActiveSet::press(const Place& of) {
   const LawPiece piece = pieceOf(*of.row, of.r, of.at);
-  if (piece.acts) m_work.pieces[of.r] = piece;
-  return piece.acts;
+  const bool presses = m_work.y[of.at] != 0 && piece.acts;
+  if (presses) m_work.pieces[of.r] = piece;
+  return presses;
 }
 
 void ActiveSet::aim() {
@@ -130,8 +160,7 @@ void ActiveSet::aim() {
   }
 }
 
-bool ActiveSet::factoriseAimed(int most) {
-  if (m_factors >= most) return false;
+bool ActiveSet::factoriseAimed() {
   ++m_factors;
   return m_K.factorise(m_options.least_pivot);
 }

@@ -18,12 +18,14 @@ class ActiveSet {
 
   /// Puts every row on the piece that it comes to at velocities work.u and impulses work.y.
   void choose();
-  /// The same of those with bounds. Returns whether one has come to another piece. `one`: only the first of those that would. So no
-  /// set comes twice (Murty 1974), where nothing else changes.
-  bool chooseAgain(bool one = false);
-  /// Whether one of those would.
-  bool wouldChange() const;
   using Place = Workspace::Place;
+  /// Whether one of these rows would come to another piece.
+  bool wouldChange(const std::vector<Place>& rows) const { return countChanges(rows) > 0; }
+  /// All that would do so, if they are less than `fewest`, which they are then (block pivoting; Judice and Pires 1994). Returns whether
+  /// they are.
+  bool changeAll(const std::vector<Place>& rows, int& fewest);
+  /// The one whose impulse changes most by it, in the units of K.
+  void changeMost(const std::vector<Place>& rows);
   const std::vector<Place>& bounded() const { return m_work.bounded; }
   const std::vector<Place>& all();
   /// work.u of these, as rows of the start, where bodies move with `v` (those of the component).
@@ -38,13 +40,13 @@ class ActiveSet {
 
   /// Which rows act in K, and what they aim at.
   void aim();
-  /// K of the rows that act. Returns false if there is none, or it has been factorised often enough.
-  bool factorise(int most) {
+  /// K of the rows that act. Returns false if it has no factor.
+  bool factorise() {
     aim();
-    return factoriseAimed(most);
+    return factoriseAimed();
   }
   /// The same, after that.
-  bool factoriseAimed(int most);
+  bool factoriseAimed();
   int factors() const { return m_factors; }
   /// work.x = what work.u is off of rows that act, in the units of K. Returns the most, m or rad.
   double findResidual();
@@ -66,7 +68,10 @@ class ActiveSet {
   LawPiece pieceOf(const IslandRow& row, size_t r, size_t at) const {
     return row.law.meet(m_work.u[r] - row.root_K * m_work.y[at], row.K);
   }
-  bool change(const Place& of);
+  void change(const Place& of);
+  bool changesPiece(const Place& of, LawPiece& to) const;
+  double changeOfImpulse(const Place& of, const LawPiece& to) const;
+  int countChanges(const std::vector<Place>& rows) const;
 
   const Island& m_island;
   const Component& m_component;

@@ -168,7 +168,7 @@ bool findWhirls(const Island& island, const Component& component, double least_p
   if (!K.factorise(least_pivot)) return false;  // what was foreseen may have needed none
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
   std::vector<Vector6d>& change = work.stays;
-  std::vector<double>&x = work.x, &by_forces = work.by_forces, &by_joints = work.y_before_choice;
+  std::vector<double>&x = work.x, &by_forces = work.by_forces, &by_joints = work.by_joints;
   const auto measure = [&](std::vector<double>& to) {
     setZero(x.size(), to);
     K.subtractVelocities(change.data(), to.data());

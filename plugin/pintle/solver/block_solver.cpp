@@ -14,6 +14,12 @@ double sumOf(const AxisLaw::Parts& parts) {
   return std::accumulate(parts.begin(), parts.end(), 0.);
 }
 
+int countEnds(const std::vector<ActiveSet::Place>& rows) {
+  int ends = 0;
+  for (const ActiveSet::Place& of : rows) ends += 2 * of.row->law.parts();
+  return ends;
+}
+
 }  // namespace
 
 void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
@@ -58,37 +64,54 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   return std::fmax(change, pass.error / m_island.dt);
 }
 
-// All rows at once, with one factor. Which of them act is found before the first pass over contacts. Where these would change that
-// later, rows with bounds go on as contacts do (Passes::settle).
+// All rows at once, with one factor. Which of them act is found before the first pass over contacts. Where these are to change that, rows
+// with bounds go on as contacts do (Passes::settle).
 BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
   bool changes = false;
   if (mayChangeSet() && !m_is_settled) {
-    std::vector<double>&x = m_work.x, &y = m_work.y;
-    m_work.y_before_choice = y;
     m_set.measure(m_set.bounded(), own(velocities));
-    m_is_unsettled =
-        !m_alone && m_set.factors() >= m_options.max_set_factors && m_set.wouldChange();
-    if (m_is_unsettled) return {infinity, true};
-    changes = m_set.chooseAgain(m_alone && m_set.factors() >= m_options.max_set_factors);
-    if (y != m_work.y_before_choice) {  // those that came to a bound
-      for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - m_work.y_before_choice[k];
-      respond(x, velocities);
+    changes = m_set.wouldChange(m_set.bounded());
+    if (changes && !changeSet(m_set.bounded(), m_alone, velocities)) {
+      if (m_alone)
+        m_solvable = m_has_factor = false;
+      else
+        m_is_unsettled = true;
+      return {infinity, true};
     }
-    if (changes) factorise();
   }
-  const double error = m_has_factor ? solveOnce(velocities) : 0;
+  // By what a set leads to it is seen whether it is the right one: so that is found to the last digit.
+  const double tolerance = changes ? 0 : m_options.newton_tolerance,
+               error = m_has_factor ? solveOnce(velocities, tolerance) : 0;
   if (mayChangeSet() && m_is_settled) {
     m_set.measure(m_set.bounded(), own(velocities));
-    m_is_unsettled = m_set.wouldChange();
+    m_is_unsettled = m_set.wouldChange(m_set.bounded());
   }
   return {error, changes};
 }
 
+// These rows come to other pieces of their laws: all that would, if they are fewer than ever before, or else, where `or_one`, one of them.
+// That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether any row does.
+bool BlockSolver::changeSet(const std::vector<ActiveSet::Place>& rows, bool or_one,
+                            std::vector<Vector6d>& velocities) {
+  std::vector<double>&x = m_work.x, &y = m_work.y;
+  x = y;
+  if (!m_set.changeAll(rows, m_fewest)) {
+    if (!or_one || m_changes_of_one++ >= countEnds(rows)) return false;
+    m_set.changeMost(rows);
+  }
+  if (x != y) {  // those that came to a bound
+    for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - x[k];
+    respond(x, velocities);
+  }
+  factorise();
+  return true;
+}
+
 // Returns what was left before, m or rad.
-double BlockSolver::solveOnce(std::vector<Vector6d>& velocities) {
+double BlockSolver::solveOnce(std::vector<Vector6d>& velocities, double tolerance) {
   std::vector<double>&x = m_work.x, &y = m_work.y;
   const double error = m_set.findResidual(own(velocities));
-  if (error <= m_options.newton_tolerance) return error;
+  if (error <= tolerance) return error;
   m_of.K->solve(x.data());
   respond(x, velocities);
   for (size_t k = 0; k < y.size(); ++k) y[k] += x[k];
@@ -100,13 +123,9 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
     while (m_has_factor && solve(velocities).changes_set) continue;
   takeBounds(bounds);
   const int factors = m_set.factors();
-  if (m_has_factor) {
-    const bool are_pressed = pressLimits(velocities);
-    if (!are_pressed || !holdLimits(velocities)) {
-      if (are_pressed) releaseLimits(bounds, velocities);
-      // A factor that rounding has spoilt leads elsewhere.
-      m_solvable = m_has_factor && solveToTheEnd(velocities);
-    }
+  if (m_has_factor && !holdLimits(velocities) && !m_work.limits.empty()) {
+    releaseLimits(velocities);
+    m_solvable = solveToTheEnd(velocities);
   }
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
@@ -116,10 +135,11 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   return m_has_factor && m_set.factors() > factors;
 }
 
-// Returns whether rows that act are met.
+// Returns whether rows that act are met: a factor that rounding has spoilt leads elsewhere.
 bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
+  if (!m_has_factor) return false;
   for (double last = infinity;;) {
-    const double error = solveOnce(velocities);
+    const double error = solveOnce(velocities, m_options.newton_tolerance);
     if (!(error > m_options.newton_tolerance && error < last / 2)) break;
     last = error;
   }
@@ -127,24 +147,24 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// Limits that press are rows of the block in the end, so that they hold as joints do. Returns whether there are any.
-bool BlockSolver::pressLimits(const std::vector<Vector6d>& velocities) {
-  if (m_work.as_contacts.empty()) return false;
-  bool any = false;
-  measure(velocities);
-  for (const Workspace::AsContact& as : m_work.as_contacts)
-    if (as.of.row->law.isLimit() && m_work.y[as.of.at] != 0) any = m_set.press(as.of) || any;
-  if (any) factoriseAgain();
-  return any;
-}
-
-// Returns whether all that press hold, and none of them pulls.
+// Limits that press are rows of the block in the end, so that they hold as joints do. Which of them do so is found while contacts stay as
+// they are. Returns whether all rows are met then.
 bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
-  for (int round = 0; round < m_options.max_set_factors; ++round) {
-    if (!m_has_factor || !solveToTheEnd(velocities)) return false;
-    if (!releaseWhatPulls(velocities)) return true;
+  std::vector<ActiveSet::Place>& limits = m_work.limits;
+  for (const Workspace::AsContact& as : m_work.as_contacts)
+    if (as.of.row->law.isLimit()) limits.push_back(as.of);
+  m_fewest = std::numeric_limits<int>::max();
+  m_set.measure(limits, own(velocities));
+  bool any = false;
+  for (const ActiveSet::Place& of : limits) any = m_set.press(of) || any;
+  if (any) factorise();
+  for (;;) {
+    m_solvable = solveToTheEnd(velocities);
+    if (!m_solvable) return false;
+    m_set.measure(limits, own(velocities));
+    if (!m_set.wouldChange(limits)) return true;
+    if (!changeSet(limits, true, velocities)) return false;
   }
-  return false;
 }
 
 // work.x: by how much it changes, in the units of K.
@@ -154,40 +174,16 @@ void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
   y = impulse * of.row->root_K;
 }
 
-// With all others that press, a limit may have come to pull: with its impulse its law does not meet at its stop. It is none. Returns
-// whether there was one.
-bool BlockSolver::releaseWhatPulls(std::vector<Vector6d>& velocities) {
-  bool any = false;
+// Back to what passes have found of them.
+void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
-  for (const Workspace::AsContact& as : m_work.as_contacts) {
-    const ActiveSet::Place& of = as.of;
-    LawPiece& piece = m_work.pieces[of.r];
-    if (!piece.acts) continue;
-    const double free = piece.target - of.row->root_K * m_work.y[of.at];
-    const LawPiece met = of.row->law.meet(free, of.row->K);
-    if (met.acts && met.target == piece.target) continue;
-    any = true;
-    setImpulse(of, 0);
-    piece = {false, 0, 0, 0};
-    m_work.parts[of.r] = {};
-  }
-  if (!any) return false;
-  respond(m_work.x, velocities);
-  factoriseAgain();
-  return true;
-}
-
-// Back to what passes have found of them, also of those that were released.
-void BlockSolver::releaseLimits(const std::vector<ContactRow>& bounds,
-                                std::vector<Vector6d>& velocities) {
-  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
-  for (const Workspace::AsContact& as : m_work.as_contacts) {
-    const double impulse = takeParts(as, bounds);
-    setImpulse(as.of, impulse);
-    m_work.pieces[as.of.r] = {false, 0, 0, impulse};
+  for (const ActiveSet::Place& of : m_work.limits) {
+    const double impulse = sumOf(m_work.parts[of.r]);
+    setImpulse(of, impulse);
+    m_work.pieces[of.r] = {false, 0, 0, impulse};
   }
   respond(m_work.x, velocities);
-  factoriseAgain();
+  factorise();
 }
 
 void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {
@@ -219,7 +215,7 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
   m_set.release(m_set.bounded());
   m_is_unsettled = false;
   m_has_bounds = true;
-  factoriseAgain();
+  factorise();
 }
 
 bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
@@ -244,20 +240,15 @@ bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& 
   return true;
 }
 
-// What passes have found of the parts of its law. Returns their sum.
-double BlockSolver::takeParts(const Workspace::AsContact& as, const std::vector<ContactRow>& from) {
-  AxisLaw::Parts& parts = m_work.parts[as.of.r];
-  double impulse = 0;
-  for (int i = 0; i < as.of.row->law.parts(); ++i)
-    impulse += parts[size_t(i)] = from[as.first + size_t(i)].impulse;
-  return impulse;
-}
-
+// What passes have found of the parts of their laws.
 void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
-  if (m_work.as_contacts.empty()) return;
+  if (m_work.as_contacts.empty() && m_work.limits.empty()) return;
   m_work.parts.assign(m_work.pieces.size(), {});
   for (const Workspace::AsContact& as : m_work.as_contacts) {
-    const double impulse = takeParts(as, from);
+    AxisLaw::Parts& parts = m_work.parts[as.of.r];
+    for (int i = 0; i < as.of.row->law.parts(); ++i)
+      parts[size_t(i)] = from[as.first + size_t(i)].impulse;
+    const double impulse = sumOf(parts);
     m_work.y[as.of.at] = impulse * as.of.row->root_K;
     m_work.pieces[as.of.r].impulse = impulse;
   }
@@ -265,9 +256,9 @@ void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
 
 // Of rows that are of the block.
 void BlockSolver::splitBounds() {
-  if (m_work.as_contacts.empty()) return;
-  for (const Workspace::AsContact& as : m_work.as_contacts)
-    if (m_work.pieces[as.of.r].acts) m_work.parts[as.of.r] = partsOf(as.of);
+  if (m_work.parts.empty()) return;
+  for (const ActiveSet::Place& of : m_work.limits)
+    if (m_work.pieces[of.r].acts || m_work.y[of.at] == 0) m_work.parts[of.r] = partsOf(of);
   if (!m_has_bounds)
     for (const ActiveSet::Place& of : m_set.bounded()) m_work.parts[of.r] = partsOf(of);
 }

@@ -5,6 +5,8 @@
 #include <pintle/solver/active_set.h>
 #include <pintle/solver/contacts.h>
 
+#include <limits>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -77,31 +79,25 @@ class BlockSolver {
   void goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to);
   void beginLimits();
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
-  double takeParts(const Workspace::AsContact& as, const std::vector<ContactRow>& from);
   void takeBounds(const std::vector<ContactRow>& from);
   void splitBounds();
-  bool pressLimits(const std::vector<Vector6d>& velocities);
-  bool holdLimits(std::vector<Vector6d>& velocities);
   void setImpulse(const ActiveSet::Place& of, double impulse);
-  bool releaseWhatPulls(std::vector<Vector6d>& velocities);
-  void releaseLimits(const std::vector<ContactRow>& bounds, std::vector<Vector6d>& velocities);
+  bool holdLimits(std::vector<Vector6d>& velocities);
+  void releaseLimits(std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   struct Pass {
     double error;      ///< m or rad, before it
     bool changes_set;  ///< of rows that act
   };
   Pass solve(std::vector<Vector6d>& velocities);
-  double solveOnce(std::vector<Vector6d>& velocities);
+  bool changeSet(const std::vector<ActiveSet::Place>& rows, bool or_one,
+                 std::vector<Vector6d>& velocities);
+  double solveOnce(std::vector<Vector6d>& velocities, double tolerance);
   double sweepRows(std::vector<Vector6d>& velocities);
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
     m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
   }
-  // One row at a time: each may come to a piece and leave it.
-  void factorise() {
-    const int each_twice = m_alone ? 2 * int(m_set.bounded().size()) : 0;
-    m_solvable = m_has_factor = m_set.factorise(m_options.max_set_factors + each_twice);
-  }
-  bool factoriseAgain() { return m_solvable = m_has_factor = m_set.factorise(m_set.factors() + 1); }
+  void factorise() { m_solvable = m_has_factor = m_set.factorise(); }
   const Vector6d* own(const std::vector<Vector6d>& velocities) const {
     return velocities.data() + m_of.component->first_body;
   }
@@ -116,6 +112,8 @@ class BlockSolver {
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
   bool m_has_factor = false, m_solvable = true, m_changes = false;
   bool m_is_settled = false, m_is_unsettled = false, m_has_bounds = false;
+  int m_fewest = std::numeric_limits<int>::max();  ///< rows that have changed at once
+  int m_changes_of_one = 0;
 };
 
 }  // namespace PINTLE_PRECISION

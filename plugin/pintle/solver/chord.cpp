@@ -5,6 +5,8 @@
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
+#include <limits>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -44,7 +46,6 @@ class Chord {
   }
   void measure();
   bool end();
-  bool factorise() { return m_set.factorise(m_options.max_set_factors); }
 
   const Island& m_island;
   const Component& m_component;
@@ -54,6 +55,7 @@ class Chord {
   Workspace& m_work;
   ActiveSet m_set;
   SolveReport m_report;
+  int m_fewest = std::numeric_limits<int>::max();  ///< rows that have changed at once
 };
 
 // At the velocities that are foreseen rows bend as they will. From there to those of the impulses they are taken to be straight.
@@ -96,14 +98,14 @@ void Chord::measure() {
   measureEnd();
 }
 
-// Returns whether rows have come to another piece of their laws.
+// Returns whether rows come to other pieces of their laws.
 bool Chord::end() {
   ++m_report.steps;
   measure();
-  const bool changed = m_set.chooseAgain();
+  const bool changes = m_set.wouldChange(m_set.bounded());
   m_report.error = m_set.findResidual();
-  m_report.converged = !changed && m_report.error <= m_options.newton_tolerance;
-  return changed;
+  m_report.converged = !changes && m_report.error <= m_options.newton_tolerance;
+  return changes;
 }
 
 SolveReport Chord::run() {
@@ -118,17 +120,16 @@ SolveReport Chord::run() {
     m_set.keepImpulses();
     return m_report;
   }
-  if (!m_set.factoriseAimed(m_options.max_set_factors) || !broyden.step(m_K, m_work.x, m_work.y))
-    return m_report;
+  if (!m_set.factoriseAimed() || !broyden.step(m_K, m_work.x, m_work.y)) return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.
   const bool may_wander =
       m_work.is_resolved &&
       (m_options.may_wander || shareOfArcs(m_work.v, m_island.dt) > m_options.ledger_share);
   broyden.begin(may_wander);
-  for (bool changed = end(); !m_report.converged; changed = end()) {
+  for (bool changes = end(); !m_report.converged; changes = end()) {
     if (m_report.steps >= m_options.max_iterations) return m_report;
-    if (changed) {
-      if (!factorise()) return m_report;
+    if (changes) {
+      if (!m_set.changeAll(m_set.bounded(), m_fewest) || !m_set.factorise()) return m_report;
       measure();
       m_set.findResidual();
       broyden.begin(may_wander);

@@ -29,7 +29,6 @@ void check(const SolverOptions& of) {
   requirePositive("pose_tolerance", of.pose_tolerance);
   requirePositive("loose_pose_tolerance", of.loose_pose_tolerance);
   requireCount("max_iterations", of.max_iterations);
-  requireCount("max_set_factors", of.max_set_factors);
   require(of.max_new_factors >= 0, "max_new_factors", of.max_new_factors, "0 or more");
   requirePart("contraction", of.contraction);
   requirePart("least_part", of.least_part);

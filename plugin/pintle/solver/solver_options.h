@@ -20,10 +20,6 @@ struct SolverOptions {
   /// Whether a step of the first tier may be longer than the last one. In single precision, where bodies turn far alone: else rounding
   /// leads a taut cable astray.
   bool may_wander = sizeof(Scalar) > 4;
-  /// Factors of one solve, each of another set of rows that act. Then the second tier follows the first one. In it, without contacts
-  /// rows come to another piece one at a time from then on, each twice at most; then those with bounds are solved one by one. Among
-  /// contacts they go on as contacts do; also where a pass over these asks for another set.
-  int max_set_factors = 4;
   /// Factors of the correction of poses, each where the last one has led. From 2 on, velocities may be solved for again, too, where the
   /// load that was found makes a body unstable with the inertia that was foreseen.
   int max_new_factors = 20;

@@ -65,7 +65,7 @@ struct Workspace {
     size_t at;
   };
   std::vector<Scale> scales;
-  std::vector<double> by_forces, y_before_choice;
+  std::vector<double> by_forces, by_joints;
   std::vector<Vector6d> base;  ///< of each body: its velocity without impulses of joints
   std::vector<MovedBody> moved;
   std::vector<double> straight, goal;  ///< of each row: other velocities
@@ -101,16 +101,15 @@ struct Workspace {
     pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
                     bends, bounded, limits, as_contacts, last_load, other.u, other.lambda,
                     other.pieces);
-    pintle::reserve(unknowns, y, x, aim, by_forces, y_before_choice, open);
+    pintle::reserve(unknowns, y, x, aim, by_forces, by_joints, open);
     broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
     return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
-                   scales, by_forces, y_before_choice, base, moved, straight, goal, J, closes,
-                   bends, bounded, limits, as_contacts, all, stays, open, start, nearest, first,
-                   last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
-                   other.pieces) +
+                   scales, by_forces, by_joints, base, moved, straight, goal, J, closes, bends,
+                   bounded, limits, as_contacts, all, stays, open, start, nearest, first, last_load,
+                   last_stiffness, most_stiffness, other.v, other.u, other.lambda, other.pieces) +
            broyden.bytes();
   }
 };
