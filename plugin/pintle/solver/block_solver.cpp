@@ -79,7 +79,7 @@ BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
       return {infinity, true};
     }
   }
-  // By what a set leads to it is seen whether it is the right one: so that is found to the last digit.
+  // By what a set leads to it is seen whether it is the right one: so it is always solved for.
   const double tolerance = changes ? 0 : m_options.newton_tolerance,
                error = m_has_factor ? solveOnce(velocities, tolerance) : 0;
   if (mayChangeSet() && m_is_settled) {
@@ -90,7 +90,7 @@ BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
 }
 
 // These rows come to other pieces of their laws: all that would, if they are fewer than ever before, or else, where `or_one`, one of them.
-// That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether any row does.
+// That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns false if none may.
 bool BlockSolver::changeSet(const std::vector<ActiveSet::Place>& rows, bool or_one,
                             std::vector<Vector6d>& velocities) {
   std::vector<double>&x = m_work.x, &y = m_work.y;
@@ -148,7 +148,7 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
 }
 
 // Limits that press are rows of the block in the end, so that they hold as joints do. Which of them do so is found while contacts stay as
-// they are. Returns whether all rows are met then.
+// they are. Returns whether equalities and limits are met then.
 bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
   std::vector<ActiveSet::Place>& limits = m_work.limits;
   for (const Workspace::AsContact& as : m_work.as_contacts)

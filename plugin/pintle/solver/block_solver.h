@@ -113,7 +113,7 @@ class BlockSolver {
   bool m_has_factor = false, m_solvable = true, m_changes = false;
   bool m_is_settled = false, m_is_unsettled = false, m_has_bounds = false;
   int m_fewest = std::numeric_limits<int>::max();  ///< rows that have changed at once
-  int m_changes_of_one = 0;
+  int m_changes_of_one = 0;                        ///< of single rows
 };
 
 }  // namespace PINTLE_PRECISION

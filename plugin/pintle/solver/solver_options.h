@@ -9,7 +9,7 @@ inline namespace PINTLE_PRECISION {
 /// Tolerances and bounds of the exact solver. `check` says what each may be.
 struct SolverOptions {
   /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates
-  /// does not depend on it.
+  /// does not depend on it. A row stays on its piece of its law up to as much.
   double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// m and rad: how far a joint may be open. What is more is closed by moving poses.
   double pose_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
