@@ -123,7 +123,6 @@ void expectAcross(const Played& bridge) {
 
 TEST(RealScenes, AConvoyCrossesTheSuspensionBridge) {
   const Played bridge = held("suspension_bridge", {1.5e-5, 1e-4, 1e-7, 1e-5});
-  EXPECT_LT(bridge.outcome[Error::overshoot], 0.005);
   expectAcross(bridge);
   std::vector<double> overshoots{bridge.outcome[Error::overshoot]};
   for (int i = 1; i < 9; ++i) {     // other planks are met by other wheels
@@ -137,9 +136,11 @@ TEST(RealScenes, AConvoyCrossesTheSuspensionBridge) {
     overshoots.push_back(of.outcome[Error::overshoot]);
   }
   std::sort(overshoots.begin(), overshoots.end());
-  EXPECT_LT(overshoots[4], 0.002);
-  // m: a rope that a blow draws tight faster than its speed foretold has no row in that step (rows/limit_reach.h).
-  EXPECT_LT(overshoots.back(), 0.02);
+  // m: a rope that a blow draws tight faster than its speed foretold has no row in that step (rows/limit_reach.h). Of nine starts that
+  // passes it by more than 5 mm in one at most.
+  EXPECT_LT(overshoots[4], 0.001);
+  EXPECT_LT(overshoots[7], 0.005);
+  EXPECT_LT(overshoots[8], 0.02);
   const auto below = [](const State& state) { return 1.3 - state.pose.translation().z(); };
   EXPECT_LE(bridge.most(0, below), 0) << "the deck stays up";
 }

@@ -35,8 +35,13 @@ void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& p
   if (!piece.acts) m_work.y[at] = piece.impulse * row.root_K;
 }
 
-void ActiveSet::choose() {
-  for (const Place& of : m_work.bounded) set(*of.row, of.r, of.at, pieceOf(*of.row, of.r, of.at));
+bool ActiveSet::choose(const std::vector<Place>& rows) {
+  bool any = false;
+  for (const Place& of : rows) {
+    set(*of.row, of.r, of.at, pieceOf(*of.row, of.r, of.at));
+    any = any || m_work.pieces[of.r].acts;
+  }
+  return any;
 }
 
 namespace {
@@ -48,12 +53,19 @@ bool areDifferent(const LawPiece& a, const LawPiece& b) {
 
 }  // namespace
 
-// Whether a row would come to another piece, and to which. Less than the tolerance is no change: so finely no velocity is known.
-bool ActiveSet::changesPiece(const Place& of, LawPiece& to) const {
+// How many steps a row is from the piece to which it would come, and which one that is. Less than the tolerance is no change: so
+// finely no velocity is known. From one stop to the other it is two steps, by what lies between: a set that is wrong leads far beyond both.
+int ActiveSet::stepsTo(const Place& of, LawPiece& to) const {
   to = pieceOf(*of.row, of.r, of.at);
-  return areDifferent(m_work.pieces[of.r], to) &&
-         std::abs(changeOfImpulse(of, to)) * of.row->root_K * m_island.dt >
-             m_options.newton_tolerance;
+  const LawPiece& before = m_work.pieces[of.r];
+  if (!areDifferent(before, to) ||
+      !(std::abs(changeOfImpulse(of, to)) * of.row->root_K * m_island.dt >
+        m_options.newton_tolerance))
+    return 0;
+  return before.target != to.target && before.acts && to.acts && !(before.softness > 0) &&
+                 !(to.softness > 0)
+             ? 2
+             : 1;
 }
 
 // By how much its impulse would change, if it alone came to that piece, in the units of K.
@@ -63,29 +75,24 @@ double ActiveSet::changeOfImpulse(const Place& of, const LawPiece& to) const {
   return to.impulseAt(free, row.K) * row.root_K - y;
 }
 
-// From one stop to the other by what lies between: a set that is wrong leads far beyond both.
 void ActiveSet::change(const Place& of) {
-  LawPiece now;
-  if (!changesPiece(of, now)) return;
-  const LawPiece before = m_work.pieces[of.r];
-  const bool jumps = before.target != now.target && before.acts && now.acts &&
-                     !(before.softness > 0) && !(now.softness > 0);
-  set(*of.row, of.r, of.at,
-      jumps ? LawPiece{false, 0, 0, of.row->law.at((before.target + now.target) / 2)} : now);
-}
-
-int ActiveSet::countChanges(const std::vector<Place>& rows) const {
   LawPiece to;
-  return int(std::count_if(rows.begin(), rows.end(),
-                           [&](const Place& of) { return changesPiece(of, to); }));
+  const int steps = stepsTo(of, to);
+  if (steps == 0) return;
+  const double from = m_work.pieces[of.r].target;
+  if (steps == 2) to = {false, 0, 0, of.row->law.at((from + to.target) / 2)};
+  set(*of.row, of.r, of.at, to);
 }
 
-bool ActiveSet::changeAll(const std::vector<Place>& rows, int& fewest) {
-  const int changes = countChanges(rows);
-  if (changes == 0 || changes >= fewest) return false;
-  fewest = changes;
+int ActiveSet::countSteps(const std::vector<Place>& rows) const {
+  LawPiece to;
+  int steps = 0;
+  for (const Place& of : rows) steps += stepsTo(of, to);
+  return steps;
+}
+
+void ActiveSet::changeAll(const std::vector<Place>& rows) {
   for (const Place& of : rows) change(of);
-  return true;
 }
 
 void ActiveSet::changeMost(const std::vector<Place>& rows) {
@@ -93,7 +100,7 @@ void ActiveSet::changeMost(const std::vector<Place>& rows) {
   double most = -1;
   LawPiece to;
   for (const Place& of : rows) {
-    if (!changesPiece(of, to)) continue;
+    if (stepsTo(of, to) == 0) continue;
     const double by = std::abs(changeOfImpulse(of, to));
     if (!(by > most)) continue;
     most = by;
@@ -130,13 +137,6 @@ const std::vector<ActiveSet::Place>& ActiveSet::all() {
 void ActiveSet::release(const std::vector<Place>& rows) {
   for (const Place& of : rows)
     m_work.pieces[of.r] = {false, 0, 0, m_work.y[of.at] * of.row->by_root_K};
-}
-
-bool ActiveSet::press(const Place& of) {
-  const LawPiece piece = pieceOf(*of.row, of.r, of.at);
-  const bool presses = m_work.y[of.at] != 0 && piece.acts;
-  if (presses) m_work.pieces[of.r] = piece;
-  return presses;
 }
 
 void ActiveSet::aim() {

@@ -16,14 +16,13 @@ class ActiveSet {
   ActiveSet(const Island& island, const Component& component, const SolverOptions& options,
             JointMatrix& K, Workspace& work);
 
-  /// Puts every row on the piece that it comes to at velocities work.u and impulses work.y.
-  void choose();
   using Place = Workspace::Place;
-  /// Whether one of these rows would come to another piece.
-  bool wouldChange(const std::vector<Place>& rows) const { return countChanges(rows) > 0; }
-  /// All that would do so, if they are less than `fewest`, which they are then (block pivoting; Judice and Pires 1994). Returns whether
-  /// they are.
-  bool changeAll(const std::vector<Place>& rows, int& fewest);
+  /// Puts these rows on the pieces that they come to at velocities work.u and impulses work.y. Returns whether any acts there.
+  bool choose(const std::vector<Place>& rows);
+  /// Steps that these rows are from the pieces to which they would come.
+  int countSteps(const std::vector<Place>& rows) const;
+  /// All rows that would come to another piece take a step there (block pivoting; Judice and Pires 1994).
+  void changeAll(const std::vector<Place>& rows);
   /// The one whose impulse changes most by it, in the units of K.
   void changeMost(const std::vector<Place>& rows);
   const std::vector<Place>& bounded() const { return m_work.bounded; }
@@ -34,9 +33,6 @@ class ActiveSet {
   void takeLimits();
   /// From now on these rows have the impulses that they are given: they are no unknowns.
   void release(const std::vector<Place>& rows);
-
-  /// A released row acts, if its impulse says so. Returns whether it does.
-  bool press(const Place& of);
 
   /// Which rows act in K, and what they aim at.
   void aim();
@@ -69,9 +65,8 @@ class ActiveSet {
     return row.law.meet(m_work.u[r] - row.root_K * m_work.y[at], row.K);
   }
   void change(const Place& of);
-  bool changesPiece(const Place& of, LawPiece& to) const;
+  int stepsTo(const Place& of, LawPiece& to) const;
   double changeOfImpulse(const Place& of, const LawPiece& to) const;
-  int countChanges(const std::vector<Place>& rows) const;
 
   const Island& m_island;
   const Component& m_component;

@@ -71,7 +71,7 @@ class Passes {
     if (contacts.empty() || !isSolvable()) return;
     if (isAtOnce(sweep)) {
       for (size_t i = 0; i < of.size(); ++i) {
-        blocks()[i].settle(velocities);
+        blocks()[i].sweep(velocities);
         if (!blocks()[i].isUnsettled()) takeFactor(i);
       }
       settle();
@@ -89,11 +89,6 @@ class Passes {
     for (const BlockSolver& block : blocks())
       if (block.isSwept()) return true;
     return !m_contacts.empty();
-  }
-  bool changesSet() const {
-    for (const BlockSolver& block : blocks())
-      if (block.changesSet()) return true;
-    return false;
   }
   double pass(bool is_last) {
     if (isAtOnce(m_sweep) && !m_contacts.empty()) return passAtOnce(is_last);
@@ -245,8 +240,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
   for (bool go_on = report.is_solvable; go_on;) {
     report.error = passes.pass(report.steps + 1 >= most) * island.dt;
     ++report.steps;
-    report.converged =
-        !passes.isSwept() || (!passes.changesSet() && report.error <= options.contact_tolerance);
+    report.converged = !passes.isSwept() || report.error <= options.contact_tolerance;
     report.is_solvable = report.is_solvable && passes.isSolvable();
     go_on = passes.isSwept() && report.is_solvable && !report.converged && report.steps < most;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace pintle {
@@ -27,19 +28,30 @@ void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
 }
 
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
-  measure(velocities);
-  m_set.choose();
+  m_work.limits.clear();
+  m_work.as_contacts.clear();
   if (!isAtOnce(sweep)) {
     std::fill(m_work.y.begin(), m_work.y.end(), 0.);
     m_swept = sweep == Sweep::one_by_one ? &m_set.all() : &m_set.bounded();
     m_set.release(*m_swept);
+    if (sweep == Sweep::bounds_one_by_one) factorise();
+    return;
   }
-  m_work.limits.clear();
-  m_work.as_contacts.clear();
-  if (sweep == Sweep::one_by_one) return;
-  if (isAtOnce(sweep) && !m_alone) beginLimits();
-  factorise();
   respond(m_work.y, velocities);
+  measure(velocities);
+  m_work.x = m_work.y;
+  m_set.choose(m_set.bounded());
+  if (!m_alone) beginLimits();
+  respondToChange(velocities);
+  factorise();
+}
+
+// work.x: impulses before.
+void BlockSolver::respondToChange(std::vector<Vector6d>& velocities) {
+  std::vector<double>&x = m_work.x, &y = m_work.y;
+  if (x == y) return;
+  for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - x[k];
+  respond(x, velocities);
 }
 
 // Limits are no rows of the block: contacts turn them on and off.
@@ -56,55 +68,50 @@ AxisLaw::Parts BlockSolver::partsOf(const ActiveSet::Place& of) const {
   return of.row->law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse);
 }
 
+// Which rows act is found before the first pass over contacts. Where these are to change that, rows with bounds go on as contacts do
+// (Passes::settle).
 double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
   if (!m_has_factor) return change;
-  const Pass pass = solve(velocities);
-  m_changes = pass.changes_set;
-  return std::fmax(change, pass.error / m_island.dt);
-}
-
-// All rows at once, with one factor. Which of them act is found before the first pass over contacts. Where these are to change that, rows
-// with bounds go on as contacts do (Passes::settle).
-BlockSolver::Pass BlockSolver::solve(std::vector<Vector6d>& velocities) {
-  bool changes = false;
-  if (mayChangeSet() && !m_is_settled) {
+  const double error = solveOnce(velocities, m_options.newton_tolerance);
+  if (mayChangeSet()) {
     m_set.measure(m_set.bounded(), own(velocities));
-    changes = m_set.wouldChange(m_set.bounded());
-    if (changes && !changeSet(m_set.bounded(), m_alone, velocities)) {
+    if (m_is_settled ? m_set.countSteps(m_set.bounded()) > 0
+                     : !findWhichAct(m_set.bounded(), m_alone, velocities)) {
       if (m_alone)
         m_solvable = m_has_factor = false;
       else
         m_is_unsettled = true;
-      return {infinity, true};
     }
   }
-  // By what a set leads to it is seen whether it is the right one: so it is always solved for.
-  const double tolerance = changes ? 0 : m_options.newton_tolerance,
-               error = m_has_factor ? solveOnce(velocities, tolerance) : 0;
-  if (mayChangeSet() && m_is_settled) {
-    m_set.measure(m_set.bounded(), own(velocities));
-    m_is_unsettled = m_set.wouldChange(m_set.bounded());
-  }
-  return {error, changes};
+  m_is_settled = true;
+  return std::fmax(change, error / m_island.dt);
 }
 
-// These rows come to other pieces of their laws: all that would, if they are fewer than ever before, or else, where `or_one`, one of them.
-// That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns false if none may.
-bool BlockSolver::changeSet(const std::vector<ActiveSet::Place>& rows, bool or_one,
-                            std::vector<Vector6d>& velocities) {
-  std::vector<double>&x = m_work.x, &y = m_work.y;
-  x = y;
-  if (!m_set.changeAll(rows, m_fewest)) {
-    if (!or_one || m_changes_of_one++ >= countEnds(rows)) return false;
-    m_set.changeMost(rows);
+// A set of rows that act is the right one where it leads to velocities at which just these act: so each one is solved for. All rows that
+// come to another piece of their laws go there at once, while they become fewer, or else, where `or_one`, that one whose impulse changes
+// most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether a set is found.
+bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
+                               std::vector<Vector6d>& velocities) {
+  int fewest = std::numeric_limits<int>::max(), ones = or_one ? countEnds(rows) : 0;
+  for (;;) {
+    m_set.measure(rows, own(velocities));
+    const int changes = m_set.countSteps(rows);
+    if (changes == 0) return true;
+    m_work.x = m_work.y;
+    if (changes < fewest) {
+      fewest = changes;
+      m_set.changeAll(rows);
+    } else if (ones-- > 0) {
+      m_set.changeMost(rows);
+    } else {
+      return false;
+    }
+    respondToChange(velocities);
+    factorise();
+    if (!m_has_factor) return false;
+    solveOnce(velocities, 0);
   }
-  if (x != y) {  // those that came to a bound
-    for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - x[k];
-    respond(x, velocities);
-  }
-  factorise();
-  return true;
 }
 
 // Returns what was left before, m or rad.
@@ -119,13 +126,12 @@ double BlockSolver::solveOnce(std::vector<Vector6d>& velocities, double toleranc
 }
 
 bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
-  if (m_alone)
-    while (m_has_factor && solve(velocities).changes_set) continue;
   takeBounds(bounds);
   const int factors = m_set.factors();
   if (m_has_factor && !holdLimits(velocities) && !m_work.limits.empty()) {
     releaseLimits(velocities);
-    m_solvable = solveToTheEnd(velocities);
+    m_solvable = solveToTheEnd(velocities) &&
+                 (!mayChangeSet() || findWhichAct(m_set.bounded(), true, velocities));
   }
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
@@ -140,31 +146,34 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
   if (!m_has_factor) return false;
   for (double last = infinity;;) {
     const double error = solveOnce(velocities, m_options.newton_tolerance);
-    if (!(error > m_options.newton_tolerance && error < last / 2)) break;
+    if (error <= m_options.newton_tolerance) return true;
+    if (!(error < last / 2)) break;
     last = error;
   }
   return m_set.findResidual(own(velocities)) <=
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// Limits that press are rows of the block in the end, so that they hold as joints do. Which of them do so is found while contacts stay as
-// they are. Returns whether equalities and limits are met then.
+// Limits that press are rows of the block in the end, so that they hold as joints do. Which of them do so, and which other rows with
+// bounds act then, is found while contacts stay as they are. Returns whether these and equalities are met.
 bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
-  std::vector<ActiveSet::Place>& limits = m_work.limits;
+  std::vector<ActiveSet::Place>&limits = m_work.limits, &rows = m_work.pivots;
   for (const Workspace::AsContact& as : m_work.as_contacts)
     if (as.of.row->law.isLimit()) limits.push_back(as.of);
-  m_fewest = std::numeric_limits<int>::max();
-  m_set.measure(limits, own(velocities));
-  bool any = false;
-  for (const ActiveSet::Place& of : limits) any = m_set.press(of) || any;
-  if (any) factorise();
-  for (;;) {
-    m_solvable = solveToTheEnd(velocities);
-    if (!m_solvable) return false;
+  if (!limits.empty()) {
+    rows = limits;
+    if (mayChangeSet()) rows.insert(rows.end(), m_set.bounded().begin(), m_set.bounded().end());
     m_set.measure(limits, own(velocities));
-    if (!m_set.wouldChange(limits)) return true;
-    if (!changeSet(limits, true, velocities)) return false;
+    m_work.x = m_work.y;
+    const bool any = m_set.choose(limits);
+    respondToChange(velocities);
+    if (any) factorise();
+    if (!m_has_factor) return false;
+    solveOnce(velocities, m_options.newton_tolerance);
+    if (!findWhichAct(rows, true, velocities)) return false;
   }
+  m_solvable = solveToTheEnd(velocities);
+  return m_solvable;
 }
 
 // work.x: by how much it changes, in the units of K.

@@ -5,8 +5,6 @@
 #include <pintle/solver/active_set.h>
 #include <pintle/solver/contacts.h>
 
-#include <limits>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -45,7 +43,7 @@ class BlockSolver {
 
   /// `velocities`: of all bodies of the island, without impulses of joints, and then with those that it begins with.
   void begin(Sweep sweep, std::vector<Vector6d>& velocities);
-  /// One pass over its rows. Returns the largest change of one, m/s or rad/s.
+  /// One pass over its rows. The first one finds which of them act. Returns the largest change of a row, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
   /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are. Returns whether it has
   /// made its factor anew, for limits that press.
@@ -58,18 +56,10 @@ class BlockSolver {
   bool addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// Whether there are any that are not met.
   bool hasLimits() const { return !m_work.limits.empty(); }
-  /// Finds which rows act, while contacts have the impulses with which they begin.
-  void settle(std::vector<Vector6d>& velocities) {
-    do sweep(velocities);
-    while (m_changes && m_solvable && !m_is_unsettled);
-    m_is_settled = true;
-  }
   /// Whether contacts change which of its rows act.
   bool isUnsettled() const { return m_is_unsettled; }
   /// Whether there is a factor where one is needed.
   bool isSolvable() const { return m_solvable; }
-  /// Whether the last pass did.
-  bool changesSet() const { return m_changes; }
   /// Whether a pass over contacts may.
   bool mayChangeSet() const {
     return m_swept == nullptr && !m_has_bounds && !m_set.bounded().empty();
@@ -85,13 +75,9 @@ class BlockSolver {
   bool holdLimits(std::vector<Vector6d>& velocities);
   void releaseLimits(std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
-  struct Pass {
-    double error;      ///< m or rad, before it
-    bool changes_set;  ///< of rows that act
-  };
-  Pass solve(std::vector<Vector6d>& velocities);
-  bool changeSet(const std::vector<ActiveSet::Place>& rows, bool or_one,
-                 std::vector<Vector6d>& velocities);
+  bool findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
+                    std::vector<Vector6d>& velocities);
+  void respondToChange(std::vector<Vector6d>& velocities);
   double solveOnce(std::vector<Vector6d>& velocities, double tolerance);
   double sweepRows(std::vector<Vector6d>& velocities);
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
@@ -110,10 +96,8 @@ class BlockSolver {
   Workspace& m_work;
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
-  bool m_has_factor = false, m_solvable = true, m_changes = false;
+  bool m_has_factor = false, m_solvable = true;
   bool m_is_settled = false, m_is_unsettled = false, m_has_bounds = false;
-  int m_fewest = std::numeric_limits<int>::max();  ///< rows that have changed at once
-  int m_changes_of_one = 0;                        ///< of single rows
 };
 
 }  // namespace PINTLE_PRECISION

@@ -45,7 +45,7 @@ class Chord {
     measureAtEnd(m_island, m_component, m_work.moved, m_work.u);
   }
   void measure();
-  bool end();
+  int end();
 
   const Island& m_island;
   const Component& m_component;
@@ -55,7 +55,6 @@ class Chord {
   Workspace& m_work;
   ActiveSet m_set;
   SolveReport m_report;
-  int m_fewest = std::numeric_limits<int>::max();  ///< rows that have changed at once
 };
 
 // At the velocities that are foreseen rows bend as they will. From there to those of the impulses they are taken to be straight.
@@ -98,20 +97,20 @@ void Chord::measure() {
   measureEnd();
 }
 
-// Returns whether rows come to other pieces of their laws.
-bool Chord::end() {
+// Returns how many steps rows are from the pieces of their laws to which they would come.
+int Chord::end() {
   ++m_report.steps;
   measure();
-  const bool changes = m_set.wouldChange(m_set.bounded());
+  const int changes = m_set.countSteps(m_set.bounded());
   m_report.error = m_set.findResidual();
-  m_report.converged = !changes && m_report.error <= m_options.newton_tolerance;
+  m_report.converged = changes == 0 && m_report.error <= m_options.newton_tolerance;
   return changes;
 }
 
 SolveReport Chord::run() {
   Broyden& broyden = m_work.broyden;
   measureEnd();
-  m_set.choose();
+  m_set.choose(m_set.bounded());
   broyden.begin();
   m_set.aim();
   findWhatForeseenMisses();
@@ -126,10 +125,14 @@ SolveReport Chord::run() {
       m_work.is_resolved &&
       (m_options.may_wander || shareOfArcs(m_work.v, m_island.dt) > m_options.ledger_share);
   broyden.begin(may_wander);
-  for (bool changes = end(); !m_report.converged; changes = end()) {
+  int fewest = std::numeric_limits<int>::max();
+  for (int changes = end(); !m_report.converged; changes = end()) {
     if (m_report.steps >= m_options.max_iterations) return m_report;
-    if (changes) {
-      if (!m_set.changeAll(m_set.bounded(), m_fewest) || !m_set.factorise()) return m_report;
+    if (changes > 0) {
+      if (changes >= fewest) return m_report;
+      fewest = changes;
+      m_set.changeAll(m_set.bounded());
+      if (!m_set.factorise()) return m_report;
       measure();
       m_set.findResidual();
       broyden.begin(may_wander);
