@@ -21,14 +21,16 @@ namespace scenes {
 struct PlaygroundSettings {
   int iterations = 10;
   double gravity = standard_gravity;
+  SolverFactory make_solver = [] {
+    return std::make_unique<btSequentialImpulseConstraintSolver>();
+  };
 };
 
 class Playground {
  public:
   explicit Playground(const PlaygroundSettings& settings = {})
-      : gravity_(settings.gravity), world_(settings.gravity, settings.iterations, [] {
-          return std::make_unique<btSequentialImpulseConstraintSolver>();
-        }) {}
+      : gravity_(settings.gravity),
+        world_(settings.gravity, settings.iterations, settings.make_solver) {}
   Playground(const Playground&) = delete;
   Playground& operator=(const Playground&) = delete;
 

@@ -46,10 +46,8 @@ inline const char* start_name(Start start) {
 // that it ever has came from joints. Overlapping: pivots up to 0.2 m inside each other; apart: up to 3 m; turned: by
 // up to pi. The same seed is the same start for every family.
 template <class Family>
-PlaygroundPtr make_start(Kind kind, Start start, unsigned seed, int iterations = 10) {
+PlaygroundPtr make_start(Kind kind, Start start, unsigned seed, PlaygroundSettings settings = {}) {
   Dice dice(seed);
-  PlaygroundSettings settings;
-  settings.iterations = iterations;
   settings.gravity = 0;
   auto world = std::make_unique<Playground>(settings);
   const int count = int(dice.between(2, 10.99));

@@ -219,6 +219,8 @@ struct TwoPointHinges : PintleJoints {
 template <class Family>
 void startsOf(const char* name, scenes::Kind kind, double seconds, bool converged) {
   using scenes::Start;
+  scenes::PlaygroundSettings many;
+  many.iterations = 200;
   for (const Start start : {Start::overlapping, Start::apart, Start::turned, Start::all}) {
     double energy[2] = {0, 0}, speed[2] = {0, 0}, spin[2] = {0, 0}, worst = 0, limit = 0;
     int more_energy = 0, more_speed = 0;
@@ -229,7 +231,7 @@ void startsOf(const char* name, scenes::Kind kind, double seconds, bool converge
       if (converged)
         limit = std::max(
             limit,
-            scenes::run_start(*scenes::make_start<StockJoints>(kind, start, seed, 200), seconds)
+            scenes::run_start(*scenes::make_start<StockJoints>(kind, start, seed, many), seconds)
                 .energy);
       for (int i = 0; i < 2; ++i) {
         energy[i] = std::max(energy[i], r[i].energy);

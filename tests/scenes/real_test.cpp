@@ -124,7 +124,7 @@ void expectAcross(const Played& bridge) {
 TEST(RealScenes, AConvoyCrossesTheSuspensionBridge) {
   const Played bridge = held("suspension_bridge", {1.5e-5, 1e-4, 1e-7, 1e-5});
   expectAcross(bridge);
-  std::vector<double> overshoots{bridge.outcome[Error::overshoot]};
+  EXPECT_LT(bridge.outcome[Error::overshoot], 0.001);
   for (int i = 1; i < 9; ++i) {     // other planks are met by other wheels
     const double ahead = 0.03 * i;  // m
     Scene scene = bridge.scene;
@@ -133,14 +133,8 @@ TEST(RealScenes, AConvoyCrossesTheSuspensionBridge) {
     SCOPED_TRACE(ahead);
     const Played of = play(scene, "exact");
     expectAcross(of);
-    overshoots.push_back(of.outcome[Error::overshoot]);
+    EXPECT_LT(of.outcome[Error::overshoot], 0.001);
   }
-  std::sort(overshoots.begin(), overshoots.end());
-  // m: a rope that a blow draws tight faster than its speed foretold has no row in that step (rows/limit_reach.h). Of nine starts that
-  // passes it by more than 5 mm in one at most.
-  EXPECT_LT(overshoots[4], 0.001);
-  EXPECT_LT(overshoots[7], 0.005);
-  EXPECT_LT(overshoots[8], 0.02);
   const auto below = [](const State& state) { return 1.3 - state.pose.translation().z(); };
   EXPECT_LE(bridge.most(0, below), 0) << "the deck stays up";
 }

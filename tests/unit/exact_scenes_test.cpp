@@ -161,6 +161,38 @@ TEST(ExactScenes, WhatWhirlsIsFedNothing) {
   EXPECT_LT(std::abs(least.back() - least.front()), 0.01 * exchange);
 }
 
+// Ten links hang in a row, 0.5 rad off, and swing for a minute.
+TEST(ExactScenes, AChainThatSwingsForAMinuteKeepsItsEnergy) {
+  constexpr int count = 10;
+  constexpr double off = 0.5, half = 0.25;  // rad, m
+  scenes::World world(scenes::standard_gravity, 10,
+                      [] { return std::make_unique<pintle::ExactJointSolver>(); });
+  const btQuaternion turn(btVector3(0, 1, 0), btScalar(off));
+  const btVector3 down = quatRotate(turn, btVector3(0, 0, -1)), end(0, 0, btScalar(half));
+  std::vector<btRigidBody*> links;
+  double height = 0;  // m, of all, above where they hang still
+  for (int i = 0; i < count; ++i) {
+    const double from_top = (2 * i + 1) * half;
+    links.push_back(&world.add_box(1, btVector3(btScalar(0.05), btScalar(0.05), btScalar(half)),
+                                   btTransform(turn, btScalar(from_top) * down)));
+    height += from_top * (1 - std::cos(off));
+    if (i == 0)
+      world.add_joint<pintle::BallJoint>(*links[0], end);
+    else
+      world.add_joint<pintle::BallJoint>(*links[size_t(i) - 1], *links[size_t(i)], -end, end);
+  }
+  std::vector<double> mean;
+  for (int part = 0; part < 12; ++part) {
+    mean.push_back(0);
+    for (int i = 0; i < 300; ++i) {
+      world.step(1. / 60);
+      for (const btRigidBody* link : links)
+        mean.back() += scenes::energy(*link, scenes::standard_gravity) / 300;
+    }
+  }
+  EXPECT_NEAR(mean.back(), mean.front(), 0.02 * scenes::standard_gravity * height);
+}
+
 class Extreme : public testing::TestWithParam<double> {};
 
 TEST_P(Extreme, ChainHolds) {

@@ -26,6 +26,7 @@ class PoseCorrection {
  private:
   void begin();
   bool findGoals();
+  bool addPassed();
   bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
   bool factorise(bool at_end);
   bool straighten();
@@ -92,6 +93,21 @@ bool PoseCorrection::findGoals() {
     all_act = all_act && piece.acts;
   });
   return all_act;
+}
+
+// A stop that was met by nothing else but where poses have been moved to: it closes, too. Returns whether there is any.
+bool PoseCorrection::addPassed() {
+  measureAtEnd(m_island, m_component, m_nearest, m_u);
+  bool any = false;
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    double stop = 0;
+    if (m_closes[r] || !row.has_position || m_work.pieces[r].acts ||
+        !isBeyond(row.law, m_u[r], stop))
+      return;
+    m_closes[r] = m_bends[r] = any = true;
+    m_goal[r] = stop;
+  });
+  return any;
 }
 
 // By the rows of the start, or of where bodies are now.
@@ -257,6 +273,11 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   has_factor = has_factor && m_K.factorise(m_options.least_pivot);
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
+  while (mayFactorise() && addPassed()) {
+    m_work.moved = m_nearest;
+    left = measure();
+    if (factorise(true)) left = iterate(left);
+  }
   const double met = m_options.loose_pose_tolerance;  // but for rounding
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
