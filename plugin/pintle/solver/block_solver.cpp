@@ -89,7 +89,7 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
 }
 
 // A set of rows that act is the right one where it leads to velocities at which just these act: so each one is solved for. All rows that
-// come to another piece of their laws go there at once, while they become fewer, or else, where `or_one`, that one whose impulse changes
+// come to another piece of their laws take a step there at once, while these steps become fewer, or else, where `or_one`, that one whose impulse changes
 // most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether a set is found.
 bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
                                std::vector<Vector6d>& velocities) {
@@ -183,7 +183,7 @@ void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
   y = impulse * of.row->root_K;
 }
 
-// Back to what passes have found of them.
+// Limits go back to what passes have found of them.
 void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   for (const ActiveSet::Place& of : m_work.limits) {
