@@ -97,6 +97,10 @@ bool PoseCorrection::findGoals() {
 
 // A stop that was met by nothing else but where poses have been moved to: it closes, too. Returns whether there is any.
 bool PoseCorrection::addPassed() {
+  const auto joints = m_island.joints.begin() + m_component.first_joint;
+  if (std::none_of(joints, joints + m_component.joints,
+                   [](const IslandJoint& of) { return of.bounded > 0; }))
+    return false;
   measureAtEnd(m_island, m_component, m_nearest, m_u);
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
