@@ -82,7 +82,8 @@ WedgeJoint::WedgeJoint(btRigidBody& rbA, const btTransform& frameInA) : FrameJoi
 }
 
 void WedgeJoint::setDefaults() {
-  m_side.relaxation = m_other_side.relaxation = m_corner.relaxation = 0;
+  m_side.relaxation = m_corner.relaxation = 0;
+  for (Axis& plane : m_plane) plane.relaxation = 0;
   m_corner.low = 0;
   m_corner.high = infinity;
   setLimit(m_side.low, m_side.high);
@@ -92,8 +93,11 @@ void WedgeJoint::setDefaults() {
 
 void WedgeJoint::setLimit(btScalar low, btScalar high) {
   setAxisLimit(m_side, low, high);
-  m_other_side.low = low;
-  m_other_side.high = high;
+  // Of a plane the other side's stop would be a circle, which that side touches: rows that hold both repeat each other.
+  m_plane[low_side].low = low;
+  m_plane[high_side].high = high;
+  m_plane[low_side].high = m_side.locked() ? high : infinity;
+  m_plane[high_side].low = m_side.locked() ? low : -infinity;
   const Scalar total = high - low;
   const bool limited = total >= 0 && total < SIMD_2_PI;
   // Half a turn, give or take rounding, has one plane.
@@ -112,7 +116,8 @@ void WedgeJoint::setLimit(btScalar low, btScalar high) {
 
 void WedgeJoint::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
   setAxisSpring(m_side, frequency_hz, damping_ratio);
-  m_other_side.limit_spring = m_corner.limit_spring = m_side.limit_spring;
+  m_corner.limit_spring = m_side.limit_spring;
+  for (Axis& plane : m_plane) plane.limit_spring = m_side.limit_spring;
 }
 
 void WedgeJoint::enableAngularMotor(bool enable, btScalar target_velocity, btScalar max_impulse) {
@@ -184,7 +189,7 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const Reference& reference, const 
                                               Rows& rows) const {
   const bool spring = m_side.limit_spring.angular_frequency > 0;
   const Directions at{reference.frame, reference.c_b, spring ? Vec3(Vec3::Zero()) : reach.moved(),
-                      Reach{0, reach.gained()}.of(m_other_side).gained};
+                      Reach{0, reach.gained()}.of(m_corner).gained};
   bool near_side = false;  // whether the row of the side that c_b is nearer to is a limit
   // Of a pose alone nobody knows whether it is reached: what acts along the angle then has a row of its own.
   Index side = rows.inStep() ? low_side : drive;
@@ -202,9 +207,11 @@ PINTLE_NOINLINE void WedgeJoint::addWedgeRows(const Reference& reference, const 
     const bool low_is_nearer = m_convex ? low.row.C <= high.row.C : isInLowHalf(at);
     const Plane &nearer = low_is_nearer ? low : high, &other = low_is_nearer ? high : low;
     // The nearer one last: what the solver leaves over is then no violation.
-    if (m_convex && !m_side.locked() && other.reached()) addPlaneRow(other, at, m_other_side, rows);
+    if (m_convex && !m_side.locked() && other.reached())
+      addPlaneRow(other, at, m_plane[other.index], rows);
     near_side = nearer.reached() && (m_convex || other.reached());
-    if (near_side) addPlaneRow(nearer, at, rows.inStep() ? m_side : m_other_side, rows);
+    const bool drives = rows.inStep() && m_side.driven();
+    if (near_side) addPlaneRow(nearer, at, drives ? m_side : m_plane[nearer.index], rows);
     if (rows.inStep()) side = nearer.index;
   }
   if ((near_side && rows.inStep()) || !m_side.driven()) return;

@@ -106,7 +106,7 @@ class WedgeJoint : public FrameJoint {
   void addPlaneRow(const Plane& plane, const Directions& at, const Axis& side, Rows& rows) const;
 
   Axis m_side;                           ///< along the angle: both limits, motor and friction
-  Axis m_other_side;                     ///< the limits alone
+  Axis m_plane[2];                       ///< of each side its limit alone
   Axis m_corner;                         ///< along the turn to the extra plane
   btVector3 m_n_min, m_n_max, m_middle;  ///< the wedge, in the joint frame of body a
   DirectionLimit m_look;                 ///< of c_b, a cone or half of space that lies in the wedge
