@@ -39,16 +39,19 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
   }
   respond(m_work.y, velocities);
   measure(velocities);
-  m_work.x = m_work.y;
-  m_set.choose(m_set.bounded());
-  if (!m_alone) beginLimits();
-  respondToChange(velocities);
+  changeImpulses(velocities, [&] {
+    m_set.choose(m_set.bounded());
+    if (!m_alone) beginLimits();
+  });
   factorise();
 }
 
-// work.x: impulses before.
-void BlockSolver::respondToChange(std::vector<Vector6d>& velocities) {
+// Bodies answer to what `change` does to the impulses.
+template <class Change>
+void BlockSolver::changeImpulses(std::vector<Vector6d>& velocities, const Change& change) {
   std::vector<double>&x = m_work.x, &y = m_work.y;
+  x = y;
+  change();
   if (x == y) return;
   for (size_t k = 0; k < y.size(); ++k) x[k] = y[k] - x[k];
   respond(x, velocities);
@@ -74,18 +77,20 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
   if (!m_has_factor) return change;
   const double error = solveOnce(velocities, m_options.newton_tolerance);
-  if (mayChangeSet()) {
-    m_set.measure(m_set.bounded(), own(velocities));
-    if (m_is_settled ? m_set.countSteps(m_set.bounded()) > 0
-                     : !findWhichAct(m_set.bounded(), m_alone, velocities)) {
-      if (m_alone)
-        m_solvable = m_has_factor = false;
-      else
-        m_is_unsettled = true;
-    }
+  if (mayChangeSet() && !isSetRight(velocities)) {
+    if (m_alone)
+      m_solvable = m_has_factor = false;
+    else
+      m_is_unsettled = true;
   }
   m_is_settled = true;
   return std::fmax(change, error / m_island.dt);
+}
+
+bool BlockSolver::isSetRight(std::vector<Vector6d>& velocities) {
+  if (!m_is_settled) return findWhichAct(m_set.bounded(), m_alone, velocities);
+  m_set.measure(m_set.bounded(), own(velocities));
+  return m_set.countSteps(m_set.bounded()) == 0;
 }
 
 // A set of rows that act is the right one where it leads to velocities at which just these act: so each one is solved for. All rows that
@@ -98,16 +103,10 @@ bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows, bool o
     m_set.measure(rows, own(velocities));
     const int changes = m_set.countSteps(rows);
     if (changes == 0) return true;
-    m_work.x = m_work.y;
-    if (changes < fewest) {
-      fewest = changes;
-      m_set.changeAll(rows);
-    } else if (ones-- > 0) {
-      m_set.changeMost(rows);
-    } else {
-      return false;
-    }
-    respondToChange(velocities);
+    const bool all = changes < fewest;
+    if (!all && ones-- <= 0) return false;
+    fewest = std::min(fewest, changes);
+    changeImpulses(velocities, [&] { all ? m_set.changeAll(rows) : m_set.changeMost(rows); });
     factorise();
     if (!m_has_factor) return false;
     solveOnce(velocities, 0);
@@ -130,8 +129,12 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   const int factors = m_set.factors();
   if (m_has_factor && !holdLimits(velocities) && !m_work.limits.empty()) {
     releaseLimits(velocities);
-    m_solvable = solveToTheEnd(velocities) &&
-                 (!mayChangeSet() || findWhichAct(m_set.bounded(), true, velocities));
+    m_solvable = m_has_factor;
+    if (m_solvable && mayChangeSet()) {
+      solveOnce(velocities, m_options.newton_tolerance);
+      m_solvable = findWhichAct(m_set.bounded(), true, velocities);
+    }
+    m_solvable = m_solvable && solveToTheEnd(velocities);
   }
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
@@ -164,9 +167,8 @@ bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
     rows = limits;
     if (mayChangeSet()) rows.insert(rows.end(), m_set.bounded().begin(), m_set.bounded().end());
     m_set.measure(limits, own(velocities));
-    m_work.x = m_work.y;
-    const bool any = m_set.choose(limits);
-    respondToChange(velocities);
+    bool any = false;
+    changeImpulses(velocities, [&] { any = m_set.choose(limits); });
     if (any) factorise();
     if (!m_has_factor) return false;
     solveOnce(velocities, m_options.newton_tolerance);
@@ -176,29 +178,20 @@ bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
   return m_solvable;
 }
 
-// work.x: by how much it changes, in the units of K.
-void BlockSolver::setImpulse(const ActiveSet::Place& of, double impulse) {
-  double& y = m_work.y[of.at];
-  m_work.x[of.at] = impulse * of.row->root_K - y;
-  y = impulse * of.row->root_K;
-}
-
 // Limits go back to what passes have found of them.
 void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
-  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
-  for (const ActiveSet::Place& of : m_work.limits) {
-    const double impulse = sumOf(m_work.parts[of.r]);
-    setImpulse(of, impulse);
-    m_work.pieces[of.r] = {false, 0, 0, impulse};
-  }
-  respond(m_work.x, velocities);
+  changeImpulses(velocities, [&] {
+    for (const ActiveSet::Place& of : m_work.limits)
+      m_work.y[of.at] = sumOf(m_work.parts[of.r]) * of.row->root_K;
+    m_set.release(m_work.limits);
+  });
   factorise();
 }
 
 void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {
   const IslandRow& row = *of.row;
   const AxisLaw::Parts parts = partsOf(of);
-  setImpulse(of, sumOf(parts));
+  m_work.y[of.at] = sumOf(parts) * row.root_K;
   m_work.as_contacts.push_back({of, to.size()});
   const IslandJoint& joint = m_island.joints[size_t(m_of.component->first_joint + of.joint)];
   const double moved = m_island.velocityOfUnmoved(joint, row.J);
@@ -217,10 +210,10 @@ void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactR
 }
 
 void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
-  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   m_set.measure(m_set.bounded(), own(velocities));
-  for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, to);
-  respond(m_work.x, velocities);
+  changeImpulses(velocities, [&] {
+    for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, to);
+  });
   m_set.release(m_set.bounded());
   m_is_unsettled = false;
   m_has_bounds = true;
@@ -228,7 +221,6 @@ void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& 
 }
 
 bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
-  std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   m_set.measure(m_work.limits, own(velocities));
   const size_t before = m_work.as_contacts.size();
   const auto isMet = [&](const ActiveSet::Place& of) {
@@ -236,17 +228,17 @@ bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& 
     const LawPiece piece = of.row->law.meet(m_work.u[of.r], of.row->K);
     return piece.acts || piece.impulse != 0;
   };
-  std::vector<ActiveSet::Place>& limits = m_work.limits;
-  limits.erase(std::remove_if(limits.begin(), limits.end(),
-                              [&](const ActiveSet::Place& of) {
-                                if (!isMet(of)) return false;
-                                goOnAsContact(of, to);
-                                return true;
-                              }),
-               limits.end());
-  if (m_work.as_contacts.size() == before) return false;
-  respond(m_work.x, velocities);
-  return true;
+  changeImpulses(velocities, [&] {
+    std::vector<ActiveSet::Place>& limits = m_work.limits;
+    limits.erase(std::remove_if(limits.begin(), limits.end(),
+                                [&](const ActiveSet::Place& of) {
+                                  if (!isMet(of)) return false;
+                                  goOnAsContact(of, to);
+                                  return true;
+                                }),
+                 limits.end());
+  });
+  return m_work.as_contacts.size() != before;
 }
 
 // What passes have found of the parts of their laws.

@@ -71,13 +71,14 @@ class BlockSolver {
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
   void takeBounds(const std::vector<ContactRow>& from);
   void splitBounds();
-  void setImpulse(const ActiveSet::Place& of, double impulse);
   bool holdLimits(std::vector<Vector6d>& velocities);
   void releaseLimits(std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   bool findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
                     std::vector<Vector6d>& velocities);
-  void respondToChange(std::vector<Vector6d>& velocities);
+  bool isSetRight(std::vector<Vector6d>& velocities);
+  template <class Change>
+  void changeImpulses(std::vector<Vector6d>& velocities, const Change& change);
   double solveOnce(std::vector<Vector6d>& velocities, double tolerance);
   double sweepRows(std::vector<Vector6d>& velocities);
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {

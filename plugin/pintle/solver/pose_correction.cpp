@@ -58,15 +58,23 @@ class PoseCorrection {
       m_work.first;  ///< where the first step has led, if it closes nothing
 };
 
+bool isStop(const LawPart& part) {
+  return (part.isLowerStop() || part.isUpperStop()) && !part.drives && !(part.softness > 0);
+}
+
+bool hasStops(const AxisLaw& law) {
+  for (int i = 0; i < law.parts(); ++i)
+    if (isStop(law.part(i))) return true;
+  return false;
+}
+
 // Beyond which of its stops a row that may leave them ends the step, and where that is.
 bool isBeyond(const AxisLaw& law, double u, double& stop) {
   for (int i = 0; i < law.parts(); ++i) {
     const LawPart& part = law.part(i);
-    if (part.drives || part.softness > 0) continue;
-    if ((part.isLowerStop() && u < part.target) || (part.isUpperStop() && u > part.target)) {
-      stop = part.target;
-      return true;
-    }
+    if (!isStop(part) || !(part.isLowerStop() ? u < part.target : u > part.target)) continue;
+    stop = part.target;
+    return true;
   }
   return false;
 }
@@ -76,20 +84,23 @@ bool PoseCorrection::findGoals() {
   bool all_act = true;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     const LawPiece& piece = m_work.pieces[r];
-    double stop = 0;
-    const bool beyond = row.has_position && isBeyond(row.law, m_u[r], stop);
+    double stop = 0, open = row.open / m_island.dt;
+    // What comes back from beyond a stop by itself needs no closing.
+    const bool beyond =
+        (row.has_position || row.open != 0) && isBeyond(row.law, m_u[r] + open, stop);
+    if (!beyond && hasStops(row.law)) open = 0;
     // What rebounds has a velocity to end with, and no pose.
     const bool holds =
         piece.acts && (row.has_position || row.law.isEquality()) && !row.law.rebounds(piece.target);
     const bool comes_back = beyond && !piece.acts;
-    m_closes[r] = holds || comes_back || row.open != 0;
+    m_closes[r] = holds || comes_back || open != 0;
     if (!m_closes[r]) return;
     // Among contacts nothing is pulled to a stop: it stays where it is, so that nothing else moves it beyond.
     const bool stays = holds && !beyond && row.law.isLimit() && !m_work.parts.empty();
     const double end = !(holds && row.has_position) || stays ? m_u[r]
                        : piece.softness > 0                  ? m_work.u[r]
                                                              : piece.target;
-    m_goal[r] = (comes_back ? stop : end) - row.open / m_island.dt;
+    m_goal[r] = (comes_back ? stop : end) - open;
     all_act = all_act && piece.acts;
   });
   return all_act;
@@ -97,16 +108,20 @@ bool PoseCorrection::findGoals() {
 
 // A stop that was met by nothing else but where poses have been moved to: it closes, too. Returns whether there is any.
 bool PoseCorrection::addPassed() {
-  const auto joints = m_island.joints.begin() + m_component.first_joint;
-  if (std::none_of(joints, joints + m_component.joints,
-                   [](const IslandJoint& of) { return of.bounded > 0; }))
-    return false;
-  measureAtEnd(m_island, m_component, m_nearest, m_u);
+  std::vector<char>& may_pass = m_work.may_pass;
+  may_pass.assign(m_closes.size(), false);
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    may_pass[r] = !m_closes[r] && row.has_position && !m_work.pieces[r].acts;
+    any = any || may_pass[r];
+  });
+  if (!any) return false;
+  any = false;
+  measureAtEnd(m_island, m_component, m_nearest, may_pass, m_u);
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     double stop = 0;
-    if (m_closes[r] || !row.has_position || m_work.pieces[r].acts ||
-        !isBeyond(row.law, m_u[r], stop))
+    if (!may_pass[r] || !isBeyond(row.law, m_u[r], stop) ||
+        !(std::abs(m_u[r] - stop) * m_island.dt > m_tolerance))
       return;
     m_closes[r] = m_bends[r] = any = true;
     m_goal[r] = stop;

@@ -71,7 +71,8 @@ struct Workspace {
   std::vector<double> straight, goal;  ///< of each row: other velocities
   std::vector<RowJacobian> J;          ///< of each row at the end of the step
   std::vector<char> closes,
-      bends;  ///< of each row: whether moving poses closes it, and whether it is measured at the end
+      bends,  ///< of each row: whether moving poses closes it, and whether it is measured at the end
+      may_pass;  ///< whether it may be passed by them
   struct Place {
     const IslandRow* row;
     int joint;
@@ -99,8 +100,8 @@ struct Workspace {
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
-                    bends, bounded, limits, pivots, parts, as_contacts, last_load, other.u,
-                    other.lambda, other.pieces);
+                    bends, may_pass, bounded, limits, pivots, parts, as_contacts, last_load,
+                    other.u, other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, by_forces, by_joints, open);
     broyden.reserve(unknowns);
   }
@@ -108,8 +109,8 @@ struct Workspace {
   size_t bytes() const {
     return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
                    scales, by_forces, by_joints, base, moved, straight, goal, J, closes, bends,
-                   bounded, limits, pivots, as_contacts, all, stays, open, start, nearest, first,
-                   last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
+                   may_pass, bounded, limits, pivots, as_contacts, all, stays, open, start, nearest,
+                   first, last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
                    other.pieces) +
            broyden.bytes();
   }
