@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "bodies.h"
+#include "cables.h"
 #include "physics_support.h"
 #include "support.h"
 
@@ -381,39 +382,13 @@ TEST(ExactSolverMt, APoolTakesOptions) {
   }
 }
 
-/// Links of 0.5 m and 1 kg, held at both ends, let go from a V.
-void addCable(Bodies& bodies, int links, double slack) {
-  const double length = 0.5, all = links * length, span = all * (1 - slack),
-               depth = std::sqrt(all * all - span * span) / 2;
-  btRigidBody& post = bodies.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0));
-  btRigidBody* last = &post;
-  btVector3 end(0, 0, 0);
-  const auto join = [&](btRigidBody& a, btRigidBody& b) {
-    bodies.join(std::make_unique<pintle::BallJoint>(a, b,
-                                                    a.getCenterOfMassTransform().inverse() * end,
-                                                    b.getCenterOfMassTransform().inverse() * end));
-  };
-  for (int i = 0; i < links; ++i) {
-    const bool down = 2 * i < links;
-    const btVector3 along = vec(span / links, 0, (down ? -2 : 2) * depth / links);
-    btRigidBody& link = bodies.add(1, vec(length / 2, 0.05, 0.05), end + along / 2);
-    link.setCenterOfMassTransform(btTransform(
-        btQuaternion(btVector3(0, 1, 0), scalar(std::atan2(down ? 2 * depth : -2 * depth, span))),
-        end + along / 2));
-    join(*last, link);
-    last = &link;
-    end += along;
-  }
-  join(*last, post);
-}
-
 struct Cable {
   double gap = 0, gain = 0, peak = 0;  ///< m; J: the most above the start, and the largest kinetic
   std::vector<btScalar> end;
 };
 Cable playCable(btDiscreteDynamicsWorld& world) {
   Bodies bodies(world);
-  addCable(bodies, 10, 0.02);
+  support::addCable<pintle::BallJoint>(bodies, 10, 0.02);
   Cable cable;
   const double start = bodies.energy(dt);
   for (int i = 0; i < 300; ++i) {
