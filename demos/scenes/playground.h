@@ -21,9 +21,7 @@ namespace scenes {
 struct PlaygroundSettings {
   int iterations = 10;
   double gravity = standard_gravity;
-  SolverFactory make_solver = [] {
-    return std::make_unique<btSequentialImpulseConstraintSolver>();
-  };
+  SolverFactory make_solver;
 };
 
 class Playground {

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <ostream>
 
-#include "solver_of_tests.h"
-
 namespace changing_worlds_test {
 
 using scenes::ChangingResult;
@@ -27,7 +25,6 @@ std::ostream& operator<<(std::ostream& out, const Worlds& worlds) {
 class ChangingWorlds : public testing::TestWithParam<Worlds> {};
 
 TEST_P(ChangingWorlds, ThrowNothingFasterThanStocks) {
-  PINTLE_SKIP_ON_EXACT_SOLVER("its own tests see to it");
   const double fast = 100, too_fast = 1000;  // m/s
   struct Count {
     int fast = 0, too_fast = 0;
