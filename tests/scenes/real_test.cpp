@@ -74,7 +74,7 @@ Played held(const std::string& name, const Bounds& bounds) {
 }
 
 TEST(RealScenes, ANetCatchesTheBallAndComesToRest) {
-  const Played net = held("net", {5e-4, 3e-4});
+  const Played net = held("net", {1e-9, 5e-6});
   for (const double time : {1., 2., 3., 3.5}) {
     EXPECT_NEAR(net.place(time, -1).x(), 0.1, 0.2);
     EXPECT_NEAR(net.place(time, -1).y(), -0.15, 0.2);
