@@ -6,12 +6,13 @@ namespace scenes {
 
 Scene wrecking_ball_scene() {
   constexpr int links = 10;
-  const double length = 0.42, ball_mass = 2000, radius = 0.55;  // m, kg, m
+  constexpr double link_mass = 3;                                          // kg
+  const double length = 0.42, ball_mass = 670 * link_mass, radius = 0.55;  // m, kg, m
   const Vector3d top(0, 0, 6.2);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(radians(68), Vector3d::UnitY()));
   const Vector3d along = turn * Vector3d(0, 0, -1);
 
-  Scene scene{"wrecking_ball", "two tonnes on a chain of 80 kg against a wall"};
+  Scene scene{"wrecking_ball", "two tonnes on a chain of 30 kg against a wall"};
   scene.show(Group::known, "Wrecking ball", "Two tonnes on a light chain swing into a wall.");
   scene.bodies[0].half_extents = {20, 20, 1};
   scene.bodies[0].pose = at({0, 0, -1});
@@ -20,7 +21,7 @@ Scene wrecking_ball_scene() {
   scene.add(box(0, {0.15, 0.15, 3.22}, {0, 3.1, 3.1}));
   int last = 0;
   for (int i = 0; i < links; ++i) {
-    const int link = scene.add(cylinder(8, i % 2 == 0 ? 0.05 : 0.065, 0.46 * length,
+    const int link = scene.add(cylinder(link_mass, i % 2 == 0 ? 0.05 : 0.065, 0.46 * length,
                                         top + (i + 0.5) * length * along, turn));
     scene.connect(Kind::ball, last, link, at(top + i * length * along));
     last = link;

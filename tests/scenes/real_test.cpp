@@ -84,6 +84,42 @@ TEST(RealScenes, ANetCatchesTheBallAndComesToRest) {
   EXPECT_LT(net.most(2.5, speed), 0.05);
 }
 
+TEST(RealScenes, ARopeBridgeBearsItsCratesAndASafe) {
+  const Played bridge = held("rope_bridge", {5e-7, 5e-6, 1e-9, 1e-5});
+  // Its deck hangs from 2.2 m to 1.8 m, and stretches by nothing.
+  for (const double time : {3., 4., 5.}) {
+    for (const int crate : {-5, -4, -3, -2, -1}) {
+      EXPECT_GT(bridge.place(time, crate).z(), 1.7) << crate;
+      EXPECT_LT(std::abs(bridge.place(time, crate).y()), 0.7) << crate;
+    }
+    EXPECT_NEAR(bridge.place(time, -1).x(), 0, 0.3) << "the safe";
+  }
+}
+
+// 670 times the mass of a link. It swings down by as much as gravity gives, and through the wall.
+TEST(RealScenes, AWreckingBallOfSixHundredAndSeventyLinksBreaksAWall) {
+  const Played wreck = held("wrecking_ball", {5e-7, 5e-6});
+  constexpr int bricks = 24;
+  EXPECT_NEAR(wreck.scene.bodies[wreck.scene.bodies.size() - bricks - 1].mass, 2010, 1e-9);
+  double fastest = 0, lowest = 10;
+  for (const std::vector<State>& states : wreck.steps) {
+    const State& state = states[states.size() - bricks - 1];
+    fastest = std::max(fastest, state.velocity.norm());
+    lowest = std::min(lowest, state.pose.translation().z());
+  }
+  // 10 links of 0.42 m and its radius of 0.55 m, from 68 degrees.
+  const double length = 10 * 0.42 + 0.55, drop = length * (1 - std::cos(scenes::radians(68)));
+  const double fall = std::sqrt(2 * scenes::standard_gravity * drop);
+  EXPECT_NEAR(fastest, fall, 0.05 * fall);
+  EXPECT_NEAR(lowest, 6.2 - length, 0.01);
+  int moved = 0;
+  for (int brick = -bricks; brick < 0; ++brick)
+    moved += (wreck.place(5, brick) -
+              wreck.scene.bodies[wreck.scene.bodies.size() - size_t(-brick)].pose.translation())
+                 .norm() > 0.2;
+  EXPECT_GT(moved, bricks / 2);
+}
+
 TEST(RealScenes, ACraneLiftsTenThousandTimesItsRope) {
   const Played crane = held("heavy_crane", {4e-10, 1e-5, 1e-9, 1e-5});
   const double start = crane.scene.bodies.back().pose.translation().z();
