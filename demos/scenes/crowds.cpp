@@ -75,6 +75,20 @@ Scene vehicle(double speed) {
   return scene;
 }
 
+// Plates at (0, 0) to (size - 1, size - 1), tied to each other by ball joints. Returns the first one's index.
+int add_net(Scene& scene, int size) {
+  const int first = int(scene.bodies.size());
+  for (int j = 0; j < size; ++j) {
+    for (int i = 0; i < size; ++i) {
+      const Vector3d place(i, j, 0);
+      const int plate = scene.add(solid(box(1, {0.4, 0.4, 0.1}, place)));
+      if (i > 0) scene.connect(Kind::ball, plate - 1, plate, at(place - Vector3d(0.5, 0, 0)));
+      if (j > 0) scene.connect(Kind::ball, plate - size, plate, at(place - Vector3d(0, 0.5, 0)));
+    }
+  }
+  return first;
+}
+
 }  // namespace
 
 Scene ragdolls_scene(int count) {
@@ -112,14 +126,21 @@ Scene net_scene(int size) {
   Scene scene;
   const double radius = size / 4., middle = (size - 1) / 2.;
   scene.add(solid(sphere(0, radius, {middle + 0.2, middle - 0.1, -radius - 0.5})));
-  for (int j = 0; j < size; ++j) {
-    for (int i = 0; i < size; ++i) {
-      const Vector3d place(i, j, 0);
-      const int plate = scene.add(solid(box(1, {0.4, 0.4, 0.1}, place)));
-      if (i > 0) scene.connect(Kind::ball, plate - 1, plate, at(place - Vector3d(0.5, 0, 0)));
-      if (j > 0) scene.connect(Kind::ball, plate - size, plate, at(place - Vector3d(0, 0.5, 0)));
-    }
+  add_net(scene, size);
+  return scene;
+}
+
+Scene taut_net_scene(int size) {
+  Scene scene;
+  const int first = add_net(scene, size);
+  const double middle = (size - 1) / 2., end = size - 0.5;
+  for (int i = 0; i < size; ++i) {
+    scene.connect(Kind::ball, 0, first + i, at(Vector3d(i, -0.5, 0)));
+    scene.connect(Kind::ball, 0, first + (size - 1) * size + i, at(Vector3d(i, end, 0)));
+    scene.connect(Kind::ball, 0, first + i * size, at(Vector3d(-0.5, i, 0)));
+    scene.connect(Kind::ball, 0, first + i * size + size - 1, at(Vector3d(end, i, 0)));
   }
+  scene.add(solid(sphere(50, 1, {middle + 0.2, middle - 0.1, 1.6})));
   return scene;
 }
 
@@ -216,6 +237,16 @@ CrateBridges crate_bridges(int count) {
         {bridges.scene.add(solid(box(50, {0.3, 0.3, 0.3}, middle))), from, to});
   }
   return bridges;
+}
+
+Scene boxes_scene(int count) {
+  Scene scene = on_floor();
+  for (int n = 0; n < count; ++n) {
+    const Vector3d place(1.5 * (n / 5 % 5), 1.5 * (n / 25), 0.6 + 0.7 * (n % 5));
+    const Eigen::AngleAxisd turn(0.1 * n, Vector3d::UnitZ());
+    scene.add(solid(box(10, {0.3, 0.3, 0.3}, place, Eigen::Quaterniond(turn))));
+  }
+  return scene;
 }
 
 }  // namespace scenes

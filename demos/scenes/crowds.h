@@ -18,10 +18,14 @@ Scene doors_scene(int count = 100);
 Scene vehicles_scene(int count = 20);
 // A square net of plates, each tied to its neighbours by a ball joint, falls on a ball that stays.
 Scene net_scene(int size = 15);
+// The same, flat in a frame that holds all of its rim, and a ball of 50 kg falls on it.
+Scene taut_net_scene(int size = 15);
 // Planks hang between two banks, and a load of so many planks' mass is dropped on the middle.
 Scene loaded_bridge_scene(int planks = 100, double ratio = 100);
 // A closed track around two wheels, of which one is driven. Its first link is the probe's.
 Scene track_scene(int links = 200);
+// Boxes fall on a floor, five above each other: contacts, and no joint.
+Scene boxes_scene(int count = 100);
 
 // Rope bridges of ten planks, held at both ends, with a crate dropped on each.
 struct CrateBridges {

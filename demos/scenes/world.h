@@ -82,8 +82,8 @@ class World {
   World& operator=(const World&) = delete;
 
   ~World() {
-    for (const auto& joint : joints_) world_.removeConstraint(joint.get());
-    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+    removeAll(joints_, [this](auto& joint) { world_.removeConstraint(&joint); });
+    removeAll(bodies_, [this](auto& body) { world_.removeRigidBody(&body); });
   }
 
   // Mass 0 makes a static body.
@@ -149,6 +149,14 @@ class World {
   btDiscreteDynamicsWorld& bullet() { return world_; }
 
  private:
+  // Bullet searches from the front, and puts its last one where one was: the first one, and then from the back, each is found at once.
+  template <class Those, class Remove>
+  static void removeAll(const Those& those, const Remove& remove) {
+    if (those.empty()) return;
+    remove(*those.front());
+    for (size_t i = those.size() - 1; i > 0; --i) remove(*those[i]);
+  }
+
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
