@@ -18,8 +18,6 @@
 #include <scenes/dragging.h>
 #include <scenes/starts.h>
 
-#include <ctime>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,6 +26,8 @@
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "processor_time.h"
 
 namespace {
 
@@ -43,17 +43,6 @@ struct Options {
   int repeats = 5;
   bool converged = false;  // also stock's starts at 200 iterations
 };
-
-// Processor time of this thread, us: other programs do not count.
-double now() {
-#ifdef CLOCK_THREAD_CPUTIME_ID
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return double(t.tv_sec) * 1e6 + double(t.tv_nsec) * 1e-3;
-#else
-  return double(std::clock()) * (1e6 / CLOCKS_PER_SEC);
-#endif
-}
 
 // --- cost ------------------------------------------------------------------------------------------
 
@@ -86,10 +75,10 @@ void measure(const scenes::Scene& scene, std::vector<Contender>& contenders, dou
         Contender& contender = contenders[k];
         for (int step = from; step < std::min(from + turn, steps); ++step) {
           worlds[k]->drive(step * dt, dt);
-          const double before = now();
+          const double before = bench::processorTime();
           worlds[k]->step(dt);
           double& shortest = contender.shortest[size_t(step)];
-          shortest = std::min(shortest, now() - before);
+          shortest = std::min(shortest, bench::processorTime() - before);
           if (repeat > 0) continue;
           const measures::Gaps gap = measures::gaps(scene, *worlds[k]);
           contender.cost.mean_gap += gap.mean / steps;
