@@ -22,8 +22,27 @@ void grid();
 void crowd();
 void motors();
 void tangles();
-// One run of scaling's.
-void step(const char* shape, int joints, bool is_exact, int steps);
+
+// What a run measures.
+struct Measured {
+  double microseconds_per_step = 0, mean_gap = 0, max_gap = 0, bytes = 0;
+  int joints = 0;
+  std::vector<double> times = {};  // us, of each step
+};
+// Adds its time. linear.sh counts its instructions.
+void timedStep(const std::function<void()>& step, Measured& to);
+// Runs of scaling's and grid's.
+Measured hang(const std::string& shape, int joints, bool is_exact, int steps);
+enum class NetBy { stock, default_options, to_a_micrometre, one_factor };
+Measured net(int size, NetBy by, int steps);
+
+// The rows of linear.sh.
+void listCosts();
+// Runs one of them for an instruction counter, and prints its joints and steps. False: there is none of that name.
+bool countCost(const std::string& name, bool is_exact);
+// Prints its joints, and by stock's solver and by the exact one the time of a step and the mean gap.
+bool timeCost(const std::string& name);
+
 // One of a crowd, or `chain`, by `stock`, `exact`, or `least`: the exact solver with one pass and coarse tolerances. Returns how many
 // joints it has; 0: there is none of that name.
 int stepScene(const std::string& name, const std::string& solver, int steps);

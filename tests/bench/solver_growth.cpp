@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "solver_bench.h"
 
@@ -32,17 +31,14 @@ void addCost(const char* shape, int joints, const Each& now, const Each& smalles
             cell(bytes / joints / 1000, " kB")});
 }
 
-struct Measured {
-  double microseconds_per_step = 0, mean_gap = 0, max_gap = 0, bytes = 0;
-};
-
 enum class Shape { chain, tree, star };
 const char* nameOf(Shape shape) {
   return shape == Shape::chain ? "chain" : shape == Shape::tree ? "tree" : "star";
 }
 
-// Where body i is. A chain goes to and fro in rows of a hundred, so that it stays where single precision knows
-// positions well; a binary tree branches in x, y and z by turns, each time by less, so that its bodies are apart.
+// Where body i is. A chain goes to and fro in rows of a hundred, and 32 rows are a layer: so it stays where single precision knows
+// positions well, and Bullet's tree of boxes does not become a list. A binary tree branches in x, y and z by turns, each time by
+// less, so that its bodies are apart.
 Eigen::Vector3d place(int i, Shape shape) {
   const int row = i / 100, in_row = i % 100;
   if (shape == Shape::star) {  // around the first one
@@ -50,7 +46,11 @@ Eigen::Vector3d place(int i, Shape shape) {
     return i == 0 ? Eigen::Vector3d(0, 0, 0)
                   : Eigen::Vector3d(8 * std::cos(angle), 8 * std::sin(angle), 2. * row);
   }
-  if (shape == Shape::chain) return {double(row), 0, -0.5 - (row % 2 == 0 ? in_row : 99 - in_row)};
+  if (shape == Shape::chain) {
+    const int layer = row / 32, in_layer = row % 32;
+    return {double(layer % 2 == 0 ? in_layer : 31 - in_layer), double(layer),
+            -0.5 - (row % 2 == 0 ? in_row : 99 - in_row)};
+  }
   if (i == 0) return {0, 0, 0};
   const int depth = int(std::floor(std::log2(i + 1.))) - 1;
   Eigen::Vector3d branch = Eigen::Vector3d::Zero();
@@ -89,23 +89,27 @@ Measured hang(int joints, Shape shape, const SolverFactory& make_solver, int ste
   }
   const int warm_up = 3;
   for (int i = 0; i < warm_up; ++i) world.step(1. / 240);
-  const double before = world.microseconds_per_step() * warm_up;
-  for (int i = 0; i < steps; ++i) world.step(1. / 240);
   Measured result;
-  result.microseconds_per_step =
-      (world.microseconds_per_step() * (warm_up + steps) - before) / steps;
+  result.joints = joints;
+  for (int i = 0; i < steps; ++i) timedStep([&] { world.step(1. / 240); }, result);
   result.bytes = solver ? double(solver->getMemory()) : 0;
   for (int i = 1; i < joints; ++i)
     result.max_gap =
         std::max(result.max_gap, (scenes::point_in_world(*links[size_t(parent(i))], lever(i)) -
                                   scenes::point_in_world(*links[size_t(i)], -lever(i)))
                                      .norm());
+  result.mean_gap = result.max_gap;  // of the end alone
   return result;
 }
 
 Measured hang(int joints, Shape shape, bool is_exact, int steps, int iterations = 10) {
   return is_exact ? hang<pintle::BallJoint>(joints, shape, exact, steps)
                   : hang<btPoint2PointConstraint>(joints, shape, {}, steps, iterations);
+}
+
+std::vector<int> sizes(Shape shape) {
+  if (shape == Shape::star) return {10, 100, 300, 1000, 10000};
+  return {10, 100, 1000, 10000, 100000};
 }
 
 }  // namespace
@@ -116,12 +120,14 @@ void scaling() {
               "0 iterations", "exact us/joint", "ratio", "bytes/joint", "gap m");
   for (const Shape shape : {Shape::chain, Shape::tree, Shape::star}) {
     Each smallest = {};
-    for (const int joints : {10, 100, 1000, 10000}) {
+    for (const int joints : sizes(shape)) {
       const int steps = std::max(5, 5000 / joints);
       const auto r = inTurn<Measured>({[&] { return hang(joints, shape, false, steps); },
                                        [&] { return hang(joints, shape, false, steps, 0); },
                                        [&] { return hang(joints, shape, true, steps); }},
-                                      joints <= 1000 ? 25 : 5);
+                                      joints <= 1000    ? 25
+                                      : joints <= 10000 ? 5
+                                                        : 2);
       const auto each = [&](size_t i) { return r[i].microseconds_per_step / joints; };
       std::printf("%-8s %8d %14.3f %14.3f %14.3f %8.2f %12.0f %12.1e\n", nameOf(shape), joints,
                   each(0), each(1), each(2), each(2) / each(0), r[2].bytes / joints, r[2].max_gap);
@@ -132,8 +138,10 @@ void scaling() {
   }
 }
 
-void step(const char* shape, int joints, bool is_exact, int steps) {
-  hang(joints, std::strcmp(shape, "tree") == 0 ? Shape::tree : Shape::chain, is_exact, steps);
+Measured hang(const std::string& shape, int joints, bool is_exact, int steps) {
+  for (const Shape of : {Shape::chain, Shape::tree, Shape::star})
+    if (shape == nameOf(of)) return hang(joints, of, is_exact, steps);
+  return {};
 }
 
 namespace {
@@ -142,7 +150,7 @@ namespace {
 
 // size x size bodies, each tied to its neighbours by a ball joint, held at two corners.
 template <class Ball>
-Measured net(int size, const SolverFactory& make_solver, int& joints) {
+Measured net(int size, const SolverFactory& make_solver, int steps = 60) {
   ExactJointSolver* solver = nullptr;
   scenes::World world(scenes::standard_gravity, 10, [&] {
     auto made =
@@ -152,7 +160,7 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
   });
   std::vector<btRigidBody*> bodies;
   const btScalar half = btScalar(0.5);
-  joints = 0;
+  Measured result;
   for (int y = 0; y < size; ++y) {
     for (int x = 0; x < size; ++x) {
       btRigidBody& body = world.add_box(1, btVector3(btScalar(0.4), btScalar(0.4), btScalar(0.1)),
@@ -161,22 +169,20 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
       if (x > 0) {
         world.add_joint<Ball>(*bodies[bodies.size() - 2], body, btVector3(half, 0, 0),
                               btVector3(-half, 0, 0));
-        ++joints;
+        ++result.joints;
       }
       if (y > 0) {
         world.add_joint<Ball>(*bodies[bodies.size() - 1 - size_t(size)], body,
                               btVector3(0, half, 0), btVector3(0, -half, 0));
-        ++joints;
+        ++result.joints;
       }
     }
   }
   world.add_joint<Ball>(*bodies.front(), btVector3(-half, -half, 0));
   world.add_joint<Ball>(*bodies[size_t(size) - 1], btVector3(half, -half, 0));
-  joints += 2;
-  Measured result;
-  const int steps = 60;
+  result.joints += 2;
   for (int i = 0; i < steps; ++i) {
-    world.step(1. / 60);
+    timedStep([&] { world.step(1. / 60); }, result);
     double most = 0;
     for (size_t k = 0; k < bodies.size(); ++k) {
       if (k % size_t(size) > 0)
@@ -191,7 +197,6 @@ Measured net(int size, const SolverFactory& make_solver, int& joints) {
     result.mean_gap += most / steps;
     result.max_gap = std::max(result.max_gap, most);
   }
-  result.microseconds_per_step = world.microseconds_per_step();
   result.bytes = solver ? double(solver->getMemory()) : 0;
   return result;
 }
@@ -204,6 +209,16 @@ struct NetSetting {
 
 }  // namespace
 
+Measured net(int size, NetBy by, int steps) {
+  switch (by) {
+    case NetBy::stock: return net<btPoint2PointConstraint>(size, {}, steps);
+    case NetBy::default_options: return net<pintle::BallJoint>(size, exact, steps);
+    case NetBy::to_a_micrometre: return net<pintle::BallJoint>(size, toAMicrometre, steps);
+    case NetBy::one_factor: break;
+  }
+  return net<pintle::BallJoint>(size, coarse, steps);
+}
+
 void grid() {
   const std::vector<NetSetting> settings = {{"default", exact},
                                             {"tolerances of 1e-6 m", toAMicrometre},
@@ -212,15 +227,14 @@ void grid() {
               "stock us/joint", "exact us/joint", "ratio", "bytes/joint", "stock gap m",
               "exact gap m");
   for (const int size : {5, 10, 20, 30, 100}) {
-    int joints = 0;
     std::vector<std::function<Measured()>> runs = {
-        [&] { return net<btPoint2PointConstraint>(size, {}, joints); }};
+        [&] { return net<btPoint2PointConstraint>(size, {}); }};
     for (const NetSetting& setting : settings)
-      runs.push_back([&] { return net<pintle::BallJoint>(size, setting.make, joints); });
-    if (size == 30)
-      runs.push_back([&] { return net<btPoint2PointConstraint>(size, exact, joints); });
+      runs.push_back([&] { return net<pintle::BallJoint>(size, setting.make); });
+    if (size == 30) runs.push_back([&] { return net<btPoint2PointConstraint>(size, exact); });
     const auto r = inTurn<Measured>(runs, size < 100 ? 5 : 1);
     const Measured& stock = r[0];
+    const int joints = stock.joints;
     for (size_t i = 0; i < settings.size(); ++i) {
       const Measured& of = r[1 + i];
       const double ratio = of.microseconds_per_step / stock.microseconds_per_step;
