@@ -1,11 +1,69 @@
 // Plays random scenes, and prints those of which joints feed energy, or that do not hold.
 // Usage: random_scenes COUNT [FIRST [all]]  scenes FIRST (1 unless given) to FIRST + COUNT - 1; all: prints every one
 //        random_scenes show SEED        one scene, step by step
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
 
 #include "random_scene.h"
+
+namespace {
+
+using random_scenes::Outcome;
+
+struct Counts {
+  unsigned scenes = 0, failed = 0, by_velocities = 0, by_poses = 0, jumps = 0, infinite = 0;
+  unsigned open_starts = 0, lifted = 0, turned = 0;
+  long steps = 0, not_converged = 0;
+  double most_lift = 0;  ///< of what an open start may lift
+
+  void add(const Outcome& out) {
+    ++scenes;
+    failed += !out.isSound();
+    steps += out.steps;
+    not_converged += out.not_converged;
+    infinite += !out.finite;
+    open_starts += out.lift > 0;
+    if (!out.finite) return;
+    const bool by_velocity = out.by_velocities > out.mayGainByVelocities();
+    by_velocities += by_velocity;
+    by_poses += !by_velocity && out.gain > out.mayGain();
+    jumps += out.jump > Outcome::most_jump;
+    turned += out.by_turns > Outcome::share * out.peak;
+    const double lift = out.gain - Outcome::share * out.peak;
+    if (out.lift > 0 && lift > 0) {
+      ++lifted;
+      if (out.isPassive()) most_lift = std::max(most_lift, lift / out.lift);
+    }
+  }
+};
+
+void print(const random_scenes::Scene& scene, const Outcome& out) {
+  const auto part = [&](double energy) { return 100 * energy / out.peak; };
+  std::cout << random_scenes::describe(scene) << "\n    ";
+  if (out.finite)
+    std::cout << "gains " << part(out.gain) << " % of " << out.peak << " J, by velocities alone "
+              << part(out.by_velocities) << " %, and may lift " << part(out.lift)
+              << " %; turning poses adds " << part(out.by_turns) << " %";
+  else
+    std::cout << "is not finite after " << out.steps << " steps";
+  std::cout << "; open " << out.open << ", moved " << out.jump << ", " << out.not_converged
+            << " of " << out.steps << " steps did not converge" << std::endl;
+}
+
+void print(const Counts& n) {
+  std::cout << n.failed << " of " << n.scenes << " scenes fail: " << n.by_velocities
+            << " gain by velocities, " << n.by_poses << " by moving poses, " << n.jumps
+            << " move a body by more than " << Outcome::most_jump << " m in a step, " << n.infinite
+            << " are not finite\n"
+            << n.open_starts << " start open, or in each other: " << n.lifted
+            << " of them gain by closing, at most " << 100 * n.most_lift << " % of what they may\n"
+            << "turning poses adds more than " << 100 * Outcome::share << " % in " << n.turned
+            << "; " << n.not_converged << " of " << n.steps << " steps did not converge\n";
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   if (argc == 3 && std::strcmp(argv[1], "show") == 0) {
@@ -20,29 +78,13 @@ int main(int argc, char** argv) {
   }
   const unsigned count = unsigned(std::atol(argv[1])),
                  first = argc > 2 ? unsigned(std::atol(argv[2])) : 1;
-  unsigned failed = 0;
-  long steps = 0, not_converged = 0;
-  double worst = 0;
+  Counts counts;
   for (unsigned seed = first; seed < first + count; ++seed) {
     const random_scenes::Scene scene = random_scenes::makeScene(seed);
-    const random_scenes::Outcome out = random_scenes::play(scene);
-    steps += out.steps;
-    not_converged += out.not_converged;
-    const double gain = out.gain / out.peak;
-    const bool gains = !out.finite || gain > 0.01 || out.jump > 10;
-    if (out.finite) worst = std::max(worst, gain);
-    failed += gains;
-    if (gains || argc > 3) {
-      std::cout << random_scenes::describe(scene) << "\n    ";
-      if (out.finite)
-        std::cout << "gains " << 100 * gain << " % of " << out.peak << " J";
-      else
-        std::cout << "is not finite after " << out.steps << " steps";
-      std::cout << ", open " << out.open << ", moved " << out.jump << ", " << out.not_converged
-                << " of " << out.steps << " steps did not converge" << std::endl;
-    }
+    const Outcome out = random_scenes::play(scene);
+    counts.add(out);
+    if (!out.isSound() || argc > 3) print(scene, out);
   }
-  std::cout << failed << " of " << count << " scenes fail; the worst gain is " << 100 * worst
-            << " %; " << not_converged << " of " << steps << " steps did not converge\n";
-  return failed > 0;
+  print(counts);
+  return counts.failed > 0;
 }

@@ -1,4 +1,4 @@
-// Random scenes of joints without motors and springs: whatever they are, their energy must not grow. A scene follows from its
+// Random scenes of joints without drives and springs: whatever they are, their energy must not grow. A scene follows from its
 // seed alone.
 #pragma once
 
@@ -21,6 +21,7 @@ struct Scene {
   double speed;         ///< m/s and rad/s
   double erp, cfm;
   bool contacts, friction;
+  bool rubs;         ///< joints have friction
   double threshold;  ///< N s at which joints break; 0: never
   bool locks;        ///< some factors of bodies are 0
   bool kinematic;    ///< what does not move is kinematic, not static
@@ -30,14 +31,28 @@ Scene makeScene(unsigned seed);
 std::string describe(const Scene& scene);
 
 struct Outcome {
-  double gain = 0;  ///< J: the most that energy rose above its start
-  double peak = 0;  ///< J: the largest kinetic energy
+  double gain = 0;  ///< J: the most that energy rose above its start, kinetic and of height
+  double by_velocities = 0;  ///< J: the same without what moving poses does
+  double by_turns = 0;  ///< J: the most that turning poses added; not in `gain` (energy_book.h)
+  double peak = 0;      ///< J: the largest kinetic energy
+  /// J: what a start may lift that is open, or whose bodies are in each other: all its weight by all of that. Moving poses closes
+  /// it, and velocities cannot pay where nothing moves yet.
+  double lift = 0;
   double open = 0;  ///< m or rad: the most that an equality was open, where all starts closed
   double jump = 0;  ///< m: the most that a body was moved in a step beside its velocity
   int steps = 0, not_converged = 0;
   bool finite = true;
+
+  static constexpr double share = 0.01;  ///< of `peak`
+  static constexpr double most_jump = 10;
+  double mayGain() const { return share * peak + lift; }
+  double mayGainByVelocities() const { return share * peak; }
+  bool isPassive() const {
+    return finite && gain <= mayGain() && by_velocities <= mayGainByVelocities();
+  }
+  bool isSound() const { return isPassive() && jump <= most_jump; }
 };
-/// Two seconds of it, at most 300 steps. `log`: a line a step, of energies and of what the solver did.
+/// Two seconds of it, at most 300 steps, and none after the last joint has broken. `log`: a line a step, of energies and of what the solver did.
 Outcome play(const Scene& scene, std::ostream* log = nullptr);
 
 }  // namespace random_scenes

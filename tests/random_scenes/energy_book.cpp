@@ -1,0 +1,73 @@
+#include "energy_book.h"
+
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+
+#include "../unit/kinetic_energy.h"
+#include "../unit/support.h"
+
+namespace random_scenes {
+namespace {
+
+constexpr double gravity = 9.81;
+
+bool moves(const btRigidBody& body) { return body.getInvMass() > 0; }
+// N.
+double weightOf(const btRigidBody& body) {
+  return gravity / double(body.getInvMass()) * double(body.getLinearFactor().z());
+}
+
+}  // namespace
+
+EnergyBook::EnergyBook(const Bodies& bodies, double dt)
+    : m_bodies(bodies), m_dt(dt), m_start(bodies.size()) {}
+
+double EnergyBook::weight() const {
+  double sum = 0;
+  for (const auto& body : m_bodies)
+    if (moves(*body)) sum += weightOf(*body);
+  return sum;
+}
+
+void EnergyBook::beginStep() {
+  double with_forces = 0;  // before joints act
+  for (size_t k = 0; k < m_bodies.size(); ++k) {
+    const btRigidBody& body = *m_bodies[k];
+    if (!moves(body)) continue;
+    Start& start = m_start[k];
+    start.pose = body.getCenterOfMassTransform();
+    start.energy = support::kineticEnergy(body, start.pose.getBasis());
+    start.fall = double(body.getLinearVelocity().z());
+    with_forces += start.energy + (gravity * m_dt / 2 - start.fall) * weightOf(body) * m_dt;
+  }
+  peak = std::max(peak, with_forces);
+}
+
+void EnergyBook::endStep() {
+  kinetic = jump = 0;
+  for (size_t k = 0; k < m_bodies.size(); ++k) {
+    const btRigidBody& body = *m_bodies[k];
+    if (!moves(body)) continue;
+    const Start& start = m_start[k];
+    const btVector3 &v = body.getLinearVelocity(), &w = body.getAngularVelocity();
+    // By the inertia of the start: what it gains by turning with its velocity kept is Bullet's integrator's, not its joints'.
+    const double now = support::kineticEnergy(body, start.pose.getBasis());
+    kinetic += now;
+    // In the first step joints put right what velocities they are given: it is measured from those that forces lead to.
+    const double mean =
+        m_is_first ? start.fall - gravity * m_dt / 2 : (start.fall + double(v.z())) / 2;
+    by_velocities += now - start.energy + weightOf(body) * m_dt * mean;
+    btTransform led;
+    btTransformUtil::integrateTransform(start.pose, v, w, support::scalar(m_dt), led);
+    const btVector3 moved = body.getCenterOfMassPosition() - led.getOrigin();
+    jump = std::max(jump, double(moved.length()));
+    height += weightOf(body) * double(moved.z());
+    turns += support::kineticEnergy(body, body.getCenterOfMassTransform().getBasis()) -
+             support::kineticEnergy(body, led.getBasis());
+  }
+  peak = std::max(peak, kinetic);
+  m_is_first = false;
+}
+
+}  // namespace random_scenes

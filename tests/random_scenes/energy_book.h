@@ -1,0 +1,46 @@
+// The mechanical energy of a scene, step by step: what its joints and contacts give.
+//
+// Bullet's free fall keeps KE + m g (z - dt v_z / 2), so a weight works along the mean of the velocities before and after a step,
+// and what a pose is moved by beside its velocity is height. A body that turns keeps its velocity in Bullet, and not its momentum:
+// what its inertia makes of that is no joint's work. Where a pose is turned beside its velocity, that is counted apart.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace random_scenes {
+
+/// J, above the start.
+class EnergyBook {
+ public:
+  using Bodies = std::vector<std::unique_ptr<btRigidBody>>;
+
+  EnergyBook(const Bodies& bodies, double dt);
+  void beginStep();
+  void endStep();
+
+  double weight() const;  ///< N, of all
+
+  double by_velocities = 0;  ///< kinetic energy, and the work against the weight along velocities
+  double height = 0;         ///< the work against the weight by moving poses
+  double turns = 0;          ///< what turning poses adds to the kinetic energy; not in `total`
+  double total() const { return by_velocities + height; }
+  double kinetic = 0;  ///< at the end of the step
+  double peak = 0;     ///< the largest kinetic energy
+  double jump = 0;     ///< m: the most that a body was moved in the step beside its velocity
+
+ private:
+  struct Start {
+    btTransform pose;
+    double energy;
+    double fall;  ///< m/s
+  };
+  const Bodies& m_bodies;
+  double m_dt;
+  bool m_is_first = true;
+  std::vector<Start> m_start;
+};
+
+}  // namespace random_scenes
