@@ -117,15 +117,6 @@ double workOfGaps(const Workspace& end, double tolerance, double dt) {
   return sum * tolerance / dt;
 }
 
-bool isOfArcs(double energy, const Island& island, const Component& component,
-              const SolverOptions& options, const Workspace& end) {
-  const double gaps = workOfGaps(end, options.newton_tolerance, island.dt);
-  return std::abs(energy) > gaps && energyOfTurns(island, component, end) > gaps &&
-         std::abs(energy) <= energyOfArcs(island, component, end) &&
-         (isAnchored(island, component) || isFree(island, component)) &&
-         actsByArcs(island, component, end);
-}
-
 // v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2: with v' = r + s w, by
 //   (s - 1) ((s + 1) w M w + w M (2 r + v0 - v*)) / 2
 // more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Returns its work.
@@ -162,10 +153,10 @@ double scale(const Island& island, const Component& component, bool is_free, dou
 }
 
 // Both are impulses along the rows of the start: l = -A^-1 J^T K^-1 J (v_base - v0) stops what forces would do to them, and c follows
-// their bend.
-bool findWhirls(const Island& island, const Component& component, double least_pivot,
-                JointMatrix& K, Workspace& work) {
-  if (!K.factorise(least_pivot)) return false;  // what was foreseen may have needed none
+// their bend. Returns the most that c holds, 2 S of it, J: 0 where bodies swing.
+double findWhirls(const Island& island, const Component& component, double least_pivot,
+                  JointMatrix& K, Workspace& work) {
+  if (!K.factorise(least_pivot)) return 0;  // what was foreseen may have needed none
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
   std::vector<Vector6d>& change = work.stays;
   std::vector<double>&x = work.x, &by_forces = work.by_forces, &by_joints = work.by_joints;
@@ -192,17 +183,35 @@ bool findWhirls(const Island& island, const Component& component, double least_p
     ll += x[k] * by_forces[k];
     al += x[k] * by_joints[k];
   }
-  return all2 - 2 * al + ll > 2 * std::abs(al - ll);
+  const double cc = all2 - 2 * al + ll;
+  return cc > 2 * std::abs(al - ll) ? cc / 4 : 0;
+}
+
+double whirls(const Island& island, const Component& component, const SolverOptions& options,
+              ComponentMemory& kept) {
+  if (!kept.whirls)
+    kept.whirls = findWhirls(island, component, options.least_pivot, kept.K, kept.work);
+  return *kept.whirls;
+}
+
+bool isOfArcs(double energy, const Island& island, const Component& component,
+              const SolverOptions& options, ComponentMemory& kept) {
+  const double gaps = workOfGaps(kept.work, options.newton_tolerance, island.dt);
+  return std::abs(energy) > gaps && energyOfTurns(island, component, kept.work) > gaps &&
+         std::abs(energy) <= energyOfArcs(island, component, kept.work) &&
+         (isAnchored(island, component) || isFree(island, component)) &&
+         actsByArcs(island, component, kept.work) &&
+         std::abs(energy) <= whirls(island, component, options, kept);
 }
 
 }  // namespace
 
 void keepWhirls(const Island& island, const Component& component, const SolverOptions& options,
                 ComponentMemory& kept) {
-  kept.whirls = energyOfTurns(island, component, kept.work) >
-                    workOfGaps(kept.work, options.newton_tolerance, island.dt) &&
-                actsByArcs(island, component, kept.work) &&
-                findWhirls(island, component, options.least_pivot, kept.K, kept.work);
+  const bool may = energyOfTurns(island, component, kept.work) >
+                       workOfGaps(kept.work, options.newton_tolerance, island.dt) &&
+                   actsByArcs(island, component, kept.work);
+  kept.whirls = may ? whirls(island, component, options, kept) : 0;
 }
 
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
@@ -212,8 +221,8 @@ double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
 }
 
 bool isOfArcs(const Island& island, const Component& component, const SolverOptions& options,
-              const ComponentMemory& kept) {
-  return isOfArcs(kept.ledger.given + kept.work_done, island, component, options, kept.work);
+              ComponentMemory& kept) {
+  return isOfArcs(kept.ledger.given + kept.work_done, island, component, options, kept);
 }
 
 double balance(const Island& island, const Component& component, const SolverOptions& options,
@@ -223,10 +232,7 @@ double balance(const Island& island, const Component& component, const SolverOpt
     ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
   const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
                excess = ledger.excess(kept.work_done, options.ledger_share);
-  const bool by_arcs =
-      kept.holds_end && isOfArcs(of_arcs, island, component, options, kept.work) &&
-      (kept.whirls ? *kept.whirls
-                   : findWhirls(island, component, options.least_pivot, kept.K, kept.work));
+  const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept);
   const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);

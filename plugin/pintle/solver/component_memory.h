@@ -26,7 +26,7 @@ struct ComponentMemory {
   bool is_foreseen = false;
   /// Whether what holds its bodies on arcs is more than what bears their load, where it was found before it was asked for
   /// (balance.h).
-  std::optional<bool> whirls;
+  std::optional<double> whirls;
   double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
   double residual = 0;     ///< m and rad: how far they miss their goals there
   bool converged = false;  ///< its contacts and bounded rows have settled

@@ -248,10 +248,13 @@ void PoseCorrection::shorten(PoseChange* changes) const {
     const double open = std::abs(m_open[m_K.row(c, i)]) * row.root_K * m_island.dt;
     for (int side = 0; side < 2; ++side)
       if (joint.body[size_t(side)] >= 0) {
+        constexpr double root_2 = 1.4142135623730951;
         const IslandBody& of = m_island.bodies[size_t(joint.body[size_t(side)])];
-        most += open / row.K *
-                (row.J.L(side).norm() / of.mass +
-                 of.radius() * (of.inverse_inertia * row.J.A(side)).norm());
+        const double by = open / row.K *
+                          (row.J.L(side).norm() / of.mass +
+                           of.radius() * (of.inverse_inertia * row.J.A(side)).norm());
+        // Of a free body a lever makes it no longer. Where a lever is all that a locked one has, it may be short.
+        most += row.J.L(side).isZero(0) ? by : std::fmin(by, root_2 * open);
       }
   });
   for (int i = 0; i < m_component.bodies; ++i) {
@@ -314,7 +317,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     if (!(of_joints <= met) && factorise(true)) of_joints = iterate(measure());
   }
   findChanges(changes);
-  if (!(of_joints <= met)) shorten(changes);
+  if (!(of_joints <= met || of_joints < m_options.contraction * open)) shorten(changes);
   return left;
 }
 
