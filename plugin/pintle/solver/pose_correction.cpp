@@ -34,6 +34,7 @@ class PoseCorrection {
   double measure();
   double findResidual();
   double step(double open, bool is_fresh);
+  double leftBySoftness() const;
   double iterate(double open);
   void findChanges(PoseChange* changes) const;
   void shorten(PoseChange* changes) const;
@@ -201,9 +202,18 @@ double PoseCorrection::step(double open, bool is_fresh) {
   }
 }
 
+// What the softness of rows has left of the last step, m or rad: no other factor closes more of it.
+double PoseCorrection::leftBySoftness() const {
+  double largest = 0;
+  forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
+    if (m_closes[r]) largest = larger(largest, row.root_K * m_work.broyden.last()[m_K.row(c, i)]);
+  });
+  return m_options.dependent_softness * largest * m_island.dt;
+}
+
 // Returns what is left open.
 double PoseCorrection::iterate(double open) {
-  bool is_fresh = false;
+  bool is_fresh = false, is_of_softness = false;
   for (int steps = 0; steps < m_options.max_iterations; ++steps) {
     const double now = step(open, is_fresh);
     const bool closes = now < open, is_fast = now < m_options.contraction * open;
@@ -216,10 +226,12 @@ double PoseCorrection::iterate(double open) {
     if (open <= m_tolerance / 2) break;
     // With rows that contradict each other by rounding no other factor would close the last digits.
     const bool is_rounding = is_fresh && open <= m_options.loose_pose_tolerance;
+    const bool was_fresh = is_fresh;
     is_fresh = is_fresh && !closes;
     if (is_fast) continue;
     if (is_rounding) break;
-    if (closes && !mayFactorise()) continue;
+    if (was_fresh) is_of_softness = leftBySoftness() > open / 2;
+    if (closes && (is_of_softness || !mayFactorise())) continue;
     if (is_fresh) break;
     if (!closes) m_work.moved = m_nearest;
     if (!factorise(true)) break;
