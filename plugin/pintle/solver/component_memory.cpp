@@ -59,28 +59,6 @@ void remember(const Island& island, const Component& component,
                        memory->K.vectorSize());
 }
 
-namespace {
-
-// Whether the first rows of a stock joint hold a point. Their directions may be others in each step: what they bear is kept along the
-// axes of the world.
-bool keepsForce(const Island& island, const IslandJoint& joint) {
-  const IslandRow* const rows = island.rows.data() + joint.first_row;
-  return joint.ours == nullptr && joint.rows >= 3 && rows[0].shape.kind == RowShape::point &&
-         rows[1].shares_arms && rows[2].shares_arms;
-}
-
-// `of`: what the three rows bear.
-void turnToWorld(const IslandRow* rows, double* of) {
-  Eigen::Map<Vector3d> force(of);
-  force = Vector3d(of[0] * rows[0].J.L_b + of[1] * rows[1].J.L_b + of[2] * rows[2].J.L_b);
-}
-void turnToRows(const IslandRow* rows, double* of) {
-  const Vector3d force(of[0], of[1], of[2]);
-  for (int i = 0; i < 3; ++i) of[i] = rows[i].J.L_b.dot(force);
-}
-
-}  // namespace
-
 int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
   if (size_t(c) >= m_rows.size()) return 0;
   const int before = m_rows[size_t(c)];
@@ -141,8 +119,6 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     const auto first = size_t(joint.row_of_component);
     std::copy_n(m_lambda.data() + before, rows, lambda.data() + first);
     std::copy_n(m_load.data() + before, rows, work.load.data() + first);
-    if (rows >= 3 && keepsForce(island, joint))
-      for (std::vector<double>* of : {&lambda, &work.load}) turnToRows(those, of->data() + first);
     for (int i = 0; i < rows; ++i) {
       const size_t r = first + size_t(i);
       lambda[r] = most.of(those[i], lambda[r]);
@@ -189,9 +165,6 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
   m_load = work.load;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (keepsForce(island, joint))
-      for (std::vector<double>* of : {&m_lambda, &m_load})
-        turnToWorld(&island.rows[size_t(joint.first_row)], of->data() + joint.row_of_component);
     if (!joint.has_springs) continue;
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);

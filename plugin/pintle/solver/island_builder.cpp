@@ -5,6 +5,7 @@
 #include <pintle/solver/client_joint.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/row_shapes.h>
 
 #include <algorithm>
 #include <cmath>
@@ -124,8 +125,7 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
 
 // A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing. Nor is one that they
 // follow by a part of its direction, of which K is the square, that is no more than poses are off: for next to nothing they would go far.
-void IslandBuilder::keepRow(IslandJoint& to) {
-  IslandRow& row = m_island.rows.back();
+bool IslandBuilder::keepRow(IslandJoint& to, IslandRow& row) {
   double unlocked = 0;  // by the mean inertia
   for (int side = 0; side < 2; ++side)
     if (const int body = to.body[size_t(side)]; body >= 0) {
@@ -134,13 +134,12 @@ void IslandBuilder::keepRow(IslandJoint& to) {
         unlocked += row.J.L(side).squaredNorm() * of.inverse_scale2[0] +
                     row.J.A(side).squaredNorm() * of.inverse_scale2[1];
     }
-  if (!(row.K > least_share * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0) {
-    m_island.rows.pop_back();
-    return;
-  }
+  if (!(row.K > least_share * unlocked) || !(row.K < AxisLaw::unbounded) || row.law.parts() == 0)
+    return false;
   row.setK(row.K);
   to.add(row);
   m_has_springs = m_has_springs || (row.extras != nullptr && row.law.springs() > 0);
+  return true;
 }
 
 void IslandBuilder::addOurs(IslandJoint& to) {
@@ -167,7 +166,7 @@ void IslandBuilder::addOurs(IslandJoint& to) {
       if (settings.group != rows[i].group) settings = settingsOf(joint, rows[i].group);
       setEqualityLaw(to, settings, row);
     }
-    keepRow(to);
+    if (!keepRow(to, row)) m_island.rows.pop_back();
   }
 }
 
@@ -335,7 +334,6 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     row.J = {-inDouble(from.m_contactNormal1), -inDouble(from.m_relpos1CrossNormal),
              -inDouble(from.m_contactNormal2), -inDouble(from.m_relpos2CrossNormal)};
     if (row.J.L_b.isZero(0)) row.shape.kind = RowShape::angle;
-    row.K = m_island.inverseMass(to, row.J, row.J);
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
     LawPart part{-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower};
@@ -350,8 +348,15 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
                                row.open);
     if (from.m_cfm > 0 && row.law.isEquality())
       m_island.giveExtras(row).spring = {double(m_info.m_erp), row.open, 0};
-    keepRow(to);
   }
+  // What factors lock of a point is seen when it has been found.
+  IslandRow* const all = &m_island.rows[size_t(to.first_row)];
+  if (count >= 3) findPoint(all);
+  for (IslandRow* row = all; row < all + count; ++row) {
+    row->K = m_island.inverseMass(to, row->J, row->J);
+    if (keepRow(to, *row)) all[to.rows - 1] = *row;
+  }
+  m_island.rows.resize(size_t(to.first_row + to.rows));
 }
 
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,

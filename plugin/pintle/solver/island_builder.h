@@ -51,7 +51,8 @@ class IslandBuilder {
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   /// A row of the joint, which is to be filled, and then kept or not.
   IslandRow& newRow() { return m_island.rows.emplace_back(); }
-  void keepRow(IslandJoint& to);
+  /// Whether it is a row: then it counts.
+  bool keepRow(IslandJoint& to, IslandRow& row);
   /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
   int body(const SolverBodies& bodies, int solver_body);
   void findShapes(const IslandJoint& joint);

@@ -10,10 +10,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 void IslandBuilder::findShapes(const IslandJoint& joint) {
-  IslandRow* const rows = m_island.rows.data() + joint.first_row;
-  if (joint.ours == nullptr && joint.rows >= 3 && findPoint(rows))
-    for (IslandRow* row = rows; row < rows + 3; ++row)
-      row->setK(m_island.inverseMass(joint, row->J, row->J));
   findAngles(joint);
   findTurns(joint);
 }

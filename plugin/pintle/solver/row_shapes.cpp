@@ -20,6 +20,29 @@ bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
          (A[1] - cross(r, n[1])).norm() <= rounding * size;
 }
 
+// Laws of three rows at right angles become those of rows along the axes of the world: there factors hold bodies, and what they bear in one
+// step is of the same directions in the next. Returns whether they are as soft along all axes, and do.
+bool turnToWorld(IslandRow* rows) {
+  const double softness = rows[0].law.part(0).softness;
+  Vector3d target(0, 0, 0), open(0, 0, 0);
+  bool drives = false;
+  for (int i = 0; i < 3; ++i) {
+    const LawPart& part = rows[i].law.part(0);
+    if (part.softness != softness) return false;
+    target += part.target * rows[i].J.L_b;
+    open += rows[i].open * rows[i].J.L_b;
+    drives = drives || part.drives;
+  }
+  for (int i = 0; i < 3; ++i) {
+    IslandRow& row = rows[i];
+    row.law.clear();
+    row.law.add({target[i], softness, -AxisLaw::unbounded, AxisLaw::unbounded, drives});
+    row.open = open[i];
+    if (row.isSoft()) row.extras->spring.open = open[i];
+  }
+  return true;
+}
+
 // C is a.b, of axes that turn with bodies a and b.
 void setDot(IslandRow& row, const Vector3d& a, const Vector3d& b) {
   row.has_position = true;
@@ -50,16 +73,18 @@ bool findPoint(IslandRow* rows) {
     }
     found = findLever(n, A_a, r[0]) && findLever(n, A_b, r[1]);
   }
-  for (int i = 0; found && i < 3; ++i) {
+  if (!found) return false;
+  const bool turns = turnToWorld(rows);
+  for (int i = 0; i < 3; ++i) {
     IslandRow& row = rows[i];
-    const Vector3d n = row.J.L_b;
+    const Vector3d n = turns ? Vector3d(Vector3d::Unit(i)) : row.J.L_b;
     row.J = {-n, -cross(r[0], n), n, cross(r[1], n)};
     row.has_position = true;
     row.shape.kind = RowShape::point;
     row.shape.a = r[0].cast<Scalar>();
     row.shape.b = r[1].cast<Scalar>();
   }
-  return found;
+  return true;
 }
 
 // Of axes p, q and h = p x q a turn by phi of b against a changes h_b . q_a by -p . phi, h_b . p_a by q . phi, h_a . q_b by p . phi,

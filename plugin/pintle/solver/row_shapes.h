@@ -7,7 +7,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 /// Three rows that hold a point along three axes are a ball. Returns whether they are. Their Jacobians are then those of a ball, too:
-/// where a body is static and the others do not let it turn, Bullet may leave out the moment of one.
+/// where a body is static and the others do not let it turn, Bullet may leave out the moment of one. And they hold it along the axes of
+/// the world, unless they are not as soft along all of their own.
 bool findPoint(IslandRow* rows);
 
 /// Two or three rows that hold a turn about axes at right angles: they keep axes of the bodies at right angles. Returns whether they do.
