@@ -1,5 +1,7 @@
-// Stock hinges and gears on the exact solver: heavy loads on light chains, and bodies that their factors hold along some axes.
+// Stock hinges, joints of six degrees of freedom and gears on the exact solver: heavy loads on light chains, and bodies that their
+// factors hold along some axes.
 #include <BulletDynamics/ConstraintSolver/btGearConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <gtest/gtest.h>
 
@@ -170,6 +172,44 @@ TEST(StockHinges, HoldWheelsWhoseCarriagesMoveInAPlane) {
   EXPECT_LE(gap, rounding(1e-5, 1e-8));
   EXPECT_LE(turn, rounding(1e-5, 1e-8));
   EXPECT_LE(books.gain, 0.01 * books.peak);
+}
+
+// Rods of six links, welded or free to turn, swing from a ball, with their last link aside of their line. Rows of the points come after
+// those of angles.
+TEST(StockJointsOfSixDegrees, HoldPointsOfSwingingRods) {
+  for (const bool welded : {true, false})
+    for (const double hz : {60., 240.}) {
+      SCOPED_TRACE(testing::Message() << (welded ? "welded" : "free") << ", " << hz << " Hz");
+      Books books(hz);
+      btRigidBody* last = &books.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0));
+      for (int i = 0; i < 6; ++i) {
+        const bool is_last = i == 5;
+        btRigidBody& link = books.add(is_last && welded ? 1e4 : 1, vec(0.25, 0.05, 0.05),
+                                      vec(0.5 * i + 0.25, is_last ? 0.3 : 0, 0));
+        const btTransform frame(btQuaternion(vec(0.36, 0.48, 0.8), scalar(0.4 * i)),
+                                vec(0.5 * i, 0, 0));
+        auto joint = std::make_unique<btGeneric6DofSpring2Constraint>(
+            *last, link, last->getCenterOfMassTransform().inverse() * frame,
+            link.getCenterOfMassTransform().inverse() * frame);
+        joint->setLinearLowerLimit(vec(0, 0, 0));
+        joint->setLinearUpperLimit(vec(0, 0, 0));
+        const double bound = welded && i > 0 ? 0 : 1;  // a lower one above the upper one: none
+        joint->setAngularLowerLimit(vec(bound, bound, bound));
+        joint->setAngularUpperLimit(vec(-bound, -bound, -bound));
+        books.join(std::move(joint));
+        last = &link;
+      }
+      last->setLinearVelocity(vec(0, 3, 0));
+      books.begin();
+      double gap = 0;
+      for (int i = 0; i < 5 * int(hz); ++i) {
+        books.step();
+        gap = std::max(gap, largestGapOf<btGeneric6DofSpring2Constraint>(books));
+      }
+      EXPECT_LE(gap, rounding(1e-5, 1e-8));
+      EXPECT_LE(books.gain, 0.01 * books.peak);
+      EXPECT_GT(books.peak, 50) << "it has fallen";
+    }
 }
 
 // Two wheels that only turn, about z or about all axes: the gear holds their speeds to its ratio, but for 1e-8 of its impulse, by which

@@ -349,9 +349,10 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     if (from.m_cfm > 0 && row.law.isEquality())
       m_island.giveExtras(row).spring = {double(m_info.m_erp), row.open, 0};
   }
-  // What factors lock of a point is seen when it has been found.
+  // A point is found before rows that factors lock are left out. Rows of angles may come before it.
   IslandRow* const all = &m_island.rows[size_t(to.first_row)];
-  if (count >= 3) findPoint(all);
+  for (IslandRow* row = all; row + 3 <= all + count; ++row)
+    if (findPoint(row)) break;
   for (IslandRow* row = all; row < all + count; ++row) {
     row->K = m_island.inverseMass(to, row->J, row->J);
     if (keepRow(to, *row)) all[to.rows - 1] = *row;
