@@ -122,13 +122,21 @@ std::vector<ChainOf> chains() {
   return list;
 }
 
+/// m or rad: of a hundred runs, the mean of the worst.
+double mostError(const ChainOf& of) {
+  if (worksAgainstItself(of.kind)) return 0.05;
+  // Of rods and ropes one run whirls so fast that its poses find no way back in some of its steps.
+  return of.kind.name.rfind("Distance", 0) == 0 ? rounding(1e-3, 1e-4) : rounding(2e-5, 1e-6);
+}
+
 class EnergyOfChain : public testing::TestWithParam<ChainOf> {};
 
 TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
   constexpr int runs = 100;
   const kinds::Kind& kind = GetParam().kind;
   const bool is_rod = kind.name.rfind("Distance", 0) == 0;
-  std::vector<double> gains, errors;
+  double errors = 0;  // the mean
+  std::string far;
   for (int run = 0; run < runs; ++run) {
     Random random(unsigned(run) + 1);
     Books books(120);
@@ -162,23 +170,11 @@ TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
         worst = std::max(worst, largestError(static_cast<const pintle::Joint&>(*joint)));
     }
     ASSERT_TRUE(support::is_finite(*last)) << GetParam() << ", run " << run;
-    EXPECT_LE(books.gain, (is_rod ? 0.04 : 0.03) * books.peak) << GetParam() << ", run " << run;
-    gains.push_back(books.gain / books.peak);
-    errors.push_back(worst);
+    EXPECT_LE(books.gain, 0.03 * books.peak) << GetParam() << ", run " << run;
+    if (worst > 1e-4) far += " " + std::to_string(run) + ": " + std::to_string(worst);
+    errors += worst / runs;
   }
-  std::sort(gains.begin(), gains.end());
-  std::sort(errors.begin(), errors.end());
-  const double bound = worksAgainstItself(kind)            ? 0.05
-                       : GetParam().name == "LimitedWedge" ? 1e-3
-                                                           : rounding(2e-5, 1e-6);
-  if (is_rod) {
-    // Of a hundred chains one whirls so fast that its poses find no way back in a step.
-    EXPECT_LE(errors.back(), 0.5);
-    gains.pop_back();
-    errors.pop_back();
-  }
-  EXPECT_LE(gains.back(), 0.03);
-  EXPECT_LE(std::accumulate(errors.begin(), errors.end(), 0.) / double(errors.size()), bound);
+  EXPECT_LE(errors, mostError(GetParam())) << "runs" << far;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EnergyOfChain, testing::ValuesIn(chains()),

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -307,11 +308,14 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   has_factor = has_factor && m_K.factorise(m_options.least_pivot);
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
+  // Digits that could not be closed leave them as many factors.
+  const int factors = std::exchange(m_factors, 0);
   while (mayFactorise() && addPassed()) {
     m_work.moved = m_nearest;
     left = measure();
     if (factorise(true)) left = iterate(left);
   }
+  m_factors += factors;
   const double met = m_options.loose_pose_tolerance;  // but for rounding
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
