@@ -90,7 +90,8 @@ TYPED_TEST(TautCables, ComeToRest) {
   }
 }
 
-// A load on a bridge of 0.2 % slack hangs on a multiple of its weight. Joints hold at 1.1 times what the first one bears at rest.
+// A load on a bridge of 0.2 % slack hangs on a multiple of its weight. Joints hold at 1.1 times what the first one bears at rest. (Longer
+// steps do not resolve how it swings, and at 60 Hz what it bears is less in some of them.)
 TEST(ExactCables, AThresholdOfATautBridgeIsThatOfRest) {
   for (const double hz : {60., 120., 240.}) {
     SCOPED_TRACE(hz);
@@ -107,7 +108,7 @@ TEST(ExactCables, AThresholdOfATautBridgeIsThatOfRest) {
     for (const auto& joint : books.joints) joint->setBreakingImpulseThreshold(scalar(1.1 * rest));
     for (int i = 0; i < int(2 * hz); ++i) books.step();
     for (const auto& joint : books.joints) EXPECT_TRUE(joint->isEnabled());
-    if (hz > 60) {  // there it bears the same in each step
+    if (hz > 60) {
       books.joints[0]->setBreakingImpulseThreshold(scalar(0.9 * rest));
       books.step();
       EXPECT_FALSE(books.joints[0]->isEnabled());

@@ -21,7 +21,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <numeric>
 #include <ostream>
 #include <string>
 #include <vector>

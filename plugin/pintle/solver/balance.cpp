@@ -117,9 +117,15 @@ double workOfGaps(const Workspace& end, double tolerance, double dt) {
   return sum * tolerance / dt;
 }
 
+// Whether what arcs hold is more than joints do by their gaps, and nothing but arcs.
+bool mayWhirl(const Island& island, const Component& component, double gaps, const Workspace& end) {
+  return energyOfTurns(island, component, end) > gaps && actsByArcs(island, component, end);
+}
+
 // v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2: with v' = r + s w, by
 //   (s - 1) ((s + 1) w M w + w M (2 r + v0 - v*)) / 2
-// more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Returns its work.
+// more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Poses end where they did, so what
+// v' goes less they are moved by: against the forces that is work, too, which is left to the next steps. Returns all work.
 double scale(const Island& island, const Component& component, bool is_free, double energy,
              Workspace& work, PoseChange* changes) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
@@ -141,7 +147,8 @@ double scale(const Island& island, const Component& component, bool is_free, dou
   // Of two roots the one that leads to s = 1 where the energy is none.
   const double root = std::copysign(std::sqrt(std::fmax(root2, 0)), 2 * a + b);
   const double part = std::clamp((root - b) / (2 * a), 0., std::sqrt(2.));
-  double done = (part - 1) * ((part + 1) * a + b) / 2 - workOfPoses(island, component, changes);
+  const double by_velocities = (part - 1) * ((part + 1) * a + b) / 2,
+               by_poses = workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
     const Vector6d next = stays[i] + part * (v[i] - stays[i]);
     changes[i] = stays[i].isZero(0) && changes[i].isZero(0)
@@ -149,7 +156,7 @@ double scale(const Island& island, const Component& component, bool is_free, dou
                      : changeFor(next, v[i], changes[i], island.dt);
     v[i] = next;
   }
-  return done + workOfPoses(island, component, changes);
+  return by_velocities + workOfPoses(island, component, changes) - by_poses;
 }
 
 // Both are impulses along the rows of the start: l = -A^-1 J^T K^-1 J (v_base - v0) stops what forces would do to them, and c follows
@@ -197,10 +204,10 @@ double whirls(const Island& island, const Component& component, const SolverOpti
 bool isOfArcs(double energy, const Island& island, const Component& component,
               const SolverOptions& options, ComponentMemory& kept) {
   const double gaps = workOfGaps(kept.work, options.newton_tolerance, island.dt);
-  return std::abs(energy) > gaps && energyOfTurns(island, component, kept.work) > gaps &&
+  return std::abs(energy) > gaps &&
          std::abs(energy) <= energyOfArcs(island, component, kept.work) &&
          (isAnchored(island, component) || isFree(island, component)) &&
-         actsByArcs(island, component, kept.work) &&
+         mayWhirl(island, component, gaps, kept.work) &&
          std::abs(energy) <= whirls(island, component, options, kept);
 }
 
@@ -208,10 +215,9 @@ bool isOfArcs(double energy, const Island& island, const Component& component,
 
 void keepWhirls(const Island& island, const Component& component, const SolverOptions& options,
                 ComponentMemory& kept) {
-  const bool may = energyOfTurns(island, component, kept.work) >
-                       workOfGaps(kept.work, options.newton_tolerance, island.dt) &&
-                   actsByArcs(island, component, kept.work);
-  kept.whirls = may ? whirls(island, component, options, kept) : 0;
+  const double gaps = workOfGaps(kept.work, options.newton_tolerance, island.dt);
+  kept.whirls =
+      mayWhirl(island, component, gaps, kept.work) ? whirls(island, component, options, kept) : 0;
 }
 
 double shareOfArcs(const std::vector<Vector6d>& v, double dt) {

@@ -21,7 +21,10 @@ class Broyden {
   /// nowhere.
   bool step(const JointMatrix& K, const std::vector<double>& x, std::vector<double>& y);
   /// What y was changed by.
-  const double* last() const { return s(count() - 1); }
+  const double* last() const {
+    btAssert(count() > 0);
+    return s(count() - 1);
+  }
   /// For so many unknowns, and as many steps as a solve hardly ever takes.
   void reserve(size_t unknowns) {
     pintle::reserve(2 * usual_steps * unknowns, m_numbers);

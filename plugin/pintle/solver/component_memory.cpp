@@ -115,14 +115,11 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
-    const IslandRow* const those = &island.rows[size_t(joint.first_row)];
-    const auto first = size_t(joint.row_of_component);
-    std::copy_n(m_lambda.data() + before, rows, lambda.data() + first);
-    std::copy_n(m_load.data() + before, rows, work.load.data() + first);
     for (int i = 0; i < rows; ++i) {
-      const size_t r = first + size_t(i);
-      lambda[r] = most.of(those[i], lambda[r]);
-      work.load[r] = most.of(those[i], work.load[r]);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      const auto r = size_t(joint.row_of_component + i);
+      lambda[r] = most.of(row, m_lambda[before + size_t(i)]);
+      work.load[r] = most.of(row, m_load[before + size_t(i)]);
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }

@@ -24,8 +24,7 @@ struct ComponentMemory {
   bool holds_end = false;   ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
-  /// Whether what holds its bodies on arcs is more than what bears their load, where it was found before it was asked for
-  /// (balance.h).
+  /// J: the most that holds its bodies on arcs, 0 where they swing about their load; where it is known (balance.h).
   std::optional<double> whirls;
   double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
   double residual = 0;     ///< m and rad: how far they miss their goals there

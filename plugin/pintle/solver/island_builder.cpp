@@ -351,11 +351,14 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   }
   // A point is found before rows that factors lock are left out. Rows of angles may come before it.
   IslandRow* const all = &m_island.rows[size_t(to.first_row)];
-  for (IslandRow* row = all; row + 3 <= all + count; ++row)
-    if (findPoint(row)) break;
+  for (int i = 0; i + 3 <= count; ++i)
+    if (findPoint(all + i)) break;
   for (IslandRow* row = all; row < all + count; ++row) {
     row->K = m_island.inverseMass(to, row->J, row->J);
-    if (keepRow(to, *row)) all[to.rows - 1] = *row;
+    if (!keepRow(to, *row)) continue;
+    all[to.rows - 1] = *row;
+    // Those that come first stay where stops come and go.
+    if (row->law.isEquality() && to.equalities == to.rows - 1) ++to.equalities;
   }
   m_island.rows.resize(size_t(to.first_row + to.rows));
 }

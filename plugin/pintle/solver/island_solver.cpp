@@ -170,10 +170,7 @@ void IslandSolver::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
   const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
-  if (has_end) {
-    keepWhirls(m_island, component, m_options, kept);
-    kept.work.keepAsOther();
-  }
+  if (has_end) kept.work.keepAsOther();
   const double given = kept.work_done;
   const Component* const alone = &component;
   solveInVelocity({{&alone, 1}, bodiesOf(component), {}});

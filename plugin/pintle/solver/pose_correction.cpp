@@ -90,10 +90,10 @@ bool PoseCorrection::findGoals() {
     // What comes back from beyond a stop by itself needs no closing.
     const bool beyond =
         (row.has_position || row.open != 0) && isBeyond(row.law, m_u[r] + open, stop);
-    if (!beyond && hasStops(row.law)) open = 0;
     // What rebounds has a velocity to end with, and no pose.
-    const bool holds =
-        piece.acts && (row.has_position || row.law.isEquality()) && !row.law.rebounds(piece.target);
+    const bool rebounds = piece.acts && row.law.rebounds(piece.target);
+    if (hasStops(row.law) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond)) open = 0;
+    const bool holds = piece.acts && (row.has_position || row.law.isEquality()) && !rebounds;
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || open != 0;
     if (!m_closes[r]) return;
@@ -231,7 +231,7 @@ double PoseCorrection::iterate(double open) {
     is_fresh = is_fresh && !closes;
     if (is_fast) continue;
     if (is_rounding) break;
-    if (was_fresh) is_of_softness = leftBySoftness() > open / 2;
+    if (was_fresh) is_of_softness = now < infinity && leftBySoftness() > open / 2;
     if (closes && (is_of_softness || !mayFactorise())) continue;
     if (is_fresh) break;
     if (!closes) m_work.moved = m_nearest;
@@ -261,13 +261,13 @@ void PoseCorrection::shorten(PoseChange* changes) const {
     const double open = std::abs(m_open[m_K.row(c, i)]) * row.root_K * m_island.dt;
     for (int side = 0; side < 2; ++side)
       if (joint.body[size_t(side)] >= 0) {
-        constexpr double root_2 = 1.4142135623730951;
         const IslandBody& of = m_island.bodies[size_t(joint.body[size_t(side)])];
-        const double by = open / row.K *
-                          (row.J.L(side).norm() / of.mass +
+        const double length = row.J.L(side).norm(),
+                     by = open / row.K *
+                          (length / of.mass +
                            of.radius() * (of.inverse_inertia * row.J.A(side)).norm());
-        // Of a free body a lever makes it no longer. Where a lever is all that a locked one has, it may be short.
-        most += row.J.L(side).isZero(0) ? by : std::fmin(by, root_2 * open);
+        // A free body moves by no more than sqrt(2) open / |L|. One that can only turn about a short lever would go much further.
+        most += length > 0 ? std::fmin(by, std::sqrt(2.) * open / length) : by;
       }
   });
   for (int i = 0; i < m_component.bodies; ++i) {
@@ -308,7 +308,13 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   has_factor = has_factor && m_K.factorise(m_options.least_pivot);
   if (!has_factor && !factorise(false)) return open;
   double left = iterate(open);
-  // Digits that could not be closed leave them as many factors.
+  const auto goesOnAnyhow = [&](double closed_to) {
+    // Where an angle is far from what its row says, the first step is what can be had.
+    if (!(closed_to < open) && !m_first.empty()) m_nearest = m_first;
+    m_first.clear();
+  };
+  goesOnAnyhow(left);
+  // They have as many factors again, however many were spent on the last digits.
   const int factors = std::exchange(m_factors, 0);
   while (mayFactorise() && addPassed()) {
     m_work.moved = m_nearest;
@@ -323,9 +329,8 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     if (!factorise(false)) return open;
     open = measure();
     left = iterate(open);
+    goesOnAnyhow(left);
   }
-  // Where an angle is far from what its row says, the first step is what can be had.
-  if (!(left < open) && !m_first.empty()) m_nearest = m_first;
   double of_joints = left;
   if (!(left <= met) && mayFactorise() && leaveLimits()) {
     m_work.moved = m_nearest;
@@ -333,7 +338,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     if (!(of_joints <= met) && factorise(true)) of_joints = iterate(measure());
   }
   findChanges(changes);
-  if (!(of_joints <= met || of_joints < m_options.contraction * open)) shorten(changes);
+  if (!(of_joints <= met || left < m_options.contraction * open)) shorten(changes);
   return left;
 }
 

@@ -21,17 +21,16 @@ bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
 }
 
 // Laws of three rows at right angles become those of rows along the axes of the world: there factors hold bodies, and what they bear in one
-// step is of the same directions in the next. Returns whether they are as soft along all axes, and do.
+// step is of the same directions in the next. Returns false, and changes nothing, where the three are not as soft and as driven.
 bool turnToWorld(IslandRow* rows) {
   const double softness = rows[0].law.part(0).softness;
   Vector3d target(0, 0, 0), open(0, 0, 0);
-  bool drives = false;
+  const bool drives = rows[0].law.part(0).drives;
   for (int i = 0; i < 3; ++i) {
     const LawPart& part = rows[i].law.part(0);
-    if (part.softness != softness) return false;
+    if (part.softness != softness || part.drives != drives) return false;
     target += part.target * rows[i].J.L_b;
     open += rows[i].open * rows[i].J.L_b;
-    drives = drives || part.drives;
   }
   for (int i = 0; i < 3; ++i) {
     IslandRow& row = rows[i];
