@@ -14,7 +14,7 @@ void expectNoGainByVelocities(const Scene& scene, const Outcome& out) {
   EXPECT_LE(out.by_velocities, out.mayGainByVelocities()) << describe(scene);
 }
 
-// Moving poses lifts or throws what it closes in one scene of 230, where velocities do not pay for it.
+// Moving poses lifts or throws what it closes in one scene of 200, where velocities do not pay for it.
 TEST(RandomScenes, GainNothing) {
   constexpr unsigned count = 300;
   unsigned exceptions = 0;
