@@ -150,6 +150,7 @@ class World {
 
  private:
   // Bullet searches from the front, and puts its last one where one was: the first one, and then from the back, each is found at once.
+  // (Not bodies that move, where the first one does not: of those Bullet has a list of their own.)
   template <class Those, class Remove>
   static void removeAll(const Those& those, const Remove& remove) {
     if (those.empty()) return;

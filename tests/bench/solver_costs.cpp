@@ -5,6 +5,7 @@
 #include <scenes/crowds.h>
 
 #include <cstdio>
+#include <optional>
 
 #include "solver_bench.h"
 
@@ -103,12 +104,11 @@ std::vector<Cost> costs() {
   return all;
 }
 
-std::vector<Cost> named(const std::string& name) {
-  std::vector<Cost> found;
+std::optional<Cost> named(const std::string& name) {
   for (const Cost& of : costs())
-    if (of.name == name) found.push_back(of);
-  if (found.empty()) std::fprintf(stderr, "solver: there is no scene %s\n", name.c_str());
-  return found;
+    if (of.name == name) return of;
+  std::fprintf(stderr, "solver: there is no scene %s\n", name.c_str());
+  return {};
 }
 
 }  // namespace
@@ -118,36 +118,34 @@ void listCosts() {
 }
 
 bool countCost(const std::string& name, bool is_exact) {
-  for (const Cost& of : named(name)) {
-    const Measured counted = of.run(is_exact, Purpose::count);
-    std::printf("%d %d\n", counted.joints, int(counted.times.size()));
-    return true;
-  }
-  return false;
+  const std::optional<Cost> of = named(name);
+  if (!of) return false;
+  const Measured counted = of->run(is_exact, Purpose::count);
+  std::printf("%d %d\n", counted.joints, int(counted.times.size()));
+  return true;
 }
 
 // Each step is the same in every round, so that its shortest time is its own.
 bool timeCost(const std::string& name) {
-  for (const Cost& of : named(name)) {
-    Measured shortest[2];
-    for (int round = 0; round < of.rounds; ++round) {
-      for (const bool is_exact : {false, true}) {
-        Measured now = of.run(is_exact, Purpose::time);
-        std::vector<double>& before = shortest[is_exact].times;
-        for (size_t i = 0; i < before.size(); ++i) now.times[i] = std::min(now.times[i], before[i]);
-        shortest[is_exact] = now;
-      }
+  const std::optional<Cost> of = named(name);
+  if (!of) return false;
+  Measured shortest[2];
+  for (int round = 0; round < of->rounds; ++round) {
+    for (const bool is_exact : {false, true}) {
+      Measured now = of->run(is_exact, Purpose::time);
+      std::vector<double>& before = shortest[is_exact].times;
+      for (size_t i = 0; i < before.size(); ++i) now.times[i] = std::min(now.times[i], before[i]);
+      shortest[is_exact] = now;
     }
-    std::printf("%d", shortest[0].joints);
-    for (const Measured& by : shortest) {
-      double sum = 0;
-      for (const double time : by.times) sum += time;
-      std::printf(" %g %g", sum / double(by.times.size()), by.mean_gap);
-    }
-    std::printf("\n");
-    return true;
   }
-  return false;
+  std::printf("%d", shortest[0].joints);
+  for (const Measured& by : shortest) {
+    double sum = 0;
+    for (const double time : by.times) sum += time;
+    std::printf(" %g %g", sum / double(by.times.size()), by.mean_gap);
+  }
+  std::printf("\n");
+  return true;
 }
 
 }  // namespace solver_bench

@@ -121,11 +121,13 @@ std::vector<ChainOf> chains() {
   return list;
 }
 
+bool isRod(const kinds::Kind& kind) { return kind.name.rfind("Distance", 0) == 0; }
+
 /// m or rad: of a hundred runs, the mean of the worst.
 double mostError(const ChainOf& of) {
   if (worksAgainstItself(of.kind)) return 0.05;
   // Of rods and ropes one run whirls so fast that its poses find no way back in some of its steps.
-  return of.kind.name.rfind("Distance", 0) == 0 ? rounding(1e-3, 1e-4) : rounding(2e-5, 1e-6);
+  return isRod(of.kind) ? rounding(1e-3, 1e-4) : rounding(2e-5, 1e-6);
 }
 
 class EnergyOfChain : public testing::TestWithParam<ChainOf> {};
@@ -133,7 +135,6 @@ class EnergyOfChain : public testing::TestWithParam<ChainOf> {};
 TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
   constexpr int runs = 100;
   const kinds::Kind& kind = GetParam().kind;
-  const bool is_rod = kind.name.rfind("Distance", 0) == 0;
   double errors = 0;  // the mean
   std::string far;
   for (int run = 0; run < runs; ++run) {
@@ -153,9 +154,7 @@ TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
       body.setAngularVelocity(random.vector(3));
       // Rods of tests have their far end at (2, 1, 1) in the frame (joint_kinds.cpp): here nearer.
       btTransform end_b = frame_b;
-      if (is_rod) {
-        end_b.setOrigin(end_b.getOrigin() - vec(2, 1, 1) + random.vector(0.3));
-      }
+      if (isRod(kind)) end_b.setOrigin(end_b.getOrigin() - vec(2, 1, 1) + random.vector(0.3));
       auto joint = kind.make(*last, body, frame_a, end_b, 0);
       GetParam().limit(*joint);
       books.join(std::move(joint));

@@ -94,8 +94,9 @@ bool BlockSolver::isSetRight(std::vector<Vector6d>& velocities) {
 }
 
 // A set of rows that act is the right one where it leads to velocities at which just these act: so each one is solved for. All rows that
-// come to another piece of their laws take a step there at once, while these steps become fewer, or else, where `or_one`, that one whose impulse changes
-// most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether a set is found.
+// come to another piece of their laws take a step there at once, while these steps become fewer, or else, where `or_one`, that one whose
+// impulse changes most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether a set
+// is found.
 bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
                                std::vector<Vector6d>& velocities) {
   int fewest = std::numeric_limits<int>::max(), ones = or_one ? countEnds(rows) : 0;

@@ -43,7 +43,8 @@ class BlockSolver {
 
   /// `velocities`: of all bodies of the island, without impulses of joints, and then with those that it begins with.
   void begin(Sweep sweep, std::vector<Vector6d>& velocities);
-  /// One pass over its rows. The first one finds which of those act that are solved at once. Returns the largest change of a row, m/s or rad/s.
+  /// One pass over its rows. The first one finds which of those act that are solved at once. Returns the largest change of a row, m/s
+  /// or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
   /// To the last digits: those that are solved at once. `bounds`: where those are that are solved as contacts are. Returns whether it has
   /// made its factor anew, for limits that press and rows that change with them.
