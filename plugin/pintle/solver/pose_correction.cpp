@@ -36,7 +36,9 @@ class PoseCorrection {
   double findResidual();
   double step(double open, bool is_fresh);
   double leftBySoftness() const;
-  double iterate(double open);
+  double iterate(double open, bool goes_on_anyhow);
+  double closePassed(double left);
+  double closeWithoutLimits(double left);
   void findChanges(PoseChange* changes) const;
   void shorten(PoseChange* changes) const;
   const IslandBody& body(int i) const {
@@ -56,8 +58,6 @@ class PoseCorrection {
       m_work.bends;  ///< of each row that closes: whether it is measured at the end
   std::vector<double>& m_open = m_work.open;  ///< what was open at first, in the units of K
   std::vector<MovedBody>& m_nearest = m_work.nearest;  ///< where least is open
-  std::vector<MovedBody>& m_first =
-      m_work.first;  ///< where the first step has led, if it closes nothing
 };
 
 bool isStop(const LawPart& part) {
@@ -212,17 +212,21 @@ double PoseCorrection::leftBySoftness() const {
   return m_options.dependent_softness * largest * m_island.dt;
 }
 
-// Returns what is left open.
-double PoseCorrection::iterate(double open) {
-  bool is_fresh = false, is_of_softness = false;
+// Returns what is left open. `goes_on_anyhow`: where an angle is far from what its row says, so that nothing closes it, the first step is
+// what can be had.
+double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
+  std::vector<MovedBody>& first = m_work.first;
+  first.clear();
+  bool is_fresh = false, is_of_softness = false, closes_any = false;
   for (int steps = 0; steps < m_options.max_iterations; ++steps) {
     const double now = step(open, is_fresh);
     const bool closes = now < open, is_fast = now < m_options.contraction * open;
+    closes_any = closes_any || closes;
     if (closes) {
       m_nearest = m_work.moved;
       open = now;
-    } else if (steps == 0 && now < infinity) {
-      m_first = m_work.moved;
+    } else if (goes_on_anyhow && steps == 0 && now < infinity) {
+      first = m_work.moved;
     }
     if (open <= m_tolerance / 2) break;
     // With rows that contradict each other by rounding no other factor would close the last digits.
@@ -239,7 +243,30 @@ double PoseCorrection::iterate(double open) {
     measure();
     is_fresh = true;
   }
+  if (!closes_any && !first.empty()) m_nearest = first;
   return open;
+}
+
+// Of stops that are met by where poses have been moved to. They have as many factors again, however many were spent on the last digits.
+double PoseCorrection::closePassed(double left) {
+  const int factors = std::exchange(m_factors, 0);
+  while (mayFactorise() && addPassed()) {
+    m_work.moved = m_nearest;
+    left = measure();
+    if (factorise(true)) left = iterate(left, false);
+  }
+  m_factors += factors;
+  return left;
+}
+
+// Returns what the others leave open, where limits stay.
+double PoseCorrection::closeWithoutLimits(double left) {
+  if (!mayFactorise() || !leaveLimits()) return left;
+  m_work.moved = m_nearest;
+  left = measure();
+  if (!(left <= m_options.loose_pose_tolerance) && factorise(true))
+    left = iterate(measure(), false);
+  return left;
 }
 
 // Between what contacts push and the step of the velocities.
@@ -300,43 +327,20 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   double open = findResidual();
   if (open <= m_tolerance) return open;
   m_open = m_work.x;
-  m_nearest = m_work.moved;
-  m_work.start = m_nearest;
-  m_first.clear();
+  m_work.start = m_nearest = m_work.moved;
   m_work.broyden.begin();
   // (Nothing is done where K has its factor.)
   has_factor = has_factor && m_K.factorise(m_options.least_pivot);
   if (!has_factor && !factorise(false)) return open;
-  double left = iterate(open);
-  const auto goesOnAnyhow = [&](double closed_to) {
-    // Where an angle is far from what its row says, the first step is what can be had.
-    if (!(closed_to < open) && !m_first.empty()) m_nearest = m_first;
-    m_first.clear();
-  };
-  goesOnAnyhow(left);
-  // They have as many factors again, however many were spent on the last digits.
-  const int factors = std::exchange(m_factors, 0);
-  while (mayFactorise() && addPassed()) {
-    m_work.moved = m_nearest;
-    left = measure();
-    if (factorise(true)) left = iterate(left);
-  }
-  m_factors += factors;
+  double left = closePassed(iterate(open, true));
   const double met = m_options.loose_pose_tolerance;  // but for rounding
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
-    m_first.clear();
     if (!factorise(false)) return open;
     open = measure();
-    left = iterate(open);
-    goesOnAnyhow(left);
+    left = iterate(open, true);
   }
-  double of_joints = left;
-  if (!(left <= met) && mayFactorise() && leaveLimits()) {
-    m_work.moved = m_nearest;
-    of_joints = measure();
-    if (!(of_joints <= met) && factorise(true)) of_joints = iterate(measure());
-  }
+  const double of_joints = left <= met ? left : closeWithoutLimits(left);
   findChanges(changes);
   if (!(of_joints <= met || left < m_options.contraction * open)) shorten(changes);
   return left;
