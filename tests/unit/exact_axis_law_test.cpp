@@ -158,7 +158,7 @@ TEST(AxisLaw, OneBoundMakesNoEquality) {
   AxisLaw law = emptyLaw();
   law.add({0, 0, 0, unbounded});
   EXPECT_FALSE(law.isEquality());
-  law.clear();
+  law = emptyLaw();
   law.add({0, 0, -unbounded, unbounded});
   law.add({0, 0, -1, 1});
   EXPECT_FALSE(law.isEquality());

@@ -1,5 +1,7 @@
 #include <pintle/solver/active_set.h>
 
+#include <pintle/solver/stops.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -112,7 +114,7 @@ void ActiveSet::changeMost(const std::vector<Place>& rows) {
 void ActiveSet::takeLimits() {
   std::vector<Place>& bounded = m_work.bounded;
   const auto limits = std::stable_partition(bounded.begin(), bounded.end(),
-                                            [](const Place& of) { return !of.row->law.isLimit(); });
+                                            [](const Place& of) { return !isLimit(of.row->law); });
   m_work.limits.assign(limits, bounded.end());
   bounded.erase(limits, bounded.end());
 }

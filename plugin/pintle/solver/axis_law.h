@@ -23,6 +23,13 @@ struct LawPart {
   static constexpr double unbounded = 1e30;
   bool isLowerStop() const { return lower == 0 && upper == unbounded; }
   bool isUpperStop() const { return upper == 0 && lower == -unbounded; }
+  bool isRigidStop() const {
+    return (isLowerStop() || isUpperStop()) && !drives && !(softness > 0);
+  }
+  /// Of a stop: whether u is beyond it.
+  bool isBeyond(double u) const {
+    return (isLowerStop() && u < target) || (isUpperStop() && u > target);
+  }
   bool rebounds() const {
     return !drives && ((isLowerStop() && target > 0) || (isUpperStop() && target < 0));
   }
@@ -70,49 +77,14 @@ class AxisLaw {
   /// Of max_parts, for which there must be `room` as long as the law is in use. Copies share it.
   explicit AxisLaw(LawPart* room) : m_room(room) {}
 
-  void clear() {
-    m_parts = 0;
-    m_is_equality = m_has_drives = false;
-  }
   void add(const LawPart& part) {
     btAssert(m_parts < (m_room != nullptr ? max_parts : 1));
     m_is_equality = m_parts == 0 && isUnbounded(part);
     m_has_drives = m_has_drives || part.drives;
     own(m_parts++) = part;
   }
-  /// Changes the target of a law of one part.
-  void aim(double target) { own(0).target = target; }
-  /// Whether one of its stops sends it back with this velocity.
-  bool rebounds(double u) const {
-    for (int i = 0; i < m_parts; ++i)
-      if (part(i).rebounds() && part(i).target == u) return true;
-    return false;
-  }
-  /// Stops give back nothing of the speed with which they are met. Returns whether they did.
-  bool stopRebound() {
-    bool any = false;
-    for (int i = 0; i < m_parts; ++i) {
-      if (!part(i).rebounds()) continue;
-      own(i).target = 0;
-      any = true;
-    }
-    return any;
-  }
-  /// Whether u is beyond one of its stops.
-  bool isBeyondStop(double u) const {
-    for (int i = 0; i < m_parts; ++i)
-      if ((part(i).isLowerStop() && u < part(i).target) ||
-          (part(i).isUpperStop() && u > part(i).target))
-        return true;
-    return false;
-  }
-  /// dt^2 k of its springs, N s^2/m.
-  double springs() const {
-    double sum = 0;
-    for (int i = 0; i < m_parts; ++i)
-      if (part(i).spring_share > 0) sum += part(i).spring_share / part(i).softness;
-    return sum;
-  }
+  void setTarget(int part, double target) { own(part).target = target; }
+  /// Its springs, as each part does.
   void foresee(double share) {
     for (int i = 0; i < m_parts; ++i)
       if (part(i).spring_share > 0) own(i).foresee(share);
@@ -121,13 +93,6 @@ class AxisLaw {
   int parts() const { return m_parts; }
   const LawPart& part(int i) const { return first()[i]; }
   bool isEquality() const { return m_is_equality; }
-  /// Whether it has rigid stops, and nothing else.
-  bool isLimit() const {
-    if (hasDrives() || isEquality()) return false;
-    for (int i = 0; i < m_parts; ++i)
-      if (part(i).softness > 0) return false;
-    return true;
-  }
   bool hasDrives() const { return m_has_drives; }
 
   /// Lambda. At the target of a rigid part, of which it may be any: as little as can be.
@@ -165,6 +130,15 @@ class AxisLaw {
   int m_parts = 0;
   bool m_is_equality = false, m_has_drives = false;
 };
+
+/// dt^2 k of its springs, N s^2/m.
+inline double springs(const AxisLaw& law) {
+  double sum = 0;
+  for (int i = 0; i < law.parts(); ++i)
+    if (const LawPart& part = law.part(i); part.spring_share > 0)
+      sum += part.spring_share / part.softness;
+  return sum;
+}
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

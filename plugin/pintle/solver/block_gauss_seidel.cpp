@@ -1,6 +1,7 @@
 #include <pintle/solver/block_gauss_seidel.h>
 
 #include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/stops.h>
 
 #include <cmath>
 
@@ -225,7 +226,7 @@ bool stopRebounds(Island& island, const Component& component) {
   for (int c = component.first_joint; c < component.first_joint + component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(c)];
     for (int i = 0; i < joint.rows; ++i)
-      any = island.rows[size_t(joint.first_row + i)].law.stopRebound() || any;
+      any = stopRebounds(island.rows[size_t(joint.first_row + i)].law) || any;
   }
   return any;
 }

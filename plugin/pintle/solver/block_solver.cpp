@@ -1,5 +1,7 @@
 #include <pintle/solver/block_solver.h>
 
+#include <pintle/solver/stops.h>
+
 #include <pintle/solver/row_velocities.h>
 
 #include <algorithm>
@@ -163,7 +165,7 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
 bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
   std::vector<ActiveSet::Place>&limits = m_work.limits, &rows = m_work.pivots;
   for (const Workspace::AsContact& as : m_work.as_contacts)
-    if (as.of.row->law.isLimit()) limits.push_back(as.of);
+    if (isLimit(as.of.row->law)) limits.push_back(as.of);
   if (!limits.empty()) {
     rows = limits;
     if (mayChangeSet()) rows.insert(rows.end(), m_set.bounded().begin(), m_set.bounded().end());

@@ -147,7 +147,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
       const double most = spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
       spring.stretch = std::clamp(std::clamp(last.length, -most, most), std::fmin(spring.open, 0),
                                   std::fmax(spring.open, 0));
-      row.law.aim(row.law.part(0).target - spring.stretch / island.dt);
+      row.law.setTarget(0, row.law.part(0).target - spring.stretch / island.dt);
       row.open -= spring.stretch;
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);

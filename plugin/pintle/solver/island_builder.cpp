@@ -138,7 +138,7 @@ bool IslandBuilder::keepRow(IslandJoint& to, IslandRow& row) {
     return false;
   row.setK(row.K);
   to.add(row);
-  m_has_springs = m_has_springs || (row.extras != nullptr && row.law.springs() > 0);
+  m_has_springs = m_has_springs || (row.extras != nullptr && springs(row.law) > 0);
   return true;
 }
 

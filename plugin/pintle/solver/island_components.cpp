@@ -94,7 +94,7 @@ void IslandBuilder::foreseeSprings() {
     for (IslandJoint& joint : m_island.joints)
       for (int i = 0; i < joint.rows; ++i) {
         IslandRow& row = m_island.rows[size_t(joint.first_row + i)];
-        if (const double k = row.law.springs(); k > 0) visit(joint, row, k);
+        if (const double k = springs(row.law); k > 0) visit(joint, row, k);
       }
   };
   forEachSpring([&](const IslandJoint& joint, const IslandRow& row, double k) {

@@ -22,8 +22,7 @@ bool breakOverloaded(Island& island, const Component& component, const Workspace
     joint.constraint->setEnabled(false);
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      row.law.clear();
-      row.law.add({0, 0, 0, 0});
+      row.law = AxisLaw();  // no part has an impulse
       row.open = 0;
       row.extras = nullptr;
     }

@@ -2,6 +2,7 @@
 
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
+#include <pintle/solver/stops.h>
 
 #include <algorithm>
 #include <cmath>
@@ -60,49 +61,30 @@ class PoseCorrection {
   std::vector<MovedBody>& m_nearest = m_work.nearest;  ///< where least is open
 };
 
-bool isStop(const LawPart& part) {
-  return (part.isLowerStop() || part.isUpperStop()) && !part.drives && !(part.softness > 0);
-}
-
-bool hasStops(const AxisLaw& law) {
-  for (int i = 0; i < law.parts(); ++i)
-    if (isStop(law.part(i))) return true;
-  return false;
-}
-
-// Beyond which of its stops a row that may leave them ends the step, and where that is.
-bool isBeyond(const AxisLaw& law, double u, double& stop) {
-  for (int i = 0; i < law.parts(); ++i) {
-    const LawPart& part = law.part(i);
-    if (!isStop(part) || !(part.isLowerStop() ? u < part.target : u > part.target)) continue;
-    stop = part.target;
-    return true;
-  }
-  return false;
-}
-
 // What each row is to measure over the step. Returns whether K has all rows that are to be moved.
 bool PoseCorrection::findGoals() {
   bool all_act = true;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     const LawPiece& piece = m_work.pieces[r];
-    double stop = 0, open = row.open / m_island.dt;
+    double open = row.open / m_island.dt;
     // What comes back from beyond a stop by itself needs no closing.
-    const bool beyond =
-        (row.has_position || row.open != 0) && isBeyond(row.law, m_u[r] + open, stop);
+    const double* const stop =
+        row.has_position || row.open != 0 ? passedRigidStop(row.law, m_u[r] + open) : nullptr;
+    const bool beyond = stop != nullptr;
     // What rebounds has a velocity to end with, and no pose.
-    const bool rebounds = piece.acts && row.law.rebounds(piece.target);
-    if (hasStops(row.law) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond)) open = 0;
+    const bool rebounds = piece.acts && pintle::rebounds(row.law, piece.target);
+    if (hasRigidStops(row.law) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond))
+      open = 0;
     const bool holds = piece.acts && (row.has_position || row.law.isEquality()) && !rebounds;
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || open != 0;
     if (!m_closes[r]) return;
     // Among contacts nothing is pulled to a stop: it stays where it is, so that nothing else moves it beyond.
-    const bool stays = holds && !beyond && row.law.isLimit() && !m_work.parts.empty();
+    const bool stays = holds && !beyond && isLimit(row.law) && !m_work.parts.empty();
     const double end = !(holds && row.has_position) || stays ? m_u[r]
                        : piece.softness > 0                  ? m_work.u[r]
                                                              : piece.target;
-    m_goal[r] = (comes_back ? stop : end) - open;
+    m_goal[r] = (comes_back ? *stop : end) - open;
     all_act = all_act && piece.acts;
   });
   return all_act;
@@ -121,12 +103,11 @@ bool PoseCorrection::addPassed() {
   any = false;
   measureAtEnd(m_island, m_component, m_nearest, may_pass, m_u);
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
-    double stop = 0;
-    if (!may_pass[r] || !isBeyond(row.law, m_u[r], stop) ||
-        !(std::abs(m_u[r] - stop) * m_island.dt > m_tolerance))
-      return;
+    if (!may_pass[r]) return;
+    const double* const stop = passedRigidStop(row.law, m_u[r]);
+    if (stop == nullptr || !(std::abs(m_u[r] - *stop) * m_island.dt > m_tolerance)) return;
     m_closes[r] = m_bends[r] = any = true;
-    m_goal[r] = stop;
+    m_goal[r] = *stop;
   });
   return any;
 }
@@ -162,7 +143,7 @@ bool PoseCorrection::leaveLimits() {
   if (m_work.parts.empty()) return false;
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
-    if (!m_closes[r] || !row.law.isLimit()) return;
+    if (!m_closes[r] || !isLimit(row.law)) return;
     any = true;
     m_closes[r] = m_bends[r] = false;
   });

@@ -34,7 +34,7 @@ bool turnToWorld(IslandRow* rows) {
   }
   for (int i = 0; i < 3; ++i) {
     IslandRow& row = rows[i];
-    row.law.clear();
+    row.law = AxisLaw();
     row.law.add({target[i], softness, -AxisLaw::unbounded, AxisLaw::unbounded, drives});
     row.open = open[i];
     if (row.isSoft()) row.extras->spring.open = open[i];

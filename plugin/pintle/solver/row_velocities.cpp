@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/solver/stops.h>
 
 #include <Eigen/QR>
 #include <new>
@@ -150,7 +151,7 @@ class JointAtEnd {
     const int at = findAxis(*row.start, *m_rows);
     if (at < 0) return false;
     found = (*m_rows)[at];
-    return row.law.isBeyondStop((double(found.position) - double(row.start->position)) / m_dt);
+    return isBeyondStop(row.law, (double(found.position) - double(row.start->position)) / m_dt);
   }
   RowJacobian jacobian(const IslandRow& row) {
     if (!row.has_position) return row.J;
@@ -312,7 +313,7 @@ void turnStops(Island& island, const Component& component) {
     const double turn = (v_a.tail<3>() - v_b.tail<3>()).norm();  // rad/s
     for (int i = 0; i < joint.rows; ++i) {
       IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (!row.mayTurnStops() || !(row.law.isBeyondStop(-turn) || row.law.isBeyondStop(turn)))
+      if (!row.mayTurnStops() || !(isBeyondStop(row.law, -turn) || isBeyondStop(row.law, turn)))
         continue;
       const MovedBody a(v_a, island.dt), b(v_b, island.dt);
       Row found;
