@@ -9,9 +9,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// (w dt)^2, from which on explicit steps are not stable.
-constexpr double least_unstable_swing = 4;
-
 // Of a symmetric matrix: without its negative eigenvalues.
 Matrix3d clipped(const Matrix3d& m) {
   if (Eigen::LLT<Matrix3d>(-m).info() == Eigen::Success) return Matrix3d::Zero();
@@ -95,7 +92,7 @@ bool foreseeLoad(const Island& island, const Component& component, double stable
     const double own = island.bodies[size_t(component.first_body + i)].inertia.trace(),
                  was = own + work.last_stiffness[size_t(i)].trace(),
                  is = own + work.stiffness[size_t(i)].trace();
-    if (is * stable_swing > least_unstable_swing * was) return true;
+    if (is * stable_swing > unstable_swing * was) return true;
   }
   return false;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/solver_options.h>
 #include <pintle/solver/workspace.h>
 
 namespace pintle {

@@ -37,7 +37,7 @@ void check(const SolverOptions& of) {
   requirePart("dependent_softness", of.dependent_softness);
   requirePart("least_pivot", of.least_pivot);
   requirePart("ledger_share", of.ledger_share);
-  require(of.stable_swing > 0 && of.stable_swing < 4, "stable_swing", of.stable_swing,
+  require(of.stable_swing > 0 && of.stable_swing < unstable_swing, "stable_swing", of.stable_swing,
           "above 0 and below 4");
 }
 

@@ -6,6 +6,10 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// (w dt)^2 of a swing of w rad/s, from which on explicit steps are not stable: there a root of z^2 + ((w dt)^2 - 2) z + 1 = 0 leaves
+/// the unit circle.
+constexpr double unstable_swing = 4;
+
 /// Tolerances and bounds of the exact solver. `check` says what each may be.
 struct SolverOptions {
   /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates
@@ -40,7 +44,7 @@ struct SolverOptions {
   /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
   double ledger_share = 0.01;
   /// (w dt)^2 of a body that swings about its joints' load by w rad/s, up to which it is left as it is. Explicit steps are stable
-  /// below 4. A faster one gets as much inertia as makes it swing no faster: no step resolves it.
+  /// below unstable_swing. A faster one gets as much inertia as makes it swing no faster: no step resolves it.
   double stable_swing = 2;
 };
 
