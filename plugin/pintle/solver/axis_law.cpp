@@ -1,5 +1,7 @@
 #include <pintle/solver/axis_law.h>
 
+#include <pintle/solver/solver_options.h>
+
 #include <algorithm>
 
 namespace pintle {
@@ -91,8 +93,9 @@ AxisLaw::Parts AxisLaw::split(double u, double impulse) const {
   bool open[max_parts];  // on its vertical piece, or beyond a stop: its impulse is not given by u
   for (int i = 0; i < m_parts; ++i) {
     const LawPart& part = all[i];
-    open[i] = !(part.softness > 0) && (std::abs(part.target - u) <= 1e-9 * (1 + std::abs(u)) ||
-                                       std::abs(part.at(u)) >= unbounded);
+    open[i] =
+        !(part.softness > 0) && (std::abs(part.target - u) <= rounding_share * (1 + std::abs(u)) ||
+                                 std::abs(part.at(u)) >= unbounded);
     of[i] = open[i] ? std::clamp(0., part.lower, part.upper) : part.at(u);
     rest -= of[i];
   }

@@ -1,14 +1,13 @@
 #include <pintle/solver/contact_response.h>
 
+#include <pintle/solver/solver_options.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
-
-// A row that moves its bodies by less of its own is held by joints, but for rounding.
-constexpr double least_part_free = 1e-9;
 
 PINTLE_INLINE double read(const double* state, const PathBlock* part, const PathBlock* end) {
   FourLanes sum;
@@ -150,7 +149,7 @@ void ContactResponse::find(ContactRow& row) {
   row.parts = unsigned(m_parts.size() - row.first_part);
   btAssert(row.parts > 0);  // else it would be asked for again
   row.K = findK(m_parts.begin() + row.first_part, m_parts.end());
-  if (!(row.K > least_part_free * K_alone)) row.K = 0;
+  if (!(row.K > rounding_share * K_alone)) row.K = 0;  // joints hold it
 }
 
 void ContactResponse::push(Span<ContactRow> rows, double part) {

@@ -63,7 +63,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   bool turns = largest > 0;
   // An axis about which the body does not turn at all, while it does about others.
   const Vector3d principal =
-      inverse.unaryExpr([&](double i) { return i > 0 ? 1 / i : 1e12 / largest; });
+      inverse.unaryExpr([&](double i) { return i > 0 ? 1 / i : unturned_inertia / largest; });
   to.inertia = turns ? Matrix3d(R * principal.asDiagonal() * R.transpose()) : Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
     to.locked[size_t(i)] = !(linear[i] > 0);
@@ -111,7 +111,7 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
       L[n][j] = sum / L[j][j];
       pivot -= L[n][j] * L[n][j];
     }
-    if (!(pivot > 1e-9 * row.K)) continue;
+    if (!(pivot > rounding_share * row.K)) continue;
     L[n][n] = std::sqrt(pivot);
     y[n] = m_island.inverseMass(joint, row.J, J);
     for (int j = 0; j < n; ++j) y[n] -= L[n][j] * y[j];
@@ -120,7 +120,7 @@ double IslandBuilder::inverseMassBeside(const IslandJoint& joint, const RowJacob
     equality[n++] = &row;
   }
   // Where they hold all of it but rounding, a spring has no mass to move but its own.
-  return rest > 1e-9 * own ? rest : own;
+  return rest > rounding_share * own ? rest : own;
 }
 
 // A row that its bodies can follow by rounding alone is none: of what K would be if their factors held nothing. Nor is one that they

@@ -14,9 +14,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Of kinetic energy: less may be rounding.
-constexpr double rounding = 1e-9;
-
 // Less than a rounding error of a rounding error is nothing: its products would be denormal numbers, with which a processor is slow.
 Vector3d rounded(const Vector3d& change, double of) {
   const double error = double(SIMD_EPSILON), least = error * error * of;
@@ -235,7 +232,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
     if (again && m_options.max_new_factors > 1) solve(sweep);  // the first one is for poses
-    return done.is_solvable && gainInVelocity(group) <= rounding * largest;
+    return done.is_solvable && gainInVelocity(group) <= rounding_share * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
   const auto attemptWithoutRebounds = [&](Sweep sweep) {

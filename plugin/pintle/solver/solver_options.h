@@ -6,6 +6,13 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// Of sums in double precision, beside the largest of what is added: less may be rounding.
+constexpr double rounding_share = 1e-9;
+
+/// Of the inertia about an axis about which a body does not turn at all: so many times the least one. The body follows rows about that
+/// axis by less than rounding_share, and in world space its matrix still has four digits of the least one.
+constexpr double unturned_inertia = 1e12;
+
 /// (w dt)^2 of a swing of w rad/s, from which on explicit steps are not stable: there a root of z^2 + ((w dt)^2 - 2) z + 1 = 0 leaves
 /// the unit circle.
 constexpr double unstable_swing = 4;
