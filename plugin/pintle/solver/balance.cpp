@@ -103,7 +103,7 @@ bool actsByArcs(const Island& island, const Component& component, const Workspac
       const AxisLaw::Parts impulse = end.split(row.law, r);
       for (int k = 0; k < row.law.parts(); ++k)
         if (row.law.part(k).role == Axis::limit &&
-            std::abs(impulse[size_t(k)]) > 1e-9 * std::abs(end.lambda[r]))
+            std::abs(impulse[size_t(k)]) > rounding_share * std::abs(end.lambda[r]))
           return false;
     }
   }
