@@ -1,5 +1,6 @@
 // K = J A^-1 J^T of a component, factorised, against Eigen's dense one: whatever hangs together how.
 #include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/solver_options.h>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 
 namespace exact_joint_matrix_test {
 
+using pintle::all_blocks;
 using pintle::InverseInertia;
 using pintle::IslandBody;
 using pintle::JointMatrix;
@@ -200,7 +202,7 @@ struct Problem {
         if (on[size_t(k / 2)] >= 0 && (k > 1 || on[0] != on[1]))
           impulses.col(i).segment<3>(6 * on[size_t(k / 2)] + 3 * (k % 2)) = *parts[k];
       }
-      matrix.findPath({on[0] == on[1] ? -1 : on[0], on[1]}, along, blocks);
+      matrix.findPath({on[0] == on[1] ? -1 : on[0], on[1]}, along, all_blocks, blocks);
       end.push_back(blocks.size());
     }
     // What is read of what they all add.
@@ -412,11 +414,12 @@ TEST(JointMatrix, PathsForgetWhatIsNoNumber) {
     for (int body = 0; body <= joints; ++body) {
       pintle::RowJacobian none = along;
       none.A_b.setConstant(std::nan(""));
-      matrix.findPath({-1, body}, none, blocks);
+      matrix.findPath({-1, body}, none, all_blocks, blocks);
     }
     act(true);
     blocks.clear();
-    for (int body = 0; body <= joints; ++body) matrix.findPath({-1, body}, along, blocks);
+    for (int body = 0; body <= joints; ++body)
+      matrix.findPath({-1, body}, along, all_blocks, blocks);
     for (const pintle::PathBlock& block : blocks)
       for (const double number : block.adds) EXPECT_TRUE(std::isfinite(number)) << idle;
   }
@@ -441,7 +444,8 @@ TEST(JointMatrix, WhatJointsFarAwayDoIsLeftOut) {
   const Eigen::MatrixXd R = problem.acting * problem.inverse_A;
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(6 * bodies, contacts), seen(contacts, contacts);
   std::vector<std::vector<double>> reads, adds;
-  EXPECT_FALSE(matrix.findsWholePaths());
+  const pintle::SolverOptions options;
+  EXPECT_GT(matrix.longestPath(), options.longest_path);
   for (int i = 0; i < contacts; ++i) {
     // On one body, or on two.
     const int body = below(random, bodies), other = below(random, 2) ? below(random, bodies) : -1;
@@ -456,7 +460,7 @@ TEST(JointMatrix, WhatJointsFarAwayDoIsLeftOut) {
       P.block<3, 1>(6 * on[size_t(side)] + 3, i) = A;
     }
     pintle::PathBlocks blocks;
-    matrix.findPath(on, along, blocks);
+    matrix.findPath(on, along, options.cut_path, blocks);
     reads.emplace_back(matrix.vectorSize(), 0.);
     adds.emplace_back(matrix.vectorSize(), 0.);
     for (const pintle::PathBlock& block : blocks)

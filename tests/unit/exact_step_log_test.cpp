@@ -302,6 +302,12 @@ TEST(SolverOptions, AreChecked) {
   options.max_new_factors = -1;
   expectRejected(options, "max_new_factors = -1: must be 0 or more");
   options = {};
+  options.longest_path = 0;
+  expectRejected(options, "longest_path = 0: must be 1 or more");
+  options = {};
+  options.cut_path = 0;
+  expectRejected(options, "cut_path = 0: must be 1 or more");
+  options = {};
   options.ledger_share = 1;
   expectRejected(options, "ledger_share = 1: must be above 0 and below 1");
   options = {};

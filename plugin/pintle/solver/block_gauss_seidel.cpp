@@ -54,8 +54,10 @@ class Passes {
     memory.bounds.clear();
     if (!contacts.empty())
       for (const BlockOfJoints& part : of) {
-        memory.response.addJoints(part.component->first_body, *part.K);
-        m_are_paths_whole = m_are_paths_whole && part.K->findsWholePaths();
+        const bool is_whole = part.K->longestPath() <= options.longest_path;
+        memory.response.addJoints(part.component->first_body, *part.K,
+                                  is_whole ? all_blocks : options.cut_path);
+        m_are_paths_whole = m_are_paths_whole && is_whole;
       }
     for (ContactRow& row : contacts) {
       row.K = memory.response.findAnswers(island, row);

@@ -61,13 +61,14 @@ PINTLE_TARGET_CLONES size_t sweepRows(size_t i, ContactRow* rows, size_t count,
 
 }  // namespace
 
-void ContactResponse::addJoints(int first, JointMatrix& joints) {
+void ContactResponse::addJoints(int first, JointMatrix& joints, int most) {
   for (size_t i = 0; i < joints.bodies().size(); ++i) {
     Body& body = m_bodies[size_t(first) + i];
     body = {};
     body.inertia = &joints.bodies()[i];
     body.number = int(i);
     body.joints_at = m_state.size();
+    body.most = most;
   }
   m_state.resize(m_state.size() + joints.vectorSize(), 0.);
 }
@@ -123,7 +124,7 @@ void ContactResponse::addBody(const ContactRow& row, int side, bool is_unknown) 
 
 void ContactResponse::addPath(const Body& of, int a, int b, const RowJacobian& J) {
   const size_t first = m_parts.size();
-  of.joints->findPath({a, b}, J, m_parts);
+  of.joints->findPath({a, b}, J, of.most, m_parts);
   for (PathBlock* part = m_parts.begin() + first; part != m_parts.end(); ++part)
     part->at += of.joints_at;
 }

@@ -20,8 +20,8 @@ class ContactResponse {
     m_bodies.assign(bodies, {});
     m_state.assign(body_size * bodies, 0.);
   }
-  /// Joints of the bodies from `first` on: they are left out, until they have a factor.
-  void addJoints(int first, JointMatrix& joints);
+  /// Joints of the bodies from `first` on: they are left out, until they have a factor. `most`: of JointMatrix::findPath.
+  void addJoints(int first, JointMatrix& joints, int most);
   /// They have one, another than before.
   void takeFactor(int first, JointMatrix& joints);
   /// What an impulse does to each body of the row without joints. Returns K of that.
@@ -54,6 +54,7 @@ class ContactResponse {
     JointMatrix* joints = nullptr;            ///< with a factor; null: they are left out
     int number = 0;                           ///< among the bodies of that
     size_t joints_at = 0;                     ///< in the state
+    int most = 0;                             ///< of their blocks
     bool is_new = false;                      ///< rows do not know the factor
   };
 

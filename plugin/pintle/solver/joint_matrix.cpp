@@ -142,7 +142,8 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
         m_acts[at] = 1;
       }
   m_path.assign(vector_size, 0.);
-  m_most_on_path = mostOnPath();
+  const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();
+  m_longest_path = any_stays ? 0 : m_factor.height();
   m_matrix.assign(m_factor.numbers(), 0.);
   m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = m_is_factorised = false;

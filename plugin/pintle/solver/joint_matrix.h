@@ -74,10 +74,11 @@ class JointMatrix {
   bool isUnknown(int body) const { return m_stays[size_t(body)]; }
   /// What joints do to impulses on bodies, and by these to other impulses: -R^T K^-1 R, R the rows' velocities of them without joints.
   /// K^-1 = L^-T D^-1 L^-1: so two impulses see each other by those blocks of L^-1 R that both have. `to`: those of an impulse of 1 along
-  /// `J`, on one or two of the bodies (-1: none), are added.
-  void findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to);
-  /// Whether these are all. Else some joints do not hold in what they say, so that all moves more easily than it does.
-  bool findsWholePaths() const { return m_most_on_path >= m_factor.blocks(); }
+  /// `J`, on one or two of the bodies (-1: none), are added. `most`: blocks that lie higher are left out. Their joints do not hold in
+  /// what is found, so that all moves more easily than it does.
+  void findPath(const Joint& bodies, const RowJacobian& J, int most, PathBlocks& to);
+  /// Blocks: the longest path that may be cut. None where bodies are unknowns: joints that do not hold would leave these at rest.
+  int longestPath() const { return m_longest_path; }
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
   /// x -= J v of the rows that act.
@@ -130,7 +131,6 @@ class JointMatrix {
   bool findWhole();
   void leaveOutWhatDoesNotAct();
   void addProducts();
-  int mostOnPath() const;
   int addVelocities(int body, const Vector6d& answer, double* x) const;
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
@@ -166,7 +166,7 @@ class JointMatrix {
   std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: their scaled inverse in the matrix
   SymmetricFactor m_factor;
   std::vector<double> m_path;  ///< a vector of all unknowns, of zeros
-  int m_most_on_path = 0;      ///< the height of the highest block that is followed
+  int m_longest_path = 0;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -6,15 +6,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-// Paths of rings, of most trees and of chains of a hundred joints are no longer than that (MinimumDegree). Those of larger nets are, and
-// of chains of several hundred. Then it takes longer to follow them than to solve the joints after each pass: only the first blocks are
-// on them, the same ones for all bodies. (Not where bodies are unknowns: joints that do not hold would leave these at rest.)
-int JointMatrix::mostOnPath() const {
-  constexpr int longest = 64, first = 8;
-  const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();
-  return any_stays || m_factor.height() <= longest ? m_factor.blocks() : first;
-}
-
 // x += R of an impulse that gives this to the body. Returns the first node that has a part of it: all others are on its path. Of a body
 // that stays, its velocity is an unknown.
 PINTLE_TARGET_CLONES int JointMatrix::addVelocities(int body, const Vector6d& answer,
@@ -42,7 +33,7 @@ PINTLE_TARGET_CLONES int JointMatrix::addVelocities(int body, const Vector6d& an
   return from;
 }
 
-void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to) {
+void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, int most, PathBlocks& to) {
   int from[2] = {m_factor.blocks(), m_factor.blocks()};
   for (int side = 0; side < 2; ++side) {
     const int body = bodies[size_t(side)];
@@ -50,7 +41,7 @@ void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, PathBlocks
     from[side] =
         addVelocities(body, m_bodies[size_t(body)].answer(J.L(side), J.A(side)), m_path.data());
   }
-  m_factor.followPaths(from[0], from[1], m_most_on_path, m_path.data(), to);
+  m_factor.followPaths(from[0], from[1], most, m_path.data(), to);
 }
 
 }  // namespace PINTLE_PRECISION

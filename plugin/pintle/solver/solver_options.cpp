@@ -34,6 +34,8 @@ void check(const SolverOptions& of) {
   requirePart("least_part", of.least_part);
   requirePositive("contact_tolerance", of.contact_tolerance);
   requireCount("max_sweeps", of.max_sweeps);
+  requireCount("longest_path", of.longest_path);
+  requireCount("cut_path", of.cut_path);
   requirePart("dependent_softness", of.dependent_softness);
   requirePart("least_pivot", of.least_pivot);
   requirePart("ledger_share", of.ledger_share);
