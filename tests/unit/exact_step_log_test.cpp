@@ -308,6 +308,9 @@ TEST(SolverOptions, AreChecked) {
   options.cut_path = 0;
   expectRejected(options, "cut_path = 0: must be 1 or more");
   options = {};
+  options.dependent_margin = 0.5;
+  expectRejected(options, "dependent_margin = 0.5: must be 1 or more");
+  options = {};
   options.ledger_share = 1;
   expectRejected(options, "ledger_share = 1: must be above 0 and below 1");
   options = {};

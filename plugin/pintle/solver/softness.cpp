@@ -36,7 +36,7 @@ void findSoftness(const Island& island, const Component& component, const Solver
                   const std::vector<char>& in_loop, Workspace& work) {
   std::vector<double>& softness = work.of_loop;
   softness.assign(size_t(component.joints), options.dependent_softness);
-  const double give = options.newton_tolerance / 10 / island.dt;
+  const double give = options.newton_tolerance / options.dependent_margin / island.dt;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& of = island.joints[size_t(component.first_joint + c)];
     if (!in_loop[size_t(c)] && of.bounded < 2) {

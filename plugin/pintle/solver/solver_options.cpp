@@ -37,6 +37,8 @@ void check(const SolverOptions& of) {
   requireCount("longest_path", of.longest_path);
   requireCount("cut_path", of.cut_path);
   requirePart("dependent_softness", of.dependent_softness);
+  require(of.dependent_margin >= 1 && std::isfinite(of.dependent_margin), "dependent_margin",
+          of.dependent_margin, "1 or more");
   requirePart("least_pivot", of.least_pivot);
   requirePart("ledger_share", of.ledger_share);
   require(of.stable_swing > 0 && of.stable_swing < unstable_swing, "stable_swing", of.stable_swing,

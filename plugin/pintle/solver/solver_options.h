@@ -50,8 +50,11 @@ struct SolverOptions {
   /// Of a longer one they follow so many: the first ones, the same for all contacts.
   int cut_path = 8;
   /// Softness of the joints of loops, relative to their own K, while they bear nothing: rows that repeat each other share their
-  /// impulse, and those that contradict each other give way. Under a load by a tenth of the tolerance.
+  /// impulse, and those that contradict each other give way.
   double dependent_softness = 1e-8;
+  /// newton_tolerance is so many times the most by which they give under the load that they bear. So what gives is less than what a
+  /// solve may leave.
+  double dependent_margin = 10;
   /// Of rows of one joint that repeat each other: the least pivot, relative to K.
   double least_pivot = 1e-13;
   /// Of the largest recent kinetic energy of a component: what its joints may have taken or given in sum.
