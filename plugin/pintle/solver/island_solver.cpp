@@ -39,15 +39,9 @@ Vector6d changeOf(const btSolverBody& of) {
 
 }  // namespace
 
-void IslandSolver::enter(const btDispatcher* world) {
-  if (world == nullptr || world == m_world) return;
-  m_world = world;
-  m_memory = WorldMemory::of(*world, m_memory);
-}
-
 size_t IslandSolver::bytes() const {
-  return m_memory->bytes() + m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() +
-         m_groups.bytes() + m_island.bytes() +
+  return m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() + m_groups.bytes() +
+         m_island.bytes() +
          bytesOf(m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
                  m_counted, m_bodies_alone, m_blocks);
 }
@@ -69,7 +63,7 @@ void IslandSolver::addContacts(btConstraintArray& rows, const SolverBodies& bodi
 }
 
 void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
-                         const PassOverOthers& others) {
+                         const PassOverOthers& others, WorldMemory& memory) {
   m_report = {};
   m_report.components = int(m_components.size());
   m_report.tier = 1;
@@ -78,14 +72,14 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
   if (others)
     for (IslandBody& of : m_island.bodies) of.v_free += changeOf(bodies[of.solver_body]);
   m_pose_changes.assign(m_island.bodies.size(), PoseChange::Zero());
-  beginComponents();
+  beginComponents(memory);
   do {
     solveInTurns(bodies, others);
   } while (breakOverloaded());
   finishComponents();
   writeVelocities(bodies);
   for (const ContactRow& row : m_contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
-  m_memory->add(m_report);
+  memory.add(m_report);
 }
 
 void IslandSolver::writeVelocities(SolverBodies& bodies) const {
@@ -297,7 +291,7 @@ void IslandSolver::report(const Component& component, ComponentMemory& kept) {
   m_report.ledger_limit += kept.ledger.limit(m_options.ledger_share);
 }
 
-void IslandSolver::beginComponents() {
+void IslandSolver::beginComponents(WorldMemory& memory) {
   const size_t bodies = m_island.bodies.size(), components = m_components.size();
   size_t bounds = 0;  // parts of rows that contacts may take
   if (!m_contacts.empty())
@@ -311,7 +305,7 @@ void IslandSolver::beginComponents() {
   m_kept.clear();
   for (const Component& component : m_components) {
     std::unique_ptr<ComponentMemory>& slot =
-        m_memory->slot(m_island.joints[size_t(component.first_joint)].constraint);
+        memory.slot(m_island.joints[size_t(component.first_joint)].constraint);
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
     slot->stretchSprings(m_island, component);

@@ -10,17 +10,12 @@
 #include <pintle/solver/world_memory.h>
 
 #include <functional>
-#include <memory>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class IslandSolver {
  public:
-  /// Goes on from what the solvers of this world have kept.
-  void enter(const btDispatcher* world);
-  WorldMemory& memory() const { return *m_memory; }
-  void shareMemoryOf(const IslandSolver& other) { m_memory = other.m_memory; }
   size_t bytes() const;
   void setOptions(const SolverOptions& options) { m_options = options; }
   const SolverOptions& options() const { return m_options; }
@@ -38,13 +33,14 @@ class IslandSolver {
   /// One pass over rows of other kinds on Bullet's bodies, whose velocities it changes.
   using PassOverOthers = std::function<void(int number)>;
   /// Bodies get their velocities and contacts their impulses. With others, as many passes as the world has iterations, and joints and
-  /// contacts after each: so they hold in the end.
-  void solve(const btContactSolverInfo& info, SolverBodies& bodies, const PassOverOthers& others);
+  /// contacts after each: so they hold in the end. `memory`: that of the world.
+  void solve(const btContactSolverInfo& info, SolverBodies& bodies, const PassOverOthers& others,
+             WorldMemory& memory);
   /// At the end of the step, what velocities cannot do.
   void movePoses() const;
 
  private:
-  void beginComponents();
+  void beginComponents(WorldMemory& memory);
   void solveInTurns(SolverBodies& bodies, const PassOverOthers& others);
   void solveJoints();
   bool breakOverloaded();
@@ -67,8 +63,6 @@ class IslandSolver {
   }
 
   SolverOptions m_options;
-  const btDispatcher* m_world = nullptr;
-  std::shared_ptr<WorldMemory> m_memory = std::make_shared<WorldMemory>();
   StepReport m_report;  ///< of this island
   Island m_island;
   IslandBuilder m_builder{m_island, m_options};

@@ -3,6 +3,7 @@
 #include <pintle/solver/island_solver.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/prefetch.h>
+#include <pintle/solver/world_memory.h>
 
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
 
@@ -10,7 +11,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 template <class BulletSolver>
-JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandSolver) {}
+JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandSolver), m_memory(new WorldMemory) {}
 template <class BulletSolver>
 JointSolver<BulletSolver>::~JointSolver() = default;
 template <class BulletSolver>
@@ -24,30 +25,32 @@ const SolverOptions& JointSolver<BulletSolver>::options() const {
 }
 template <class BulletSolver>
 StepReport JointSolver<BulletSolver>::lastStep() const {
-  return m_islands->memory().report();
+  return m_memory->report();
 }
 template <class BulletSolver>
 int JointSolver<BulletSolver>::getNumRemembered() const {
-  return m_islands->memory().size();
+  return m_memory->size();
 }
 template <class BulletSolver>
 size_t JointSolver<BulletSolver>::getMemory() const {
-  return m_islands->bytes();
+  return m_memory->bytes() + m_islands->bytes();
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::prepareSolve(int, int) {
-  m_islands->memory().beginStep();
+  m_memory->beginStep();
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::shareMemoryOf(const JointSolver& other) {
-  m_islands->shareMemoryOf(*other.m_islands);
+  m_memory = other.m_memory;
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::enter(const btDispatcher* world) {
-  m_islands->enter(world);
+  if (world == nullptr || world == m_world) return;
+  m_world = world;
+  m_memory = WorldMemory::of(*world, m_memory);
 }
 
 template <class BulletSolver>
@@ -126,7 +129,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyIterations(
   m_islands->addContacts(this->m_tmpSolverContactConstraintPool, of, false);
   m_islands->addContacts(this->m_tmpSolverContactFrictionConstraintPool, of, true);
   m_islands->addContacts(this->m_tmpSolverContactRollingFrictionConstraintPool, of, true);
-  m_islands->solve(info, of, passOverOthers(info));
+  m_islands->solve(info, of, passOverOthers(info), *m_memory);
   return 0;
 }
 

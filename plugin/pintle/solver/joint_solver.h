@@ -16,6 +16,7 @@ inline namespace PINTLE_PRECISION {
 
 class ExactJointSolverPool;
 class IslandSolver;
+class WorldMemory;
 
 /// What ExactJointSolver and ExactMultiBodyJointSolver have in common.
 template <class BulletSolver>
@@ -72,7 +73,9 @@ class JointSolver : public BulletSolver {
   void shareMemoryOf(const JointSolver& other);
 
   std::unique_ptr<IslandSolver> m_islands;
-  bool m_has_joints = false;  ///< this island
+  const btDispatcher* m_world = nullptr;
+  std::shared_ptr<WorldMemory> m_memory;  ///< of the world
+  bool m_has_joints = false;              ///< this island
 };
 
 extern template class JointSolver<btSequentialImpulseConstraintSolver>;
