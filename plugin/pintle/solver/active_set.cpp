@@ -141,54 +141,5 @@ void ActiveSet::release(const std::vector<Place>& rows) {
     m_work.pieces[of.r] = {false, 0, 0, m_work.y[of.at] * of.row->by_root_K};
 }
 
-void ActiveSet::aim() {
-  const bool any_moves = m_island.anyUnmovedMoves();
-  for (int c = 0; c < m_component.joints; ++c) {
-    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    for (int i = 0; i < joint.rows; ++i) {
-      const auto r = size_t(joint.row_of_component + i);
-      const Workspace::Scale& scale = m_work.scales[r];
-      const LawPiece& piece = m_work.pieces[r];
-      double& softness = m_work.softness[r];
-      softness = m_work.of_loop[size_t(c)];
-      if (piece.softness > 0)
-        softness = std::max(softness, piece.softness / (scale.root_K * scale.root_K));
-      m_K.setActing(scale.at, piece.acts, softness);
-      double aim = piece.target;
-      if (any_moves)
-        aim -= m_island.velocityOfUnmoved(joint, m_island.rows[size_t(joint.first_row + i)].J);
-      m_work.aim[scale.at] = aim * scale.by_root_K;
-    }
-  }
-}
-
-bool ActiveSet::factoriseAimed() {
-  ++m_factors;
-  return m_K.factorise(m_options.least_pivot);
-}
-
-double ActiveSet::findResidual() {
-  double largest = 0;
-  for (size_t r = 0; r < m_work.scales.size(); ++r) {
-    const LawPiece& piece = m_work.pieces[r];
-    const auto& [root_K, by_root_K, at] = m_work.scales[r];
-    const double left =
-        piece.acts ? m_work.u[r] - piece.target + m_work.softness[r] * root_K * m_work.y[at] : 0;
-    m_work.x[at] = -left * by_root_K;
-    largest = larger(largest, left);
-  }
-  return largest * m_island.dt;
-}
-
-double ActiveSet::findResidual(const Vector6d* v) {
-  return m_island.dt * m_K.findResidual(m_work.aim.data(), m_work.y.data(), v, m_work.x.data());
-}
-
-void ActiveSet::keepImpulses() {
-  m_work.lambda.resize(m_work.scales.size());
-  for (size_t r = 0; r < m_work.scales.size(); ++r)
-    m_work.lambda[r] = m_work.y[m_work.scales[r].at] * m_work.scales[r].by_root_K;
-}
-
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,6 +1,6 @@
-// Purpose: the rows of a component of joints, each on a piece of its law (axis_law.h), and K of those that act there. Which ones do
-// is found with their impulses: a row is on the piece that its law and its own K meet on (a primal-dual active set; Hintermueller,
-// Ito and Kunisch 2003).
+// Purpose: the rows of a component of joints, each on a piece of its law (axis_law.h). Which ones act is found with their impulses: a row
+// is on the piece that its law and its own K meet on, u = free + K Lambda with Lambda = Lambda(u) (a primal-dual active set;
+// Hintermueller, Ito and Kunisch 2003). What those that act are to meet: acting_rows.h.
 #pragma once
 
 #include <pintle/solver/joint_matrix.h>
@@ -34,23 +34,7 @@ class ActiveSet {
   /// From now on these rows have the impulses that they are given: they are no unknowns.
   void release(const std::vector<Place>& rows);
 
-  /// Which rows act in K, and what they aim at.
-  void aim();
-  /// K of the rows that act. Returns false if it has no factor.
-  bool factorise() {
-    aim();
-    return factoriseAimed();
-  }
-  /// The same, after that.
-  bool factoriseAimed();
-  int factors() const { return m_factors; }
-  /// work.x = what work.u is off of rows that act, in the units of K. Returns the most, m or rad.
-  double findResidual();
-  /// The same of rows of the start, where bodies move with `v` (those of the component): of the set of the last factor.
-  double findResidual(const Vector6d* v);
-  /// work.lambda from work.y.
-  void keepImpulses();
-
+ private:
   /// visit(joint of the component, its row i, row, where it is among the component's, and among the unknowns of K)
   template <class Visit>
   void forEachRow(const Visit& visit) const {
@@ -58,8 +42,6 @@ class ActiveSet {
       visit(c, i, row, r, m_K.row(c, i));
     });
   }
-
- private:
   void set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece);
   LawPiece pieceOf(const IslandRow& row, size_t r, size_t at) const {
     return row.law.meet(m_work.u[r] - row.root_K * m_work.y[at], row.K);
@@ -73,7 +55,6 @@ class ActiveSet {
   const SolverOptions& m_options;
   JointMatrix& m_K;
   Workspace& m_work;
-  int m_factors = 0;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,8 +1,8 @@
 #include <pintle/solver/block_solver.h>
 
-#include <pintle/solver/stops.h>
-
+#include <pintle/solver/acting_rows.h>
 #include <pintle/solver/row_velocities.h>
+#include <pintle/solver/stops.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +27,11 @@ int countEnds(const std::vector<ActiveSet::Place>& rows) {
 
 void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
   measureAtStart(m_island, *m_of.component, own(velocities), m_work.u);
+}
+
+void BlockSolver::factorise() {
+  ++m_factors;
+  m_solvable = m_has_factor = factoriseRows(m_island, *m_of.component, m_options, m_work, *m_of.K);
 }
 
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
@@ -119,7 +124,7 @@ bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows, bool o
 // Returns what was left before, m or rad.
 double BlockSolver::solveOnce(std::vector<Vector6d>& velocities, double tolerance) {
   std::vector<double>&x = m_work.x, &y = m_work.y;
-  const double error = m_set.findResidual(own(velocities));
+  const double error = findResidual(m_island.dt, *m_of.K, own(velocities), m_work);
   if (error <= tolerance) return error;
   m_of.K->solve(x.data());
   respond(x, velocities);
@@ -129,7 +134,7 @@ double BlockSolver::solveOnce(std::vector<Vector6d>& velocities, double toleranc
 
 bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
   takeBounds(bounds);
-  const int factors = m_set.factors();
+  const int factors = m_factors;
   if (m_has_factor && !holdLimits(velocities) && !m_work.limits.empty()) {
     releaseLimits(velocities);
     m_solvable = m_has_factor;
@@ -143,8 +148,8 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
   splitBounds();
-  m_set.keepImpulses();
-  return m_has_factor && m_set.factors() > factors;
+  keepImpulses(m_work);
+  return m_has_factor && m_factors > factors;
 }
 
 // Returns whether rows that act are met: a factor that rounding has spoilt leads elsewhere.
@@ -156,7 +161,7 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
     if (!(error < last / 2)) break;
     last = error;
   }
-  return m_set.findResidual(own(velocities)) <=
+  return findResidual(m_island.dt, *m_of.K, own(velocities), m_work) <=
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 

@@ -85,7 +85,7 @@ class BlockSolver {
   void respond(const std::vector<double>& y, std::vector<Vector6d>& velocities) const {
     m_of.K->addResponse(y.data(), velocities.data() + m_of.component->first_body);
   }
-  void factorise() { m_solvable = m_has_factor = m_set.factorise(); }
+  void factorise();
   const Vector6d* own(const std::vector<Vector6d>& velocities) const {
     return velocities.data() + m_of.component->first_body;
   }
@@ -98,6 +98,7 @@ class BlockSolver {
   Workspace& m_work;
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
+  int m_factors = 0;
   bool m_has_factor = false, m_solvable = true;
   bool m_is_settled = false, m_is_unsettled = false, m_has_bounds = false;
 };

@@ -1,5 +1,6 @@
 #include <pintle/solver/chord.h>
 
+#include <pintle/solver/acting_rows.h>
 #include <pintle/solver/balance.h>
 #include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/load_stiffness.h>
@@ -63,7 +64,7 @@ void Chord::findWhatForeseenMisses() {
   change = m_work.base;
   m_K.addResponse(m_work.y.data(), change.data());
   for (size_t i = 0; i < change.size(); ++i) change[i] -= m_work.v[i];
-  m_set.findResidual();
+  findResidual(m_island.dt, m_work);
   m_K.subtractVelocities(change.data(), m_work.x.data());
 }
 
@@ -102,7 +103,7 @@ int Chord::end() {
   ++m_report.steps;
   measure();
   const int changes = m_set.countSteps(m_set.bounded());
-  m_report.error = m_set.findResidual();
+  m_report.error = findResidual(m_island.dt, m_work);
   m_report.converged = changes == 0 && m_report.error <= m_options.newton_tolerance;
   return changes;
 }
@@ -112,14 +113,15 @@ SolveReport Chord::run() {
   measureEnd();
   m_set.choose(m_set.bounded());
   broyden.begin();
-  m_set.aim();
+  aimRows(m_island, m_component, m_work, m_K);
   findWhatForeseenMisses();
   if (isForeseen()) {
     m_report.converged = true;
-    m_set.keepImpulses();
+    keepImpulses(m_work);
     return m_report;
   }
-  if (!m_set.factoriseAimed() || !broyden.step(m_K, m_work.x, m_work.y)) return m_report;
+  if (!m_K.factorise(m_options.least_pivot) || !broyden.step(m_K, m_work.x, m_work.y))
+    return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.
   const bool may_wander =
       m_work.is_resolved &&
@@ -132,14 +134,14 @@ SolveReport Chord::run() {
       if (changes >= fewest) return m_report;
       fewest = changes;
       m_set.changeAll(m_set.bounded());
-      if (!m_set.factorise()) return m_report;
+      if (!factoriseRows(m_island, m_component, m_options, m_work, m_K)) return m_report;
       measure();
-      m_set.findResidual();
+      findResidual(m_island.dt, m_work);
       broyden.begin(may_wander);
     }
     if (!broyden.step(m_K, m_work.x, m_work.y)) return m_report;
   }
-  m_set.keepImpulses();
+  keepImpulses(m_work);
   return m_report;
 }
 
