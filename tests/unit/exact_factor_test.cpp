@@ -20,8 +20,8 @@ using namespace joint_graphs;
 
 // By a factor, whose vectors have gaps.
 Eigen::VectorXd solved(const SymmetricFactor& factor, const Eigen::VectorXd& b) {
-  std::vector<double> x(size_t(factor.vectorSize()), 0.);
-  const auto at = [](Eigen::Index k) { return size_t(k / 3 * SymmetricFactor::stride + k % 3); };
+  std::vector<double> x(size_t(pintle::block_stride * factor.blocks()), 0.);
+  const auto at = [](Eigen::Index k) { return size_t(k / 3 * pintle::block_stride + k % 3); };
   for (Eigen::Index k = 0; k < b.size(); ++k) x[at(k)] = b[k];
   factor.solve(x.data());
   Eigen::VectorXd found(b.size());
@@ -31,13 +31,13 @@ Eigen::VectorXd solved(const SymmetricFactor& factor, const Eigen::VectorXd& b) 
 
 // What lies between columns and blocks takes part in all sums.
 void expectGapsAreZero(SymmetricFactor& factor) {
-  std::vector<double> x(size_t(factor.vectorSize()), 0.);
-  for (size_t k = 0; k < x.size(); ++k) x[k] = k % SymmetricFactor::stride < 3 ? 1 : 0;
+  std::vector<double> x(size_t(pintle::block_stride * factor.blocks()), 0.);
+  for (size_t k = 0; k < x.size(); ++k) x[k] = k % pintle::block_stride < 3 ? 1 : 0;
   factor.solve(x.data());
-  for (size_t at = 3; at < factor.numbers(); at += SymmetricFactor::stride) {
+  for (size_t at = 3; at < factor.numbers(); at += pintle::block_stride) {
     ASSERT_EQ(*factor.at(at), 0);
   }
-  for (size_t at = 3; at < x.size(); at += SymmetricFactor::stride) ASSERT_EQ(x[at], 0);
+  for (size_t at = 3; at < x.size(); at += pintle::block_stride) ASSERT_EQ(x[at], 0);
 }
 
 // From 13 blocks on, some are idle.
@@ -62,7 +62,7 @@ TEST(SymmetricFactor, SolvesAnyQuasiDefiniteMatrix) {
       A.block<3, 3>(3 * k, 3 * i) = block.transpose();
       double* const to = factor.at(factor.place(i, k));
       for (int r = 0; r < 3; ++r)
-        for (int s = 0; s < 3; ++s) to[SymmetricFactor::in(r, s)] += block(r, s);
+        for (int s = 0; s < 3; ++s) to[pintle::inBlock(r, s)] += block(r, s);
     };
     for (int k = 0; k < n; ++k) {
       if (idle[size_t(k)]) {
@@ -105,7 +105,7 @@ TEST(SymmetricFactor, SolvesWhereRowsRepeatEachOther) {
       for (int i = k; i < n; ++i) {
         double* const to = factor.at(factor.place(i, k));
         for (int r = 0; r < 3; ++r)
-          for (int s = 0; s < 3; ++s) to[SymmetricFactor::in(r, s)] = K(3 * i + r, 3 * k + s);
+          for (int s = 0; s < 3; ++s) to[pintle::inBlock(r, s)] = K(3 * i + r, 3 * k + s);
       }
     ASSERT_TRUE(factor.factorise(0));
     const Eigen::VectorXd b = J * numbers(4 * n, 1, random);

@@ -19,7 +19,6 @@ using pintle::IslandBody;
 using pintle::JointMatrix;
 using pintle::Matrix3d;
 using pintle::RowJacobian;
-using pintle::SymmetricFactor;
 using pintle::Vector3d;
 using pintle::Vector6d;
 using namespace joint_graphs;

@@ -48,7 +48,7 @@ class ContactResponse {
   size_t bytes() const { return bytesOf(m_bodies, m_state) + m_parts.bytes(); }
 
  private:
-  static constexpr size_t lanes = SymmetricFactor::stride, body_size = 2 * lanes;
+  static constexpr size_t lanes = block_stride, body_size = 2 * lanes;
   struct Body {
     const InverseInertia* inertia = nullptr;  ///< null: no joint holds it
     JointMatrix* joints = nullptr;            ///< with a factor; null: they are left out

@@ -120,9 +120,9 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
           coupled[size_t(k)].push_back(m_node[size_t(other)] + i);
     }
   }
-  m_factor.analyse(std::move(coupled));
+  const int longest_path = m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
-  const auto vector_size = size_t(m_factor.vectorSize());
+  const size_t vector_size = vectorSize();
   m_root_K.assign(vector_size, 1.);
   m_softness.assign(vector_size, 1.);
   m_acts.assign(vector_size, 0.);
@@ -143,7 +143,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
       }
   m_path.assign(vector_size, 0.);
   const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();
-  m_longest_path = any_stays ? 0 : m_factor.height();
+  m_longest_path = any_stays ? 0 : longest_path;
   m_matrix.assign(m_factor.numbers(), 0.);
   m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = m_is_factorised = false;
@@ -229,7 +229,7 @@ PINTLE_TARGET_CLONES void JointMatrix::addProducts() {
 
 void JointMatrix::assemble() {
   m_is_assembled = true;
-  const auto in = SymmetricFactor::in;
+  const auto in = inBlock;
   for (size_t b = 0; b < m_ends.size(); ++b) {
     if (!m_stays[b]) continue;
     const InverseInertia& body = m_bodies[b];
@@ -300,7 +300,7 @@ bool JointMatrix::factorise(double least_pivot) {
   if (!m_is_assembled) assemble();
   m_factor.set(m_matrix);
   if (!findWhole()) leaveOutWhatDoesNotAct();
-  const auto in = SymmetricFactor::in;
+  const auto in = inBlock;
   for (int k = 0; k < m_factor.blocks(); ++k) {
     if (isIdle(k)) m_factor.setIdle(k);
     double* const to = m_factor.at(m_factor.place(k, k));

@@ -67,7 +67,7 @@ class JointMatrix {
 
   /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
   /// x = K^-1 x. What lies between the joints' must be 0.
-  size_t vectorSize() const { return size_t(m_factor.vectorSize()); }
+  size_t vectorSize() const { return size_t(stride) * size_t(m_factor.blocks()); }
   size_t row(int c, int i) const { return size_t(stride * m_node[size_t(c)] + i + i / block); }
   void solve(double* x) const { m_factor.solve(x); }
   /// Whether the velocity of a body is one of the unknowns.
@@ -96,8 +96,7 @@ class JointMatrix {
   size_t bytes() const;
 
  private:
-  static constexpr int block = SymmetricFactor::size, stride = SymmetricFactor::stride;
-  static_assert(stride == block + 1, "row");
+  static constexpr int block = block_size, stride = block_stride;
   /// Three rows of a joint on one of its bodies: J, a lane for each row, and A^-1 J^T of each, with two zeros.
   struct Rows {
     double J[6][stride] = {}, answer[block][2 * stride] = {};

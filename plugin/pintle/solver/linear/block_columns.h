@@ -1,16 +1,12 @@
 // Purpose: 3 x 3 blocks, a lane for each row.
 #pragma once
 
-#include <pintle/solver/linear/four_lanes.h>
-#include <pintle/solver/linear/symmetric_factor.h>
+#include <pintle/solver/linear/block_layout.h>
 
 #include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
-constexpr int block_size = SymmetricFactor::size, block_stride = SymmetricFactor::stride,
-              block_area = block_size * block_stride;
 
 /// A block.
 struct MatrixBlock {
@@ -45,7 +41,7 @@ PINTLE_INLINE MatrixBlock transposed(const double* a) {
 /// Of a block L D L^T: 1 / d_0; l_10, 1 / d_1; l_20, l_21, 1 / d_2, in its lower half. It is kept so, and not as its inverse: where
 /// rows repeat each other, that has large numbers, whose rounding would be more than what is left of the others.
 PINTLE_INLINE bool factoriseBlock(double* a, double least_pivot) {
-  const auto in = SymmetricFactor::in;
+  const auto in = inBlock;
   const auto pivot = [&](double d) {
     return std::abs(d) < least_pivot ? std::copysign(least_pivot, d) : d;
   };
@@ -66,7 +62,7 @@ PINTLE_INLINE bool factoriseBlock(double* a, double least_pivot) {
 
 /// x = D^-1 x
 PINTLE_INLINE void solveBlock(const double* f, double* x) {
-  const auto in = SymmetricFactor::in;
+  const auto in = inBlock;
   x[1] -= f[in(1, 0)] * x[0];
   x[2] -= f[in(2, 0)] * x[0] + f[in(2, 1)] * x[1];
   x[2] *= f[in(2, 2)];
@@ -76,7 +72,7 @@ PINTLE_INLINE void solveBlock(const double* f, double* x) {
 
 /// a = a D^-1: the same, of all rows of a.
 PINTLE_INLINE void solveRows(const double* f, MatrixBlock& a) {
-  const auto in = SymmetricFactor::in;
+  const auto in = inBlock;
   FourLanes* const x = a.of;
   x[1].subtract(x[0], f[in(1, 0)]);
   x[2].subtract(x[0], f[in(2, 0)]);

@@ -1,3 +1,5 @@
+#include <pintle/solver/linear/symmetric_factor.h>
+
 #include <pintle/solver/linear/supernode.h>
 
 #include <algorithm>
@@ -5,6 +7,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
+
+constexpr auto area = size_t(block_area);
 
 // Where columns are alone, or nearly, what they do to later ones is done at once: to copy them to a panel would take longer.
 PINTLE_INLINE bool factoriseColumn(const FactorPattern& of, int k, double* diagonal, double* below,
@@ -83,7 +87,7 @@ PINTLE_TARGET_CLONES void solveAll(const FactorPattern& of, const double* diagon
 }  // namespace
 
 // The rows of a column are its own, and those of the columns of which it is the first one below.
-void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
+int SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   const size_t n = coupled.size();
   m_row.clear();
   m_first.assign(1, 0);
@@ -138,6 +142,7 @@ void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   m_height.pop_back();  // that of no column
   m_panel.resize(most);
   m_places.resize(most_rows);
+  return n > 0 ? *std::max_element(m_height.begin(), m_height.end()) : 0;
 }
 
 size_t SymmetricFactor::place(int i, int k) const {
@@ -173,7 +178,7 @@ void SymmetricFactor::followPaths(int from, int and_from, int most, double* x,
       clear(k, x);
       next = blocks();
     } else if (m_idle[size_t(k)]) {
-      std::fill_n(x + stride * k, stride, 0.);
+      std::fill_n(x + block_stride * k, block_stride, 0.);
     } else {
       follow(k, x, to.add());
     }
@@ -184,13 +189,13 @@ void SymmetricFactor::followPaths(int from, int and_from, int most, double* x,
 
 // All that a path may still lead to: column k has the rows of all those before it.
 void SymmetricFactor::clear(int k, double* x) const {
-  std::fill_n(x + stride * k, stride, 0.);
+  std::fill_n(x + block_stride * k, block_stride, 0.);
   for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
-    std::fill_n(x + stride * m_row[size_t(p)], stride, 0.);
+    std::fill_n(x + block_stride * m_row[size_t(p)], block_stride, 0.);
 }
 
 PINTLE_TARGET_CLONES void SymmetricFactor::follow(int k, double* x, PathBlock& to) const {
-  to.at = size_t(stride) * size_t(k);
+  to.at = size_t(block_stride) * size_t(k);
   double* const own = x + to.at;
   const FourLanes y(own);
   y.store(to.adds);

@@ -4,9 +4,9 @@
 
 #include <pintle/precision.h>
 #include <pintle/solver/bytes.h>
+#include <pintle/solver/linear/block_layout.h>
 #include <pintle/solver/linear/path_blocks.h>
 
-#include <algorithm>
 #include <vector>
 
 namespace pintle {
@@ -14,21 +14,14 @@ inline namespace PINTLE_PRECISION {
 
 class SymmetricFactor {
  public:
-  static constexpr int size = 3;  ///< of a block
-  /// From one block of a vector to the next, and from one column of a block to the next: what is left between is 0.
-  static constexpr int stride = FourLanes::count;
-
-  /// Symbolic. `coupled[k]`: the blocks after k, in the order of elimination, that A couples to it. Allocates.
-  void analyse(std::vector<std::vector<int>> coupled);
+  /// Symbolic. `coupled[k]`: the blocks after k, in the order of elimination, that A couples to it. Returns the length of the longest
+  /// path to the root, in blocks. Allocates.
+  int analyse(std::vector<std::vector<int>> coupled);
 
   int blocks() const { return int(m_first.size()) - 1; }
-  /// The length of a vector, with what lies between its blocks.
-  int vectorSize() const { return stride * blocks(); }
   /// Where the block of row `i` and column `k` <= i is, which A or its factor must have.
   size_t place(int i, int k) const;
-  /// Of row `row` and column `column` of a block: where it is among its numbers. Blocks of the diagonal have both halves.
-  static constexpr size_t in(int row, int column) { return size_t(stride * column + row); }
-  /// The numbers of a block, column by column.
+  /// The numbers of a block (block_layout.h).
   double* at(size_t place) { return m_numbers.data() + place; }
   /// All of them, in the order of their places.
   size_t numbers() const { return m_numbers.size(); }
@@ -44,10 +37,6 @@ class SymmetricFactor {
   /// first one that its column is coupled to, up to the root (Liu 1990). Each block on both reads -D^-1 y, and adds y. x becomes 0.
   /// Only blocks of a height up to `most` are followed.
   void followPaths(int from, int and_from, int most, double* x, PathBlocks& to) const;
-  /// The longest path.
-  int height() const {
-    return m_height.empty() ? 0 : *std::max_element(m_height.begin(), m_height.end());
-  }
 
   size_t bytes() const {
     return bytesOf(m_row, m_first, m_parent, m_height, m_last, m_idle, m_numbers, m_panel,
@@ -55,8 +44,6 @@ class SymmetricFactor {
   }
 
  private:
-  static constexpr size_t area = size_t(size) * size_t(stride);
-
   void follow(int k, double* x, PathBlock& to) const;
   void clear(int k, double* x) const;
 
