@@ -3,8 +3,8 @@
 #include <pintle/body_pair.h>
 #include <pintle/joint_rows.h>
 #include <pintle/solver/client_joint.h>
+#include <pintle/solver/inverse_inertia.h>
 #include <pintle/solver/joint_access.h>
-#include <pintle/solver/joint_matrix.h>
 #include <pintle/solver/row_shapes.h>
 
 #include <algorithm>

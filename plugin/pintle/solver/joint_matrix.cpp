@@ -2,33 +2,10 @@
 
 #include <pintle/solver/bytes.h>
 
-#include <Eigen/LU>
-
 #include <algorithm>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
-Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia) {
-  const auto isLocked = [&](int k) { return body.locked[size_t(3 + k)]; };
-  for (int k = 0; k < 3; ++k)
-    if (isLocked(k)) {
-      inertia.row(k).setZero();
-      inertia.col(k).setZero();
-      inertia(k, k) = 1;
-    }
-  Matrix3d inverse = inertia.inverse();
-  for (int k = 0; k < 3; ++k)
-    if (isLocked(k)) inverse(k, k) = 0;
-  return inverse;
-}
-
-InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
-    : linear(body.inverse_mass),
-      angular(stiffness.isZero(0) ? body.inverse_inertia
-                                  : inverseWhereFree(body, body.inertia + stiffness)) {
-  std::copy(body.scale, body.scale + 2, scale);
-}
 
 void JointMatrix::analyse(const std::vector<Joint>& joints, const Locks& locks) {
   const size_t bodies = locks.size();
@@ -122,7 +99,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   }
   const int longest_path = m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
-  const size_t vector_size = vectorSize();
+  const size_t vector_size = size_t(stride) * size_t(nodes);
   m_root_K.assign(vector_size, 1.);
   m_softness.assign(vector_size, 1.);
   m_acts.assign(vector_size, 0.);
@@ -175,43 +152,6 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
                   [](const Coupling& a, const Coupling& b) { return a.place == b.place; }),
       m_couplings.end());
 }
-
-void JointMatrix::setRow(int c, int i, const RowJacobian& J, double root_K, double by_root_K) {
-  const int node = m_node[size_t(c)] + i / block, lane = i % block;
-  m_root_K[size_t(stride * node + lane)] = root_K;
-  for (int side = 0; side < 2; ++side) {
-    const int body = m_bodies_of[size_t(node)][size_t(side)];
-    if (body < 0) continue;
-    const Vector3d L = by_root_K * J.L(side), A = by_root_K * J.A(side);
-    Eigen::Map<Vector6d> kept(rows(node, side).answer[lane]);
-    auto& to_J = rows(node, side).J;
-    const Vector6d answer = m_bodies[size_t(body)].answer(L, A);
-    bool is_same = (m_is_assembled || m_is_factorised) && kept == answer;
-    for (int k = 0; is_same && k < 3; ++k)
-      is_same = to_J[k][lane] == L[k] && to_J[3 + k][lane] == A[k];
-    if (is_same) continue;
-    m_is_assembled = m_is_factorised = false;
-    for (int k = 0; k < 3; ++k) {
-      to_J[k][lane] = L[k];
-      to_J[3 + k][lane] = A[k];
-    }
-    kept = answer;
-  }
-}
-
-namespace {
-
-// J v
-PINTLE_INLINE void addVelocity(const double (&J)[6][FourLanes::count], const double* v,
-                               FourLanes& to) {
-  for (int j = 0; j < 6; ++j) to.add(FourLanes(J[j]), v[j]);
-}
-PINTLE_INLINE void subtractVelocity(const double (&J)[6][FourLanes::count], const double* v,
-                                    FourLanes& to) {
-  for (int j = 0; j < 6; ++j) to.subtract(FourLanes(J[j]), v[j]);
-}
-
-}  // namespace
 
 PINTLE_TARGET_CLONES void JointMatrix::addProducts() {
   for (const Product& of : m_products) {
@@ -313,67 +253,6 @@ bool JointMatrix::factorise(double least_pivot) {
     std::fill(m_matrix.begin(), m_matrix.end(), 0.);
   }
   return m_is_factorised;
-}
-
-PINTLE_TARGET_CLONES void JointMatrix::addResponse(const double* x, Vector6d* v) const {
-  const int nodes = m_factor.blocks();
-  for (int node = 0; node < nodes; ++node) {
-    const double* const by = x + stride * node;
-    if (by[0] == 0 && by[1] == 0 && by[2] == 0) continue;
-    for (int side = 0; side < 2; ++side) {
-      const int body = m_bodies_of[size_t(node)][size_t(side)];
-      if (body < 0) continue;
-      const Rows& rows = m_rows[size_t(2 * node + side)];
-      double* const to = v[body].data();
-      FourLanes first(to), rest;
-      for (int r = 0; r < block; ++r) {
-        first.add(FourLanes(rows.answer[r]), by[r]);
-        rest.add(FourLanes(rows.answer[r] + stride), by[r]);
-      }
-      first.store(to);
-      to[4] += rest[0];
-      to[5] += rest[1];
-    }
-  }
-}
-
-PINTLE_TARGET_CLONES void JointMatrix::subtractVelocities(const Vector6d* v, double* x) const {
-  const int nodes = m_factor.blocks();
-  for (int node = 0; node < nodes; ++node) {
-    if (isIdle(node)) continue;
-    FourLanes u;
-    for (int side = 0; side < 2; ++side)
-      if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
-        addVelocity(m_rows[size_t(2 * node + side)].J, v[body].data(), u);
-    FourLanes left(x + stride * node);
-    left.subtract(u, FourLanes(m_acts.data() + stride * node));
-    left.store(x + stride * node);
-  }
-}
-
-PINTLE_TARGET_CLONES double JointMatrix::findResidual(const double* aim, const double* y,
-                                                      const Vector6d* v, double* x) const {
-  const int nodes = m_factor.blocks();
-  FourLanes most;
-  for (int node = 0; node < nodes; ++node) {
-    const size_t at = size_t(stride * node);
-    if (isIdle(node)) {
-      FourLanes().store(x + at);
-      continue;
-    }
-    FourLanes left(aim + at);
-    left.subtract(FourLanes(&m_softness[at]), FourLanes(y + at));
-    for (int side = 0; side < 2; ++side)
-      if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
-        subtractVelocity(m_rows[size_t(2 * node + side)].J, v[body].data(), left);
-    left.multiply(FourLanes(&m_acts[at]));
-    left.store(x + at);
-    left.multiply(FourLanes(&m_root_K[at]));
-    most.maxAbs(left);
-  }
-  double largest = 0;
-  for (int i = 0; i < block; ++i) largest = larger(largest, most[i]);
-  return largest;
 }
 
 size_t JointMatrix::bytes() const {

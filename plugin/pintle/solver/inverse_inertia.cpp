@@ -1,0 +1,32 @@
+#include <pintle/solver/inverse_inertia.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia) {
+  const auto isLocked = [&](int k) { return body.locked[size_t(3 + k)]; };
+  for (int k = 0; k < 3; ++k)
+    if (isLocked(k)) {
+      inertia.row(k).setZero();
+      inertia.col(k).setZero();
+      inertia(k, k) = 1;
+    }
+  Matrix3d inverse = inertia.inverse();
+  for (int k = 0; k < 3; ++k)
+    if (isLocked(k)) inverse(k, k) = 0;
+  return inverse;
+}
+
+InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
+    : linear(body.inverse_mass),
+      angular(stiffness.isZero(0) ? body.inverse_inertia
+                                  : inverseWhereFree(body, body.inertia + stiffness)) {
+  std::copy(body.scale, body.scale + 2, scale);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
