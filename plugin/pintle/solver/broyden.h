@@ -1,5 +1,6 @@
 // Purpose: Broyden's method (Kelley 1995, 7.3), all lengths in the metric of K: steps of a chord iteration with K, each of which
-// corrects the following ones by what it has found.
+// corrects the following ones by what it has found:
+//   B_k+1 = B_k + (F_k+1 s_k^T K) / (s_k . K s_k),   s_k = -B_k^-1 F_k,   B_0 = K
 #pragma once
 
 #include <pintle/solver/joint_matrix.h>

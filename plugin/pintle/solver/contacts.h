@@ -1,4 +1,5 @@
-// Purpose: contacts and friction on the bodies of an island, as rows of their own.
+// Purpose: contacts and friction on the bodies of an island, as rows of their own: u + softness p = target while lower <= p <= upper. Those
+// of a contact are 0 and none (Signorini), those of its friction are +-mu p of the contact (Coulomb).
 #pragma once
 
 #include <pintle/solver/island.h>

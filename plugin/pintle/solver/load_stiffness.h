@@ -1,5 +1,7 @@
-// Purpose: geometric stiffness (Tournier et al. 2015, Andrews et al. 2017): a joint's force turns with its lever, so that bodies swing
-// about their joints under the load. Where that is faster than a step resolves, they get inertia.
+// Purpose: geometric stiffness (Tournier et al. 2015, Andrews et al. 2017): a joint's force f stays where its lever r turns, so that
+// bodies swing about their joints under the load, by
+//   I d2phi/dt2 = -G phi,   G = sum (r . f) 1 - (r f^T + f r^T) / 2
+// Where that is faster than a step resolves, they get the least inertia S with which it is not: dt^2 G <= stable_swing (I + S).
 #pragma once
 
 #include <pintle/solver/joint_matrix.h>

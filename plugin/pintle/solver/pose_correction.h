@@ -1,4 +1,7 @@
-// Purpose: joints that are open are brought together by moving poses, which carries no momentum and feeds no kinetic energy.
+// Purpose: joints that are open are brought together by moving poses, which carries no momentum and feeds no kinetic energy: the standard
+// projection (Hairer, Lubich and Wanner 2003, IV.4) of the poses q at the end of the step, in the metric of the masses,
+//   d A d -> min   with   C(q + d) = 0:   d = A^-1 J^T lambda,   K lambda = -C(q),   K = J A^-1 J^T
+// again from each q + d, by a factor of K that is kept while it contracts, with Broyden's corrections (broyden.h).
 #pragma once
 
 #include <pintle/solver/broyden.h>

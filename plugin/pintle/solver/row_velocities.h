@@ -1,4 +1,6 @@
-// Purpose: what the rows of a component measure over the step, if their bodies move with given velocities.
+// Purpose: what the rows of a component measure over the step, if their bodies move with given velocities:
+//   u = (C(q_1) - C(q_0)) / dt,   the mean of J v over the way from q_0 to q_1
+// so that a row that is met is met in poses, and not in directions of the start alone.
 #pragma once
 
 #include <pintle/solver/workspace.h>

@@ -1,4 +1,6 @@
-// Purpose: how much joints of loops give: their rows may repeat or contradict each other.
+// Purpose: how much joints of loops give: their rows may repeat or contradict each other. Then K has no inverse, and is regularised by a
+// part s of each row's own (Tikhonov 1963):
+//   u + s K_rr Lambda = target,   s = min(dependent_softness, newton_tolerance / (dependent_margin dt |K_rr Lambda|))
 #pragma once
 
 #include <pintle/solver/solver_options.h>

@@ -1,5 +1,6 @@
 // Purpose: how Bullet turns a body in a step from its angular velocity w. Up to Bullet's ANGULAR_MOTION_THRESHOLD of pi/4 by
-// phi = dt w. Beyond it by less: there tan(|phi| / 2) is proportional to |w|.
+// phi = dt w. Beyond it by less: there tan(|phi| / 2) is proportional to |w|. The rotation is that of Rodrigues,
+//   R = 1 + sin|phi| / |phi| [phi]x + (1 - cos|phi|) / |phi|^2 [phi]x^2
 #pragma once
 
 #include <pintle/vectors.h>

@@ -1,5 +1,7 @@
 // Purpose: where the velocities of bodies go in the next step, by what they did in the last ones: Newton's backward differences of
-// their accelerations, as Adams' methods predict. The nearer a solve begins to where it ends, the fewer steps it takes.
+// their accelerations, as Adams' methods predict,
+//   v_n+1 - v_n = dt (a_n + D a_n + D^2 a_n + ...),   D a_n = a_n - a_n-1
+// The nearer a solve begins to where it ends, the fewer steps it takes.
 #pragma once
 
 #include <pintle/solver/bytes.h>

@@ -1,4 +1,4 @@
-// Purpose: 3 x 3 blocks, a lane for each row.
+// Purpose: what a factor does with 3 x 3 blocks, a lane for each row: L D L^T of one of the diagonal, x = D^-1 x, and a -= b c^T.
 #pragma once
 
 #include <pintle/solver/linear/block_layout.h>
