@@ -29,10 +29,10 @@ Solvers listed(const Array& of) {
 // Bullet's pool keeps its solvers private. An explicit instantiation may name them (C++17, 17.7.2.12).
 Solvers solversOf(const btConstraintSolverPoolMt& pool);
 template <auto solvers>
-struct Pool {
+struct SolversOf {
   friend Solvers solversOf(const btConstraintSolverPoolMt& pool) { return listed(pool.*solvers); }
 };
-template struct Pool<&btConstraintSolverPoolMt::m_solvers>;
+template struct SolversOf<&btConstraintSolverPoolMt::m_solvers>;
 
 // The solvers that worlds use, which are protected.
 struct MultiBodyWorld : btMultiBodyDynamicsWorld {
