@@ -53,7 +53,7 @@ TEST(SymmetricFactor, SolvesAnyQuasiDefiniteMatrix) {
     SymmetricFactor factor;
     factor.analyse(coupled);
     ASSERT_EQ(factor.blocks(), n);
-    factor.set(std::vector<double>(factor.numbers(), 0.));
+    factor.set({}, {});
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     std::vector<double> sign;
     for (int k = 0; k < n; ++k) sign.push_back(below(random, 2) ? 1 : -1);
@@ -100,7 +100,7 @@ TEST(SymmetricFactor, SolvesWhereRowsRepeatEachOther) {
     K.diagonal().array() += softness;
     SymmetricFactor factor;
     factor.analyse(coupled);
-    factor.set(std::vector<double>(factor.numbers(), 0.));
+    factor.set({}, {});
     for (int k = 0; k < n; ++k)
       for (int i = k; i < n; ++i) {
         double* const to = factor.at(factor.place(i, k));

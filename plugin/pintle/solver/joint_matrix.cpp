@@ -3,6 +3,7 @@
 #include <pintle/solver/bytes.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -121,7 +122,6 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
   m_path.assign(vector_size, 0.);
   const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();
   m_longest_path = any_stays ? 0 : longest_path;
-  m_matrix.assign(m_factor.numbers(), 0.);
   m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = m_is_factorised = false;
   m_inertia_of.assign(m_stays.size(), Matrix3d::Zero());
@@ -151,6 +151,29 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
       std::unique(m_couplings.begin(), m_couplings.end(),
                   [](const Coupling& a, const Coupling& b) { return a.place == b.place; }),
       m_couplings.end());
+  placeInMatrix();
+}
+
+// The factor has more blocks than K. What these are set to is kept close together.
+void JointMatrix::placeInMatrix() {
+  const size_t diagonal = size_t(block_area) * size_t(m_factor.blocks());
+  size_t numbers = diagonal;
+  m_runs.assign(1, {0, diagonal});
+  std::vector<size_t> places(m_factor.numbers());
+  std::iota(places.begin(), places.begin() + std::ptrdiff_t(diagonal), size_t(0));
+  for (const Coupling& of : m_couplings) {
+    if (of.place < diagonal) continue;
+    places[of.place] = numbers;
+    numbers += block_area;
+    SymmetricFactor::Run& last = m_runs.back();
+    if (last.place + last.numbers == of.place)
+      last.numbers += block_area;
+    else
+      m_runs.push_back({of.place, block_area});
+  }
+  for (Product& of : m_products) of.place = places[of.place];
+  for (Staying& of : m_staying) of.place = places[of.place];
+  m_matrix.assign(numbers, 0.);
 }
 
 PINTLE_TARGET_CLONES void JointMatrix::addProducts() {
@@ -238,7 +261,7 @@ bool JointMatrix::factorise(double least_pivot) {
   for (int k = 0; m_is_assembled && k < m_factor.blocks(); ++k)
     m_is_assembled = m_is_in_matrix[size_t(k)] || isIdle(k);
   if (!m_is_assembled) assemble();
-  m_factor.set(m_matrix);
+  m_factor.set(m_matrix, m_runs);
   if (!findWhole()) leaveOutWhatDoesNotAct();
   const auto in = inBlock;
   for (int k = 0; k < m_factor.blocks(); ++k) {
@@ -261,7 +284,7 @@ size_t JointMatrix::bytes() const {
   for (const auto& column : m_columns) sum += bytesOf(column.coupled);
   return sum + bytesOf(m_joints, m_ends, m_stays, m_columns, m_size, m_node, m_bodies_of,
                        m_products, m_staying, m_rows, m_rows_of, m_is_whole, m_couplings, m_root_K,
-                       m_softness, m_acts, m_is_in_matrix, m_matrix, m_bodies, m_inertia_of,
+                       m_softness, m_acts, m_is_in_matrix, m_matrix, m_runs, m_bodies, m_inertia_of,
                        m_path);
 }
 

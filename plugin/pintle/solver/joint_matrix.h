@@ -53,12 +53,12 @@ class JointMatrix : public RowBlocks {
   size_t bytes() const;
 
  private:
-  /// A block of K, of a row and a column.
+  /// A block of K, of a row and a column. `place`: in the factor.
   struct Coupling {
     int row, column;
     size_t place;
   };
-  /// What is added to one: of nodes i and k, by their rows on a body.
+  /// What is added to one, at its place in m_matrix: of nodes i and k, by their rows on a body.
   struct Product {
     size_t place;
     int body, i, rows_i, k, rows_k;
@@ -78,6 +78,7 @@ class JointMatrix : public RowBlocks {
   bool findWhole();
   void leaveOutWhatDoesNotAct();
   void addProducts();
+  void placeInMatrix();
   int addVelocities(int body, const Vector6d& answer, double* x) const;
   int nodesOf(int c) const { return (m_size[size_t(c)] + block - 1) / block; }
   int nodeOfBody(int b) const { return m_node[m_joints.size() + size_t(b)]; }
@@ -100,7 +101,8 @@ class JointMatrix : public RowBlocks {
   int m_factorisations = 0;
   std::vector<char> m_is_in_matrix;  ///< of each node
   std::vector<double>
-      m_matrix;  ///< of all rows of those, without softness, where the factor has blocks
+      m_matrix;  ///< of all rows of those, without softness: its blocks, in the order of the factor's
+  std::vector<SymmetricFactor::Run> m_runs;  ///< of these
   std::vector<Matrix3d> m_inertia_of;  ///< of bodies that stay: their scaled inverse in the matrix
   SymmetricFactor m_factor;
   std::vector<double> m_path;  ///< a vector of all unknowns, of zeros

@@ -3,6 +3,7 @@
 #include <pintle/solver/linear/supernode.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -152,8 +153,20 @@ size_t SymmetricFactor::place(int i, int k) const {
   return area * size_t(blocks() + (std::lower_bound(first, last, i) - m_row.begin()));
 }
 
-void SymmetricFactor::set(const std::vector<double>& numbers) {
-  m_numbers = numbers;
+void SymmetricFactor::set(const std::vector<double>& numbers, const std::vector<Run>& runs) {
+  // (std::fill sets two at a time.)
+  const auto clear = [this](size_t from, size_t to) {
+    std::memset(m_numbers.data() + from, 0, (to - from) * sizeof(double));
+  };
+  const double* from = numbers.data();
+  size_t done = 0;
+  for (const Run& run : runs) {
+    clear(done, run.place);
+    std::copy_n(from, run.numbers, m_numbers.data() + run.place);
+    from += run.numbers;
+    done = run.place + run.numbers;
+  }
+  clear(done, m_numbers.size());
   std::fill(m_idle.begin(), m_idle.end(), false);
 }
 

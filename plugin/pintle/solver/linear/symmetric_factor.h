@@ -25,8 +25,12 @@ class SymmetricFactor {
   double* at(size_t place) { return m_numbers.data() + place; }
   /// All of them, in the order of their places.
   size_t numbers() const { return m_numbers.size(); }
-  /// Sets the matrix to these. Then change its blocks, and factorise.
-  void set(const std::vector<double>& numbers);
+  /// Blocks of A one behind the other, which lie so in the factor, too.
+  struct Run {
+    size_t place, numbers;
+  };
+  /// Sets the matrix to these, run by run, and to 0 where the factor alone has blocks. Then change its blocks, and factorise.
+  void set(const std::vector<double>& numbers, const std::vector<Run>& runs);
   /// Block k is coupled to nothing, and has 1 on its diagonal: nothing is done with it. (Until the next `set`.)
   void setIdle(int k) { m_idle[size_t(k)] = true; }
   /// A smaller pivot than `least_pivot` becomes that, with its sign. Returns false if one is zero or not finite.
