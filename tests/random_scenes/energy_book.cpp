@@ -10,13 +10,10 @@
 namespace random_scenes {
 namespace {
 
-constexpr double gravity = 9.81;
+using support::gravity;
+using support::weightOf;
 
 bool moves(const btRigidBody& body) { return body.getInvMass() > 0; }
-// N.
-double weightOf(const btRigidBody& body) {
-  return gravity / double(body.getInvMass()) * double(body.getLinearFactor().z());
-}
 
 }  // namespace
 

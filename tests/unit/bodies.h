@@ -18,7 +18,7 @@ namespace support {
 class Bodies {
  public:
   explicit Bodies(btDiscreteDynamicsWorld& world) : m_world(world) {
-    world.setGravity(vec(0, 0, -9.81));
+    world.setGravity(vec(0, 0, -gravity));
   }
   ~Bodies() {
     for (const auto& joint : joints) m_world.removeConstraint(joint.get());
@@ -61,9 +61,8 @@ class Bodies {
     double sum = kinetic();
     for (const auto& body : bodies)
       if (body->getInvMass() > 0)
-        sum += 9.81 / double(body->getInvMass()) *
-               (double(body->getCenterOfMassPosition().z()) -
-                dt / 2 * double(body->getLinearVelocity().z()));
+        sum += weightOf(*body) * (double(body->getCenterOfMassPosition().z()) -
+                                  dt / 2 * double(body->getLinearVelocity().z()));
     return sum;
   }
   double kinetic() const {

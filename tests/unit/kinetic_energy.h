@@ -1,9 +1,16 @@
-// J: of a body, in double whatever btScalar is.
+// J: of a body, in double whatever btScalar is; and N: what weighs on it, of which books of energy are kept.
 #pragma once
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace support {
+
+constexpr double gravity = 9.81;  ///< m/s^2, along -z
+
+/// N: as far as its factor lets it fall. It must move.
+inline double weightOf(const btRigidBody& body) {
+  return gravity / double(body.getInvMass()) * double(body.getLinearFactor().z());
+}
 
 /// With the inertia that it has when it is turned to `basis`. 0: of one that does not move.
 inline double kineticEnergy(const btRigidBody& body, const btMatrix3x3& basis) {
