@@ -16,6 +16,7 @@ inline bool isLimit(const AxisLaw& law) {
 }
 
 inline bool hasRigidStops(const AxisLaw& law) {
+  if (law.isEquality()) return false;
   for (int i = 0; i < law.parts(); ++i)
     if (law.part(i).isRigidStop()) return true;
   return false;
@@ -30,6 +31,7 @@ inline bool isBeyondStop(const AxisLaw& law, double u) {
 
 /// The target of the rigid stop that u is beyond; null: of none.
 inline const double* passedRigidStop(const AxisLaw& law, double u) {
+  if (law.isEquality()) return nullptr;
   for (int i = 0; i < law.parts(); ++i)
     if (const LawPart& part = law.part(i); part.isRigidStop() && part.isBeyond(u))
       return &part.target;
