@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/solver/solver_options.h>
 #include <pintle/solver/stops.h>
 
 #include <Eigen/QR>
@@ -43,7 +44,7 @@ bool findAlong(const Island& island, const IslandJoint& joint, const Row& row, c
     found.A_a += by * of.A_a;
     found.A_b += by * of.A_b;
     found.position += by * of.position;
-    any = any || btFabs(by) > Scalar(0.1);
+    any = any || btFabs(by) > Scalar(least_part_along);
   }
   return any;
 }

@@ -13,6 +13,10 @@ constexpr double rounding_share = 1e-9;
 /// axis by less than rounding_share, and in world space its matrix still has four digits of the least one.
 constexpr double unturned_inertia = 1e12;
 
+/// Of a row that its joint has along other directions at the end of the step: where each of those is less than this part of it, it has
+/// turned away from all of them, and is taken as it was at the start.
+constexpr double least_part_along = 0.1;
+
 /// (w dt)^2 of a swing of w rad/s, from which on explicit steps are not stable: there a root of z^2 + ((w dt)^2 - 2) z + 1 = 0 leaves
 /// the unit circle.
 constexpr double unstable_swing = 4;
