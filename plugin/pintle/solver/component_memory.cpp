@@ -67,22 +67,22 @@ int ComponentMemory::knownRows(int c, const IslandJoint& joint) const {
 
 namespace {
 
-// Where joints contradict each other, their impulses may be any, and would grow from step to step. Those that a step begins with are no
-// more than all momentum that there is.
+// All momentum that there is.
 class MostImpulse {
  public:
   explicit MostImpulse(const IslandBody& first) : m_low(first.start.getOrigin()), m_high(m_low) {}
-  void add(const IslandBody& body) {
+  void add(const IslandBody& body, const Vector6d& v) {
     const double radius = body.radius();
-    m_linear += body.mass * (body.v_free.head<3>().norm() + radius * body.v_free.tail<3>().norm());
+    m_linear += body.mass * (v.head<3>().norm() + radius * v.tail<3>().norm());
     m_radius = std::max(m_radius, radius);
     m_low.setMin(body.start.getOrigin());
     m_high.setMax(body.start.getOrigin());
   }
   /// After the last body.
   void finish() { m_angular = m_linear * (double((m_high - m_low).length()) + m_radius); }
+  bool allows(double impulse) const { return std::abs(impulse) <= std::min(m_linear, m_angular); }
   double of(const IslandRow& row, double impulse) const {
-    if (std::abs(impulse) <= std::min(m_linear, m_angular)) return impulse;
+    if (allows(impulse)) return impulse;
     const bool is_linear = row.J.L_a != Vector3d::Zero() || row.J.L_b != Vector3d::Zero();
     const double most = is_linear ? m_linear : m_angular;
     return std::clamp(impulse, -most, most);
@@ -100,14 +100,11 @@ class MostImpulse {
 void ComponentMemory::begin(const Island& island, const Component& component) {
   const bool known = int(forecast.size()) == component.bodies;
   work.v.resize(size_t(component.bodies));
-  MostImpulse most(island.bodies[size_t(component.first_body)]);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     work.v[size_t(i)] =
         known ? Vector6d(body.v0 + forecast.change(size_t(i), island.dt)) : body.v_free;
-    most.add(body);
   }
-  most.finish();
   std::vector<double>& lambda = work.lambda;
   setZero(size_t(component.rows), lambda);
   setZero(size_t(component.rows), work.load);
@@ -116,10 +113,9 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
     for (int i = 0; i < rows; ++i) {
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const auto r = size_t(joint.row_of_component + i);
-      lambda[r] = most.of(row, m_lambda[before + size_t(i)]);
-      work.load[r] = most.of(row, m_load[before + size_t(i)]);
+      lambda[r] = m_lambda[before + size_t(i)];
+      work.load[r] = m_load[before + size_t(i)];
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }
@@ -154,11 +150,49 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
   }
 }
 
+// What forces ask of joints is as much as levers make of it: a taut rope bears many times its weight. Of the rest, which are blows, and
+// what joints that contradict each other do to each other, and which would grow from step to step, the next step begins with no more than all
+// momentum that there is.
+void ComponentMemory::keepImpulses(const Island& island, const Component& component,
+                                   double least_pivot) {
+  m_lambda = work.lambda;
+  if (is_as_foreseen) return;  // so they were before
+  MostImpulse most(island.bodies[size_t(component.first_body)]);
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    most.add(body, work.v[size_t(i)] + body.v_free - body.v0);
+  }
+  most.finish();
+  if (std::all_of(m_lambda.begin(), m_lambda.end(), [&](double of) { return most.allows(of); }))
+    return;
+  const bool knows_forces = has_factor && K.factorise(least_pivot);
+  if (knows_forces) findWhatForcesAsk(island, component);
+  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
+    const double by_forces =
+        knows_forces && work.pieces[r].acts ? work.x[K.row(c, i)] * row.by_root_K : 0;
+    m_lambda[r] = by_forces + most.of(row, m_lambda[r] - by_forces);
+  });
+}
+
+// work.x = -K^-1 J A^-1 M (v* - v_0)
+void ComponentMemory::findWhatForcesAsk(const Island& island, const Component& component) {
+  std::vector<Vector6d>& change = work.stays;
+  change.clear();
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    Vector6d by_forces = body.v_free - body.v0;
+    by_forces.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * by_forces.tail<3>());
+    change.push_back(by_forces);
+  }
+  setZero(K.vectorSize(), work.x);
+  K.subtractVelocities(change.data(), work.x.data());
+  K.solve(work.x.data());
+}
+
 void ComponentMemory::keep(const Island& island, const Component& component) {
   forecast.take(&island.bodies[size_t(component.first_body)], work.v, island.dt, is_foreseen);
   m_rows = sizes;
-  m_lambda = work.lambda;
-  addLoad(work);
+  addLoad(m_lambda, work);
   m_load = work.load;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];

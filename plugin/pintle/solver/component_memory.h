@@ -20,8 +20,9 @@ struct ComponentMemory {
   std::vector<int> sizes;                  ///< of each: rows
   JointMatrix::Locks locks;                ///< of each body
   JointMatrix K;
-  bool has_factor = false;  ///< K is that of the step, and has a factor or can have one
-  bool holds_end = false;   ///< its velocities hold its rows at the end of the step
+  bool has_factor = false;      ///< K is that of the step, and has a factor or can have one
+  bool is_as_foreseen = false;  ///< nothing was solved: impulses are those with which it began
+  bool holds_end = false;       ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
   /// J: the most that holds its bodies on arcs, 0 where they swing about their load; where it is known (balance.h).
@@ -38,6 +39,8 @@ struct ComponentMemory {
   void begin(const Island& island, const Component& component);
   /// Springs of soft rows pull by what they are stretched.
   void stretchSprings(Island& island, const Component& component);
+  /// Impulses with which the next step begins, while K is that of the solve.
+  void keepImpulses(const Island& island, const Component& component, double least_pivot);
   /// The step as it has ended.
   void keep(const Island& island, const Component& component);
   /// The next step begins anew.
@@ -57,6 +60,7 @@ struct ComponentMemory {
 
   /// Of joint c, the rows that it had in the last step, too: all, or its equalities, which come first.
   int knownRows(int c, const IslandJoint& joint) const;
+  void findWhatForcesAsk(const Island& island, const Component& component);
 
   std::vector<int> m_rows;                         ///< of each joint, in the last step
   std::vector<double> m_lambda, m_load;            ///< of each row of it

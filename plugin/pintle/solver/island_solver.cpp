@@ -147,6 +147,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   m_report.newton_steps += done.steps;
   kept.converged = done.converged;
   kept.is_foreseen = done.converged && done.steps <= 1;
+  kept.is_as_foreseen = done.converged && done.steps == 0;
   if (!done.converged) return false;
   kept.residual = done.error;
   kept.tolerance = m_options.pose_tolerance;
@@ -249,6 +250,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
     kept.holds_end = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
+    kept.is_as_foreseen = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
                                   : workAmongContacts(m_island, *of, kept.work);
   }
@@ -264,6 +266,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     kept.converged = false;
     return;
   }
+  kept.keepImpulses(m_island, component, m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {

@@ -44,8 +44,8 @@ bool mayBeFast(const Island& island, const Component& component, double stable_s
 
 }  // namespace
 
-void addLoad(Workspace& work) {
-  for (size_t r = 0; r < work.load.size(); ++r) work.load[r] = (work.load[r] + work.lambda[r]) / 2;
+void addLoad(const std::vector<double>& impulses, Workspace& work) {
+  for (size_t r = 0; r < work.load.size(); ++r) work.load[r] = (work.load[r] + impulses[r]) / 2;
 }
 
 // The torque of a force f on a lever r falls by -[f]x [r]x dphi as the body turns, of which the symmetric part is a stiffness.
@@ -85,7 +85,7 @@ bool foreseeLoad(const Island& island, const Component& component, double stable
                  Workspace& work) {
   work.last_load = work.load;
   work.last_stiffness = work.stiffness;
-  addLoad(work);
+  addLoad(work.lambda, work);
   findStiffness(island, component, stable_swing, work);
   work.load = work.last_load;
   for (int i = 0; i < component.bodies; ++i) {

@@ -11,9 +11,9 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// work.load, with the impulses of this step. An impulse alone says little: where swings are not resolved, one step bears all and the
+/// work.load, with the impulses of a step. An impulse alone says little: where swings are not resolved, one step bears all and the
 /// next one nothing.
-void addLoad(Workspace& work);
+void addLoad(const std::vector<double>& impulses, Workspace& work);
 
 /// work.stiffness from work.load: what is added to the inertia of each body, kg m^2, so that it swings no faster than (w dt)^2 =
 /// `stable_swing`. Of joints that hold a point or a distance.
