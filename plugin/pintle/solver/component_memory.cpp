@@ -78,11 +78,14 @@ class MostImpulse {
     m_low.setMin(body.start.getOrigin());
     m_high.setMax(body.start.getOrigin());
   }
-  /// After the last body.
+  /// Rows of a joint bear what its points bear on their levers, too.
+  void add(const IslandJoint& joint) {
+    m_radius = std::max({m_radius, joint.lever[0], joint.lever[1]});
+  }
+  /// After the last one.
   void finish() { m_angular = m_linear * (double((m_high - m_low).length()) + m_radius); }
-  bool allows(double impulse) const { return std::abs(impulse) <= std::min(m_linear, m_angular); }
   double of(const IslandRow& row, double impulse) const {
-    if (allows(impulse)) return impulse;
+    if (std::abs(impulse) <= std::min(m_linear, m_angular)) return impulse;
     const bool is_linear = row.J.L_a != Vector3d::Zero() || row.J.L_b != Vector3d::Zero();
     const double most = is_linear ? m_linear : m_angular;
     return std::clamp(impulse, -most, most);
@@ -162,9 +165,14 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     most.add(body, work.v[size_t(i)] + body.v_free - body.v0);
   }
+  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
+  for (int c = 0; c < component.joints; ++c) most.add(joints[c]);
   most.finish();
-  if (std::all_of(m_lambda.begin(), m_lambda.end(), [&](double of) { return most.allows(of); }))
-    return;
+  bool is_allowed = true;
+  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
+    is_allowed = is_allowed && most.of(row, m_lambda[r]) == m_lambda[r];
+  });
+  if (is_allowed) return;
   const bool knows_forces = has_factor && K.factorise(least_pivot);
   if (knows_forces) findWhatForcesAsk(island, component);
   forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
