@@ -117,9 +117,7 @@ bool isRod(const kinds::Kind& kind) { return kind.name.rfind("Distance", 0) == 0
 
 /// m or rad: of a hundred runs, the mean of the worst.
 double mostError(const ChainOf& of) {
-  if (worksAgainstItself(of.kind)) return 0.05;
-  // Of rods and ropes one run whirls so fast that its poses find no way back in some of its steps.
-  return isRod(of.kind) ? rounding(1e-3, 1e-4) : rounding(2e-5, 1e-6);
+  return worksAgainstItself(of.kind) ? 0.05 : rounding(2e-5, 1e-6);
 }
 
 class EnergyOfChain : public testing::TestWithParam<ChainOf> {};

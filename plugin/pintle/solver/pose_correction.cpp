@@ -40,6 +40,9 @@ class PoseCorrection {
   double iterate(double open, bool goes_on_anyhow);
   double closePassed(double left);
   double closeWithoutLimits(double left);
+  bool startsClosed() const;
+  bool follow();
+  bool closePart();
   void findChanges(PoseChange* changes) const;
   void shorten(PoseChange* changes) const;
   const IslandBody& body(int i) const {
@@ -53,6 +56,7 @@ class PoseCorrection {
   Workspace& m_work;
   JointMatrix& m_K;
   int m_factors = 0;
+  double m_part = 1;  ///< of the way of the step, at the end of which rows are to be met
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
   std::vector<char>& m_bends =
@@ -162,7 +166,7 @@ double PoseCorrection::findResidual() {
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     if (!m_closes[r]) return;
-    const double left = m_u[r] - m_goal[r];
+    const double left = m_u[r] - m_part * m_goal[r];
     m_work.x[m_K.row(c, i)] = -left * row.by_root_K;
     largest = larger(largest, left);
   });
@@ -250,6 +254,57 @@ double PoseCorrection::closeWithoutLimits(double left) {
   return left;
 }
 
+bool PoseCorrection::startsClosed() const {
+  for (int c = 0; c < m_component.joints; ++c)
+    if (m_island.joints[size_t(m_component.first_joint + c)].open > m_options.loose_pose_tolerance)
+      return false;
+  return true;
+}
+
+// Where the end of the step is too far, as where a light body whirls between taut ropes, bodies go there from its start part by part.
+// Each one is closed before the next one, and halved where it is too long. What starts open has no such way. Returns whether it led there.
+bool PoseCorrection::follow() {
+  std::vector<MovedBody>& reached = m_work.first;
+  reached.clear();
+  for (int b = 0; b < m_component.bodies; ++b) reached.emplace_back(Vector6d::Zero(), m_island.dt);
+  double gone = 0;
+  for (double part = 0.5; gone < 1 && part >= m_options.least_part;) {
+    m_work.moved = reached;
+    for (int b = 0; b < m_component.bodies; ++b)
+      for (Vector6d w : {body(b).push, m_work.v[size_t(b)]}) {
+        w.tail<3>() = RotationOfStep::vector(w.tail<3>(), m_island.dt) / m_island.dt;
+        m_work.moved[size_t(b)].goOn(part * w, m_island.dt);
+      }
+    m_part = gone + part;
+    if (closePart()) {
+      gone = m_part;
+      reached = m_work.moved;
+    } else {
+      part /= 2;
+    }
+  }
+  m_part = 1;
+  if (gone == 1) m_nearest = reached;
+  return gone == 1;
+}
+
+// With factors of where bodies are, each as long as it closes fast. Returns whether rows are where they are to be.
+bool PoseCorrection::closePart() {
+  m_factors = 0;
+  double open = measure();
+  while (!(open <= m_options.loose_pose_tolerance)) {
+    if (!factorise(true)) return false;
+    measure();
+    for (double before = infinity;
+         open > m_options.loose_pose_tolerance && open < m_options.contraction * before;) {
+      before = open;
+      open = step(before, false);
+      if (!(open < before)) return false;
+    }
+  }
+  return true;
+}
+
 // Between what contacts push and the step of the velocities.
 void PoseCorrection::findChanges(PoseChange* changes) const {
   for (int b = 0; b < m_component.bodies; ++b) {
@@ -321,6 +376,10 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     open = measure();
     left = iterate(open, true);
   }
+  if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed() && follow()) {
+    m_work.moved = m_nearest;
+    left = closePassed(iterate(measure(), false));
+  }
   const double of_joints = left <= met ? left : closeWithoutLimits(left);
   findChanges(changes);
   if (!(of_joints <= met || left < m_options.contraction * open)) shorten(changes);
@@ -328,24 +387,6 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
 }
 
 }  // namespace
-
-bool isOpen(const Island& island, const Component& component, const Workspace& end,
-            double tolerance) {
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (!(joint.open > tolerance) && !(end.of_loop[size_t(c)] > 0)) continue;
-    for (int i = 0; i < joint.rows; ++i) {
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const auto r = size_t(joint.row_of_component + i);
-      const LawPiece& piece = end.pieces[r];
-      const double gives = piece.acts && !(piece.softness > 0)
-                               ? island.dt * end.softness[r] * row.K * std::abs(end.lambda[r])
-                               : 0;
-      if (std::abs(row.open) > tolerance || gives > tolerance) return true;
-    }
-  }
-  return false;
-}
 
 double correctPoses(const Island& island, const Component& component, const SolverOptions& options,
                     double tolerance, Workspace& work, JointMatrix& K, bool has_factor,

@@ -34,10 +34,6 @@ inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
   return to;
 }
 
-/// Whether a row is open by more than `tolerance`, m or rad, or gives by as much in a loop (softness.h): moving poses is to close it.
-bool isOpen(const Island& island, const Component& component, const Workspace& end,
-            double tolerance);
-
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what the
 /// velocities leave: Newton's iteration for the poses at the end of the step. `has_factor`: K is that with which the velocities were
 /// found, of the rows of the start. Returns what is left open, m or rad.

@@ -54,5 +54,23 @@ void findSoftness(const Island& island, const Component& component, const Solver
   }
 }
 
+bool isOpen(const Island& island, const Component& component, const Workspace& end,
+            double tolerance) {
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (!(joint.open > tolerance) && !(end.of_loop[size_t(c)] > 0)) continue;
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      const auto r = size_t(joint.row_of_component + i);
+      const LawPiece& piece = end.pieces[r];
+      const double gives = piece.acts && !(piece.softness > 0)
+                               ? island.dt * end.softness[r] * row.K * std::abs(end.lambda[r])
+                               : 0;
+      if (std::abs(row.open) > tolerance || gives > tolerance) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -17,5 +17,9 @@ std::vector<char> findLoops(int bodies, const std::vector<std::array<int, 2>>& j
 void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
                   const std::vector<char>& in_loop, Workspace& work);
 
+/// Whether a row is open by more than `tolerance`, m or rad, or gives by as much in a loop: moving poses is to close it.
+bool isOpen(const Island& island, const Component& component, const Workspace& end,
+            double tolerance);
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle
