@@ -55,7 +55,9 @@ Key key(const Row& row) { return {row.scene, row.contender, row.iterations, row.
 
 std::vector<Scene> compared() {
   std::vector<Scene> all = scenes::catalog();
-  const auto is_left_out = [](const Scene& scene) { return !scene.in_report; };
+  const auto is_left_out = [](const Scene& scene) {
+    return !scene.in_report && scene.problem.empty();
+  };
   all.erase(std::remove_if(all.begin(), all.end(), is_left_out), all.end());
   return all;
 }

@@ -8,15 +8,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <set>
-#include <sstream>
-#include <stdexcept>
 
 #include "../json_array.h"
-#include "../reference/integrator.h"
 #include "../scenes/catalog.h"
 #include "results.h"
+#include "step_errors.h"
 
 namespace {
 
@@ -27,6 +23,7 @@ using report::Ratio;
 using report::Results;
 using report::rounding;
 using report::Row;
+using report::StepErrors;
 using scenes::Error;
 using scenes::Scene;
 
@@ -94,71 +91,6 @@ void print(std::ostream& out, const std::string& who, const Score& score) {
       << ", at most a tenth of it in the mean " << score.tenth << '\n';
 }
 
-// The errors of Bullet's steps with joints that leave nothing (reference/integrator.h), by scene and
-// steps a second; scenes that it does not solve have none.
-using StepErrors = std::map<std::string, std::map<int, measures::Errors>>;
-
-StepErrors errors_of_steps(const Results& results, const std::vector<Scene>& all) {
-  StepErrors errors;
-  for (const Scene& scene : all) {
-    std::set<int> lengths;
-    for (const Row& row : results.rows()) {
-      if (row.scene == scene.name) lengths.insert(row.hz);
-    }
-    try {
-      for (const int hz : lengths)
-        errors[scene.name][hz] =
-            measures::run(scene, *reference::make_bullet_steps(scene), 1. / hz).errors;
-    } catch (const std::invalid_argument&) {
-    }
-  }
-  return errors;
-}
-
-// Where the least error of Pintle's joints, on either solver, is that of Bullet's steps, at every length
-// of the step: no joint that holds can lessen it.
-bool is_of_the_steps(const Results& results, const StepErrors& steps, const Scene& scene,
-                     Error error) {
-  const auto of_scene = steps.find(scene.name);
-  if (of_scene == steps.end()) return false;
-  const auto follow_the_steps = [&](const std::string& who) {
-    return std::all_of(of_scene->second.begin(), of_scene->second.end(),
-                       [&](const auto& hz_and_errors) {
-                         constexpr double same = 1.1;
-                         const auto& [hz, errors] = hz_and_errors;
-                         const double ours = results.min_error(scene, error, who, hz);
-                         const double of_steps = errors[size_t(error)];
-                         return of_steps > 0 && ours < same * of_steps && of_steps < same * ours;
-                       });
-  };
-  return follow_the_steps("pintle") || follow_the_steps("exact");
-}
-
-void write_steps(std::ostream& out, const Results& results, const StepErrors& steps,
-                 const std::vector<Scene>& all) {
-  const char* const compared[] = {"stock", "pintle", "exact"};
-  out << "\n## What Bullet's steps alone leave\n\nBullet's own steps with joints that leave "
-         "nothing "
-         "(`demos/reference`), and the least error of each contender in steps of that length, over "
-         "all iterations; double precision.\n\n| scene | error | Hz | steps alone |";
-  for (const char* who : compared) out << ' ' << who << " |";
-  out << "\n|---|---|---|---|---|---|---|\n";
-  for (const Scene& scene : all) {
-    const auto of_scene = steps.find(scene.name);
-    if (of_scene == steps.end()) continue;
-    for (const Error error : scene.errors) {
-      if (error == Error::gap || error == Error::axis) continue;  // they leave none
-      for (const auto& [hz, errors] : of_scene->second) {
-        out << "| " << scene.name << " | " << name(error) << " | " << hz << " | "
-            << number(errors[size_t(error)]) << " |";
-        for (const char* who : compared)
-          out << ' ' << number(results.min_error(scene, error, who, hz)) << " |";
-        out << '\n';
-      }
-    }
-  }
-}
-
 // Pintle's joints on Bullet's solver and on the exact one, both against stock. Where the first error
 // is that of Bullet's steps, also the first of the joints' own.
 void write_brief(std::ostream& out, const Results& results, const StepErrors& steps,
@@ -188,9 +120,10 @@ void write_brief(std::ostream& out, const Results& results, const StepErrors& st
     }
   };
   for (const Scene& scene : all) {
+    if (!results.has(scene, &Row::contender, "stock")) continue;
     const Error first = scene.errors.front();
     write(scene, first, true);
-    if (first == Error::gap || !is_of_the_steps(results, steps, scene, first)) continue;
+    if (first == Error::gap || !report::is_of_the_steps(results, steps, scene, first)) continue;
     of_the_steps += (of_the_steps.empty() ? "" : ", ") + scene.name;
     for (const Error own : {Error::gap, Error::axis}) {
       if (!scene.has(own)) continue;
@@ -238,7 +171,7 @@ void write_summary(std::ostream& out, const Results& results, const StepErrors& 
       compare(out, results, all, ours, peer, true);
     }
   }
-  write_steps(out, results, steps, all);
+  report::write_steps(out, results, steps, all);
 }
 
 void write_instructions(std::ostream& out, const std::string& path, const std::vector<Scene>& all,
@@ -366,11 +299,12 @@ int main(int argc, char** argv) {
 
   std::filesystem::create_directories(out);
   std::ofstream summary(out + "/summary.md");
-  const StepErrors steps = errors_of_steps(results, measured);
+  const StepErrors steps = report::errors_of_steps(results, measured);
   write_summary(summary, results, steps, measured);
   write_instructions(summary, instructions, measured, results);
   std::ofstream brief(out + "/brief.md");  // for plugin/docs/benchmarks.md
   write_brief(brief, results, steps, measured);
+  report::write_published(brief, results, steps, measured);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
   for (const Scene& scene : measured) {
     std::ofstream page(out + "/" + scene.name + ".md");

@@ -12,6 +12,7 @@ Scene bricard_scene() {
                                         {1, -1, -1}, {0, -1, -1}, {0, -1, 0}};
 
   Scene scene{"bricard", "Bricard's loop of six hinges"};
+  scene.problem = "IFToMM A04";
   scene.show(Group::measured, "Bricard's mechanism",
              "A loop of six hinges that by the count of its constraints could not move.");
   int last = 0;

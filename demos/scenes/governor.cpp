@@ -17,6 +17,7 @@ Scene governor_scene() {
                          damping / (2 * std::sqrt(stiffness * reduced_mass))};
 
   Scene scene{"governor", "stiff flyball governor"};
+  scene.problem = "IFToMM A05";
   scene.show(Group::measured, "Governor", "Weights on a shaft lift a slider by stiff springs.");
   const auto turning = [&](Body body) {
     spin(body, {0, 0, 2 * pi}, {0, 0, 0});

@@ -129,6 +129,8 @@ struct Scene {
   // Whether it is compared over all iterations and steps: not where Bullet has no joint for it, or its
   // error is not one that more work would lessen.
   bool in_report = true;
+  // Of a published collection: the report has its errors against the reference, whether Bullet has joints for it or not.
+  std::string problem = {};
   // Whether a page of all scenes has it, or only one that is asked for: with a hundred bodies it takes much room.
   bool in_gallery = true;
   // Whose trajectory: a point of a body (m, in its frame), over this time. Where it should be is a
