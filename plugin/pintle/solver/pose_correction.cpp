@@ -40,11 +40,11 @@ class PoseCorrection {
   double iterate(double open, bool goes_on_anyhow);
   double closePassed(double left);
   double closeWithoutLimits(double left);
+  bool opensArms(double open) const;
   bool startsClosed() const;
   bool follow();
   bool closePart();
   void findChanges(PoseChange* changes) const;
-  void shorten(PoseChange* changes) const;
   const IslandBody& body(int i) const {
     return m_island.bodies[size_t(m_component.first_body + i)];
   }
@@ -197,6 +197,16 @@ double PoseCorrection::leftBySoftness() const {
   return m_options.dependent_softness * largest * m_island.dt;
 }
 
+// Whether a row that is measured as it is, and not by an angle that folds, has more open than all had.
+bool PoseCorrection::opensArms(double open) const {
+  bool any = false;
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    any = any || (m_closes[r] && row.isOfArms() &&
+                  std::abs(m_u[r] - m_part * m_goal[r]) * m_island.dt > open);
+  });
+  return any;
+}
+
 // Returns what is left open. `goes_on_anyhow`: where an angle is far from what its row says, so that nothing closes it, the first step is
 // what can be had.
 double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
@@ -210,7 +220,7 @@ double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
     if (closes) {
       m_nearest = m_work.moved;
       open = now;
-    } else if (goes_on_anyhow && steps == 0 && now < infinity) {
+    } else if (goes_on_anyhow && steps == 0 && now < infinity && !opensArms(open)) {
       first = m_work.moved;
     }
     if (open <= m_tolerance / 2) break;
@@ -316,33 +326,6 @@ void PoseCorrection::findChanges(PoseChange* changes) const {
   }
 }
 
-// Where no motion closes all, the nearest one may be far. No body goes further than all rows together would move it.
-void PoseCorrection::shorten(PoseChange* changes) const {
-  double most = 0, moved = 0;  // m
-  forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t) {
-    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    const double open = std::abs(m_open[m_K.row(c, i)]) * row.root_K * m_island.dt;
-    for (int side = 0; side < 2; ++side)
-      if (joint.body[size_t(side)] >= 0) {
-        const IslandBody& of = m_island.bodies[size_t(joint.body[size_t(side)])];
-        const double length = row.J.L(side).norm(),
-                     by = open / row.K *
-                          (length / of.mass +
-                           of.radius() * (of.inverse_inertia * row.J.A(side)).norm());
-        // A free body moves by no more than sqrt(2) open / |L|. One that can only turn about a short lever would go much further.
-        most += length > 0 ? std::fmin(by, std::sqrt(2.) * open / length) : by;
-      }
-  });
-  for (int i = 0; i < m_component.bodies; ++i) {
-    const double by = changes[i].head<3>().norm() + body(i).radius() * changes[i].tail<3>().norm();
-    moved = by <= moved ? moved : by;  // and not finite if one is
-  }
-  if (moved <= most) return;
-  for (int i = 0; i < m_component.bodies; ++i)
-    changes[i] = std::isfinite(moved) ? PoseChange(most / moved * changes[i])
-                                      : PoseChange(PoseChange::Zero());
-}
-
 void PoseCorrection::begin() {
   const auto rows = size_t(m_component.rows);
   m_u.resize(rows);
@@ -382,7 +365,8 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   }
   const double of_joints = left <= met ? left : closeWithoutLimits(left);
   findChanges(changes);
-  if (!(of_joints <= met || left < m_options.contraction * open)) shorten(changes);
+  if (!(of_joints <= met || left < m_options.contraction * open))
+    shorten(m_island, m_component, m_K, m_open, changes);
   return left;
 }
 

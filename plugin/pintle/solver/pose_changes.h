@@ -1,0 +1,39 @@
+// Purpose: by how much a pose is moved in a step, beside what its velocity does.
+#pragma once
+
+#include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/workspace.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// m and rad, of a body: before its velocity moves it.
+using PoseChange = Vector6d;
+
+/// With which a body that moves with `next` comes to where it comes with `v` and `change`.
+inline PoseChange changeFor(const Vector6d& next, const Vector6d& v, const PoseChange& change,
+                            double dt) {
+  PoseChange to;
+  to.head<3>() = change.head<3>() + dt * (v - next).head<3>();
+  to.tail<3>() =
+      rotationVector(RotationOfStep(next.tail<3>(), dt).matrix().transpose() *
+                     RotationOfStep(v.tail<3>(), dt).matrix() * turnBy(change.tail<3>()));
+  return to;
+}
+
+/// The same for next = part * v, and no change before: both turn about one axis.
+inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
+  PoseChange to;
+  to.head<3>() = dt * (1 - part) * v.head<3>();
+  to.tail<3>() =
+      RotationOfStep::vector(v.tail<3>(), dt) - RotationOfStep::vector(part * v.tail<3>(), dt);
+  return to;
+}
+
+/// Where no motion closes all, the nearest one may be far: of each body of the component, no change is more than all its rows together
+/// would move it. `open_rows`: what each one has open, in the units of K.
+void shorten(const Island& island, const Component& component, const JointMatrix& K,
+             const std::vector<double>& open_rows, PoseChange* changes);
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
