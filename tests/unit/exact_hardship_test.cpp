@@ -48,12 +48,13 @@ TEST(ExactJointSolver, WhatFactorsKeepApartDoesNotRunAway) {
   for (int trial = 0; trial < 200; ++trial) {
     SCOPED_TRACE(trial);
     World world(9.81, 10, exact);
-    btRigidBody& body = world.add_box(1, vec(0.5, 0.1, 0.1),
-                                      at(random.vector(0.1), btQuaternion(random.unit(), 0.5f)));
+    const btVector3 x = random.vector(0.1);
+    btRigidBody& body =
+        world.add_box(1, vec(0.5, 0.1, 0.1), at(x, btQuaternion(random.unit(), scalar(0.5))));
     const auto factor = [&] { return random.uniform(0, 1) < 0.5 ? 0 : 1; };
     const auto factors = [&] {
-      const int x = factor(), y = factor();
-      return vec(x, y, factor());
+      const int along_x = factor(), along_y = factor();
+      return vec(along_x, along_y, factor());
     };
     body.setLinearFactor(factors());
     body.setAngularFactor(factors());
