@@ -16,15 +16,17 @@ inline namespace PINTLE_PRECISION {
 /// memory that are linear in the joints of a tree. An island without joints is solved by Bullet's own code, to the same bits. Its
 /// tolerances and bounds are SolverOptions; what it did in a step is in lastStep(), and a StepLog writes it down.
 ///
-/// **Joints hold.** At the end of a step that converges, every joint and limit is where it should be to 1e-9 m or rad (1e-6 in single
-/// precision), whatever its load: SolverOptions::pose_tolerance. Velocities are those with which rows are met at the END of the
-/// step. Where nothing leads there, rows hold in velocity, and poses are moved for the rest. What starts further apart comes together
-/// by its ERP, by poses alone: that gives no velocity. Bullet's joints tell no errors at other poses than that of the start: those
-/// that hold a point are held there, too; others drift by what a step bends, and return by their ERP.
+/// **Joints hold.** At the end of a step that converges, every joint and limit is where it should be to 1e-9 m or rad (1e-6 in
+/// single precision, and the rounding of positions), whatever its load: SolverOptions::pose_tolerance. Velocities are those with
+/// which rows are met at the END of the step. Where nothing leads there, rows hold in velocity, and poses are moved for the rest.
+/// What starts further apart comes together by its ERP, by poses alone: that gives no velocity. Bullet's joints tell no errors at
+/// other poses than that of the start: those that hold a point are held there, too; others drift by what a step bends, and return
+/// by their ERP.
 ///
-/// **Joints do no work.** What joints and limits have given a component in sum never exceeds 1 % of its largest recent
-/// kinetic energy (SolverOptions::ledger_share). Motors, servos, springs, and bodies that their owners move may do work. Linear and
-/// angular momentum stay, but for the angular momentum of poses that are moved.
+/// **Joints do no work.** What the impulses of joints and limits have given a component in sum never exceeds 1 % of its largest recent
+/// kinetic energy (SolverOptions::ledger_share). Where moving poses lifts bodies, velocities pay for it as far as they can. Motors,
+/// servos, springs, and bodies that their owners move may do work. Linear and angular momentum stay, but for the angular momentum of
+/// poses that are moved.
 ///
 /// **Softness.** CFM of any size is exact. A soft equality is a spring and damper of its ERP and CFM, which starts without tension
 /// wherever it is. What joints of loops say twice they share; where they contradict each other, they give way.
