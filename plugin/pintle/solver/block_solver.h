@@ -1,5 +1,7 @@
 // Purpose: the joints of a component as one block, in velocity: all its rows at once by the factor of their K, or those with bounds, or
 // all, one by one. Among contacts rows with bounds may go on as contacts do.
+//   A (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h),   K lambda = target - J v* for the rows that act
+// Which ones act is found by block pivoting (Judice and Pires 1994), and where that no longer gets nearer, by one row at a time.
 #pragma once
 
 #include <pintle/solver/active_set.h>

@@ -1,4 +1,6 @@
 // Purpose: what contacts do to the poses of jointed bodies, beside the velocities with which the step ends.
+// Bodies that are in each other are led out by pseudo velocities w of their own, which are zero after the step (split impulses):
+//   A w = J^T p + R^T lambda,   R w = 0 of joints,   J w >= target,   p >= 0,   p (J w - target) = 0 of contacts
 #pragma once
 
 #include <pintle/solver/bytes.h>
