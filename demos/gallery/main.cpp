@@ -127,7 +127,8 @@ void record(const Scene& scene, const Kind& kind, Runs& runs, JsonArray& figures
   const engines::Contender& contender = *engines::find_contender(kind.contender);
   // Where more work would lessen its errors, or to play with it; but for what is large.
   const bool more = contender.iterates_in(scene) && moving(scene) <= max_moving &&
-                    (scene.in_report || scene.group == scenes::Group::known);
+                    (scene.compared == scenes::Compared::over_all_settings ||
+                     scene.group == scenes::Group::known);
   if (kind.iterations != 10 && !more) return;
   std::unique_ptr<Engine> engine = contender.make(scene, kind.iterations);
   if (!engine || engine->bullet_world() == nullptr) return;

@@ -56,7 +56,7 @@ Key key(const Row& row) { return {row.scene, row.contender, row.iterations, row.
 std::vector<Scene> compared() {
   std::vector<Scene> all = scenes::catalog();
   const auto is_left_out = [](const Scene& scene) {
-    return !scene.in_report && scene.problem.empty();
+    return scene.compared == scenes::Compared::nowhere && scene.problem.empty();
   };
   all.erase(std::remove_if(all.begin(), all.end(), is_left_out), all.end());
   return all;
@@ -120,6 +120,10 @@ int run_grid(const Options& options) {
   std::vector<Group> groups;
   for (const Scene& scene : all) {
     if (!is_chosen(scene.name, options.scenes)) continue;
+    if (scene.compared == scenes::Compared::as_games_run) {
+      groups.push_back({&scene, 10, 60, true});
+      continue;
+    }
     for (const int hz : options.hz) {
       for (const int iterations : options.iterations)
         groups.push_back({&scene, iterations, hz, iterations == options.iterations.front()});

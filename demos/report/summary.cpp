@@ -251,6 +251,36 @@ void write_data(const std::string& folder, const Results& results, const Scene& 
   }
 }
 
+// Machines: every contender at the settings of a game.
+void write_machines(std::ostream& out, const Results& results, const std::vector<Scene>& machines) {
+  if (machines.empty()) return;
+  out << "\nMachines at 60 Hz and 10 iterations, in double precision; times are those of a "
+         "step. An empty field: the engine has no joint for it.\n\n"
+         "| machine | what |";
+  for (const std::string& who : results.contenders()) out << ' ' << who << " |";
+  out << "\n|---|---|";
+  for (size_t i = 0; i < results.contenders().size(); ++i) out << "---|";
+  out << '\n';
+  for (const Scene& scene : machines) {
+    const auto write = [&](const std::string& what, auto value) {
+      out << "| " << scene.name << " | " << what << " |";
+      for (const std::string& who : results.contenders()) {
+        out << ' ';
+        for (const Row& row : results.rows()) {
+          if (row.scene == scene.name && row.contender == who && row.precision == "double")
+            out << value(row);
+        }
+        out << " |";
+      }
+      out << '\n';
+    };
+    for (const Error error : scene.errors)
+      write(name(error) + std::string(" (") + unit(error) + ')',
+            [&](const Row& row) { return number(row.errors[size_t(error)]); });
+    write("time (us)", [](const Row& row) { return std::lround(row.microseconds); });
+  }
+}
+
 // What is lost is null.
 bool write_json(const std::string& path, const Results& results, const std::vector<Scene>& all) {
   JsonArray file;
@@ -290,21 +320,26 @@ int main(int argc, char** argv) {
     rows.insert(rows.end(), more.begin(), more.end());
   }
   const Results results(rows);
-  std::vector<Scene> measured;
+  std::vector<Scene> all, measured, machines;
   for (const Scene& scene : scenes::catalog()) {
-    if (std::any_of(rows.begin(), rows.end(),
-                    [&](const Row& row) { return row.scene == scene.name; }))
-      measured.push_back(scene);
+    if (std::none_of(rows.begin(), rows.end(),
+                     [&](const Row& row) { return row.scene == scene.name; }))
+      continue;
+    all.push_back(scene);
+    (scene.compared == scenes::Compared::as_games_run ? machines : measured).push_back(scene);
   }
 
   std::filesystem::create_directories(out);
   std::ofstream summary(out + "/summary.md");
   const StepErrors steps = report::errors_of_steps(results, measured);
   write_summary(summary, results, steps, measured);
-  write_instructions(summary, instructions, measured, results);
+  if (!machines.empty()) summary << "\n## Machines\n";
+  write_machines(summary, results, machines);
+  write_instructions(summary, instructions, all, results);
   std::ofstream brief(out + "/brief.md");  // for plugin/docs/benchmarks.md
   write_brief(brief, results, steps, measured);
   report::write_published(brief, results, steps, measured);
+  write_machines(brief, results, machines);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
   for (const Scene& scene : measured) {
     std::ofstream page(out + "/" + scene.name + ".md");
@@ -326,7 +361,7 @@ int main(int argc, char** argv) {
     }
     plots << '\n';
   }
-  if (!json.empty() && !write_json(json, results, measured))
+  if (!json.empty() && !write_json(json, results, all))
     return std::fprintf(stderr, "--json: cannot write %s\n", json.c_str()), 1;
   if (!summary || !brief || !plots)
     return std::fprintf(stderr, "cannot write %s\n", out.c_str()), 1;

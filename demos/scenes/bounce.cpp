@@ -15,7 +15,7 @@ Scene bounce_scene(double restitution) {
   contact.restitution = restitution;
   scene.seconds = 10;
   scene.errors = {Error::trajectory, Error::overshoot};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.probe_body = ball;
   scene.horizon = scene.seconds;
   scene.closed_form = [=](double time) -> Vector3d {

@@ -33,7 +33,7 @@ Scene stick_rope_scene(bool slack = true);  // the same of sticks, for who has n
 Scene bounce_scene(double restitution = 0.5);
 Scene tilt_scene(double tilt = radians(60));  // rad, between x and the plane of the angle
 
-// What tests, regression figures and page go over, and the report where a scene is in_report.
+// What tests, regression figures and page go over, and the report where a scene is compared.
 std::vector<Scene> catalog();
 // The one of that name, which is to be there.
 Scene named(const std::string& name);

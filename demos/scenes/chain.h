@@ -37,17 +37,17 @@ struct ChainSettings {
 };
 
 struct ChainResult {
-  double mean_gap = 0;               // m: the mean over all steps of the step's largest gap
-  double max_gap = 0;                // m
-  double max_axis_angle = 0;         // rad
-  double max_energy_error = 0;       // relative, absolute value
-  double end_energy_error = 0;       // relative, positive: gained energy
-  double in_step_energy_error = 0;   // relative, the largest absolute value, in step
-  double energy_gain = 0;            // in step, above the start, over the largest exchange of energy
-  double start_gap = 0;              // m: 0, but for rounding
-  double start_axis_angle = 0;       // rad: 0, but for rounding
-  Eigen::Vector3d tip = {0, 0, 0};   // m
-  bool finite = true;                // false: the run ended in NaN or infinity
+  double mean_gap = 0;              // m: the mean over all steps of the step's largest gap
+  double max_gap = 0;               // m
+  double max_axis_angle = 0;        // rad
+  double max_energy_error = 0;      // relative, absolute value
+  double end_energy_error = 0;      // relative, positive: gained energy
+  double in_step_energy_error = 0;  // relative, the largest absolute value, in step
+  double energy_gain = 0;           // in step, above the start, over the largest exchange of energy
+  double start_gap = 0;             // m: 0, but for rounding
+  double start_axis_angle = 0;      // rad: 0, but for rounding
+  Eigen::Vector3d tip = {0, 0, 0};  // m
+  bool finite = true;               // false: the run ended in NaN or infinity
   double microseconds_per_step = 0;  // wall-clock: does not repeat
 };
 
@@ -61,9 +61,9 @@ inline ChainErrors chain_errors(const Scene& scene, const std::vector<btRigidBod
   ChainErrors errors;
   for (const Joint& joint : scene.joints) {
     const btRigidBody &a = *bodies[size_t(joint.a)], &b = *bodies[size_t(joint.b)];
-    const double gap = (point_in_world(b, joint.in_b.translation()) -
-                        point_in_world(a, joint.in_a.translation()))
-                           .norm();
+    const double gap =
+        (point_in_world(b, joint.in_b.translation()) - point_in_world(a, joint.in_a.translation()))
+            .norm();
     const double angle = angle_between(direction_in_world(b, joint.in_b.linear().col(2)),
                                        direction_in_world(a, joint.in_a.linear().col(2)));
     if (!std::isfinite(gap) || !std::isfinite(angle)) return {HUGE_VAL, HUGE_VAL};
@@ -107,8 +107,8 @@ ChainResult chain(const ChainSettings& settings, Configure configure = {}) {
     const double kinetic_now = kinetic_energy();
     const double in_step = height + (kinetic + kinetic_now) / 2;
     if (step == 0) start_in_step = in_step;
-    result.in_step_energy_error = std::max(result.in_step_energy_error,
-                                           std::abs(in_step - start_in_step) / energy_scale);
+    result.in_step_energy_error =
+        std::max(result.in_step_energy_error, std::abs(in_step - start_in_step) / energy_scale);
     exchange = std::max(exchange, std::abs(height - start_height));
     gain = std::max(gain, in_step - start_in_step);
     kinetic = kinetic_now;

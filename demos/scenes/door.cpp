@@ -53,7 +53,7 @@ Scene door_scene(double damping_ratio) {
   hinge.spring = {frequency, damping_ratio};
   scene.seconds = 10;
   scene.errors = {Error::trajectory, Error::gap};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.probe_body = moving;
   scene.probe = {1 - arm, 0, 0};  // 1 m off the axis: metres are radians
   scene.horizon = scene.seconds;

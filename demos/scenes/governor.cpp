@@ -45,7 +45,7 @@ Scene governor_scene() {
   scene.gravity = 9.81;
   scene.seconds = 10;
   scene.errors = {Error::trajectory, Error::gap};
-  scene.in_report = false;  // Bullet has no joint for it
+  scene.compared = Compared::nowhere;  // Bullet has no joint for it
   scene.probe_body = slider;
   scene.horizon = scene.seconds;
   return scene;

@@ -89,7 +89,7 @@ Scene stairs_scene() {
   scene.seconds = 5;
   scene.errors = {Error::gap, Error::overshoot, Error::axis};
   scene.energy_scale = 70 * standard_gravity;
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

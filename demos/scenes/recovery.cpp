@@ -21,7 +21,7 @@ Scene recovery_scene(double angle, const Vector3d& about) {
   scene.connect(Kind::hinge, first, second, at(end)).in_b = at(-end);
   scene.seconds = 10;
   scene.errors = {Error::recovery, Error::gap};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

@@ -21,7 +21,7 @@ Scene weight_scene(bool slack) {
   const Body weight = box(2, {0.05, 0.05, 0.05}, slack ? Vector3d(0.3, 0, 0) : hanging);
   scene.probe_body = scene.add(weight);
   scene.seconds = 20;
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.energy_scale =
       weight.mass * standard_gravity * length * (slack ? 1 : 1 - std::cos(amplitude));
   return scene;

@@ -111,6 +111,10 @@ const char* unit(Error error);
 enum class Group { known, wrong, limits, measured };
 const char* name(Group group);
 
+// With what the report compares its contenders: all iterations and steps, or those of a game alone, as of
+// machines, which are long. Nowhere where Bullet has no joint for it, or where its error is not one that more work would lessen.
+enum class Compared { over_all_settings, as_games_run, nowhere };
+
 // A bug of stock's joints that Pintle's do not have: of a run in steps of 1/60 s and 10 iterations.
 struct Mended {
   Error error = Error::count;  // count: there is none here
@@ -126,9 +130,7 @@ struct Scene {
   double seconds = 5;
   std::vector<Error> errors = {Error::gap};  // the first one is what matters most here
   double energy_scale = 1;                   // J
-  // Whether it is compared over all iterations and steps: not where Bullet has no joint for it, or its
-  // error is not one that more work would lessen.
-  bool in_report = true;
+  Compared compared = Compared::over_all_settings;
   // Of a published collection: the report has its errors against the reference, whether Bullet has joints for it or not.
   std::string problem = {};
   // Whether a page of all scenes has it, or only one that is asked for: with a hundred bodies it takes much room.

@@ -19,7 +19,7 @@ Scene tilt_scene(double tilt) {
   limit.range = {-1, 0};
   scene.seconds = 1;
   scene.errors = {Error::overshoot};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

@@ -19,7 +19,7 @@ Scene valve_scene(double turns, double speed) {
   spindle.motor = {[=](double time) { return time < one_way ? speed : -speed; }, torque};
   scene.seconds = 2 * one_way;
   scene.errors = {Error::trajectory, Error::overshoot};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.probe_body = wheel;
   scene.probe = {1, 0, 0};  // 1 m off the axis: metres are radians
   scene.horizon = scene.seconds;

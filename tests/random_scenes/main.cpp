@@ -1,11 +1,12 @@
 // Plays random scenes, and prints those of which joints feed energy, or that do not hold.
 // Usage: random_scenes COUNT [FIRST [all]]  scenes FIRST (1 unless given) to FIRST + COUNT - 1; all: prints every one
-//        random_scenes show SEED        one scene, step by step
+//        random_scenes show SEED [KIND] one scene, step by step; KIND: all its joints are of the kind of that number
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
 
+#include "random_joints.h"
 #include "random_scene.h"
 
 namespace {
@@ -66,14 +67,15 @@ void print(const Counts& n) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc == 3 && std::strcmp(argv[1], "show") == 0) {
-    const random_scenes::Scene scene = random_scenes::makeScene(unsigned(std::atol(argv[2])));
+  if ((argc == 3 || argc == 4) && std::strcmp(argv[1], "show") == 0) {
+    random_scenes::Scene scene = random_scenes::makeScene(unsigned(std::atol(argv[2])));
+    if (argc == 4) scene.kind = std::clamp(std::atoi(argv[3]), 0, random_scenes::kindCount() - 1);
     std::cout << random_scenes::describe(scene) << '\n';
     random_scenes::play(scene, &std::cout);
     return 0;
   }
   if (argc < 2 || argc > 4) {
-    std::cerr << "usage: random_scenes COUNT [FIRST [all]] | random_scenes show SEED\n";
+    std::cerr << "usage: random_scenes COUNT [FIRST [all]] | random_scenes show SEED [KIND]\n";
     return 2;
   }
   const unsigned count = unsigned(std::atol(argv[1])),

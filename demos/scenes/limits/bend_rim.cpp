@@ -24,7 +24,7 @@ Scene bend_rim_scene() {
   joint.range = {0, radians(45)};
   scene.seconds = 4;
   scene.errors = {Error::overshoot, Error::gap, Error::axis};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

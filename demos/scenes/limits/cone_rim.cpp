@@ -22,7 +22,7 @@ Scene cone_rim_scene() {
   joint.spans = {0.9, 0.5, 0.4};
   scene.seconds = 4;
   scene.errors = {Error::overshoot, Error::gap};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

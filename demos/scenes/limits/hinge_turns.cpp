@@ -17,7 +17,7 @@ Scene hinge_turns_scene() {
   joint.motor = {[](double time) { return time < 1.6 ? 10. : -10.; }, 40};
   scene.seconds = 4;
   scene.errors = {Error::overshoot, Error::gap, Error::axis};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

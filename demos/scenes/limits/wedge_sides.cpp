@@ -21,7 +21,7 @@ Scene wedge_sides_scene() {
   joint.range = {radians(-35), radians(35)};
   scene.seconds = 4;
   scene.errors = {Error::overshoot, Error::gap};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   return scene;
 }
 

@@ -18,7 +18,7 @@ Scene bent_universal_scene() {
   scene.connect(Kind::universal, 0, moving, at({0, 0, 0})).range = {-100, 100};  // as good as free
   scene.seconds = 8;
   scene.errors = {Error::trajectory, Error::gap, Error::axis};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.probe_body = moving;
   scene.probe = {1 - arm, 0, 0};  // 1 m off the axis: metres are radians
   scene.horizon = scene.seconds;

@@ -17,7 +17,7 @@ Scene flat_cone_scene() {
   scene.energy_scale = 0.5 * limb.mass * limb.velocity.squaredNorm() +
                        0.5 * limb.inertia.dot(limb.angular_velocity.cwiseAbs2());
   scene.errors = {Error::gained, Error::overshoot, Error::gap};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.mended = {Error::gained, 2, 0.05};
   return scene;
 }

@@ -30,7 +30,7 @@ Scene gear_train_scene() {
   scene.bodies.back().torque = {0, 0, -brake};
   scene.seconds = 5;
   scene.errors = {Error::trajectory};
-  scene.in_report = false;  // Pintle has no joint for it
+  scene.compared = Compared::nowhere;  // Pintle has no joint for it
   scene.probe_body = int(scene.bodies.size()) - 1;
   scene.probe = {1, 0, 0};  // 1 m off the axis: metres are radians
   scene.horizon = scene.seconds;

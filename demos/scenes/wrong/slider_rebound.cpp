@@ -19,7 +19,7 @@ Scene slider_rebound_scene() {
   rail.restitution = restitution;
   scene.seconds = 4;
   scene.errors = {Error::trajectory, Error::overshoot};
-  scene.in_report = false;
+  scene.compared = Compared::nowhere;
   scene.probe_body = moving;
   scene.horizon = scene.seconds;
   scene.closed_form = [=](double time) -> Vector3d {
