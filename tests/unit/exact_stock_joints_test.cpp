@@ -1,6 +1,7 @@
 // Stock hinges, joints of six degrees of freedom and gears on the exact solver: heavy loads on light chains, and bodies that their
 // factors hold along some axes.
 #include <BulletDynamics/ConstraintSolver/btGearConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <gtest/gtest.h>
@@ -21,6 +22,7 @@ namespace {
 using physics::rounding;
 using support::Books;
 using support::largestGapOf;
+using support::Random;
 using support::scalar;
 using support::vec;
 
@@ -210,6 +212,39 @@ TEST(StockJointsOfSixDegrees, HoldPointsOfSwingingRods) {
       EXPECT_LE(books.gain, 0.01 * books.peak);
       EXPECT_GT(books.peak, 50) << "it has fallen";
     }
+}
+
+// Light links bear a heavy one, whirl between stops of angles and of lengths, and pass them. A step that closed all of that would turn links by
+// so much that the rows of its start no longer say how their joints change: they would open further, step by step, and lift the load.
+TEST(StockJointsOfSixDegrees, CloseNoFurtherThanTheirRowsReach) {
+  for (const double load : {1e2, 1e4})
+    for (const int links : {3, 4})
+      for (unsigned seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE(testing::Message() << load << " kg, " << links << " links, seed " << seed);
+        Random random(seed);
+        Books books(60);
+        books.world.getSolverInfo().m_erp = scalar(0.9);
+        btRigidBody* last = &books.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0));
+        for (int i = 0; i < links; ++i) {
+          btRigidBody& link = books.add(i == links - 1 ? load : 1, vec(0.25, 0.05, 0.05),
+                                        vec(0.5 * i + 0.25, 0, 0));
+          const btTransform frame(random.pose(1).getRotation(), vec(0.5 * i, 0, 0));
+          auto joint = std::make_unique<btGeneric6DofConstraint>(
+              *last, link, last->getCenterOfMassTransform().inverse() * frame,
+              link.getCenterOfMassTransform().inverse() * frame, true);
+          joint->setLinearLowerLimit(vec(0, 0, -0.1));
+          joint->setLinearUpperLimit(vec(0, 0, 0.1));
+          joint->setAngularLowerLimit(vec(-0.3, 0, -1));
+          joint->setAngularUpperLimit(vec(0.3, 0, 1));
+          books.join(std::move(joint));
+          link.setLinearVelocity(random.vector(2));
+          link.setAngularVelocity(random.vector(2));
+          last = &link;
+        }
+        books.begin();
+        for (int i = 0; i < 120; ++i) books.step();
+        EXPECT_LE(books.gain, 0.01 * books.peak);
+      }
 }
 
 // Two wheels that only turn, about z or about all axes: the gear holds their speeds to its ratio, but for 1e-8 of its impulse, by which

@@ -5,6 +5,44 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+void findChanges(const Island& island, const Component& component, const std::vector<Vector6d>& v,
+                 const std::vector<MovedBody>& end, PoseChange* changes) {
+  for (int b = 0; b < component.bodies; ++b) {
+    const MovedBody by_velocity(v[size_t(b)], island.dt),
+        by_push(island.bodies[size_t(component.first_body + b)].push, island.dt),
+        &to = end[size_t(b)];
+    changes[b].head<3>() = to.move - by_velocity.move - by_push.move;
+    changes[b].tail<3>() =
+        rotationVector(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose());
+  }
+}
+
+double bendOfRows(const Island& island, const Component& component, const std::vector<char>& which,
+                  const std::vector<MovedBody>& start, const std::vector<MovedBody>& end) {
+  double most = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (joint.ours != nullptr) continue;
+    double turn[2];  // rad: as far as the body has come, which may be several times round
+    for (int side = 0; side < 2; ++side) {
+      const auto i = size_t(joint.body[size_t(side)] - component.first_body);
+      turn[side] =
+          joint.body[size_t(side)] < 0 ? 0 : island.dt * (end[i].v - start[i].v).tail<3>().norm();
+    }
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (row.has_position || !which[size_t(joint.row_of_component + i)]) continue;
+      // An angle changes by how both turn; a point or a length by where both levers end.
+      const double a = row.J.A_a.norm(), b = row.J.A_b.norm();
+      const double bend = row.J.L_b.isZero(0)
+                              ? std::fmax(a, b) * (turn[0] + turn[1]) * (turn[0] + turn[1])
+                              : a * turn[0] * turn[0] + b * turn[1] * turn[1];
+      most = larger(most, bend / 2);
+    }
+  }
+  return most;
+}
+
 void shorten(const Island& island, const Component& component, const JointMatrix& K,
              const std::vector<double>& open_rows, PoseChange* changes) {
   const auto body = [&](int i) -> const IslandBody& {

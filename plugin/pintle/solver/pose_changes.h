@@ -30,6 +30,15 @@ inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
   return to;
 }
 
+/// Between what contacts push and the step of the velocities `v`, so that bodies of the component come to `end`.
+void findChanges(const Island& island, const Component& component, const std::vector<Vector6d>& v,
+                 const std::vector<MovedBody>& end, PoseChange* changes);
+
+/// m or rad: the most by which turning bodies of the component from `start` to `end` changes what those rows of Bullet's measure beside what they
+/// say, which is known at the start of the step alone: a lever |A| that turns by phi leaves its tangent by |A| phi^2 / 2. Of `which` rows.
+double bendOfRows(const Island& island, const Component& component, const std::vector<char>& which,
+                  const std::vector<MovedBody>& start, const std::vector<MovedBody>& end);
+
 /// Where no motion closes all, the nearest one may be far: of each body of the component, no change is more than all its rows together
 /// would move it. `open_rows`: what each one has open, in the units of K.
 void shorten(const Island& island, const Component& component, const JointMatrix& K,

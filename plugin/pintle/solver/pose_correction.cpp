@@ -33,6 +33,7 @@ class PoseCorrection {
   bool factorise(bool at_end);
   bool straighten();
   bool leaveLimits();
+  bool askLess();
   double measure();
   double findResidual();
   double step(double open, bool is_fresh);
@@ -44,7 +45,6 @@ class PoseCorrection {
   bool startsClosed() const;
   bool follow();
   bool closePart();
-  void findChanges(PoseChange* changes) const;
   const IslandBody& body(int i) const {
     return m_island.bodies[size_t(m_component.first_body + i)];
   }
@@ -56,7 +56,9 @@ class PoseCorrection {
   Workspace& m_work;
   JointMatrix& m_K;
   int m_factors = 0;
-  double m_part = 1;  ///< of the way of the step, at the end of which rows are to be met
+  double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
+  double m_asked = 1;  ///< of what Bullet's rows are to close
+  double m_most_bend = infinity;  ///< m or rad: more is not by what they are to close
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
   std::vector<char>& m_bends =
@@ -152,6 +154,29 @@ bool PoseCorrection::leaveLimits() {
     m_closes[r] = m_bends[r] = false;
   });
   return any;
+}
+
+// Rows of Bullet's say what they measure near the start of the step alone. A part s of the way that is to close C of them closes s C, and as
+// bodies turn opens up to s^2 B: where B > C the whole way leads nowhere, and s = C / 2B leaves least open. Returns whether so much is to be
+// closed instead; the next steps ask for the rest. Where bodies turn by what other rows ask for, those of Bullet's ask for nothing.
+bool PoseCorrection::askLess() {
+  double open = 0;
+  const auto forEachAsked = [&](const auto& visit) {
+    forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
+      if (m_closes[r] && !row.has_position) visit(m_open[m_K.row(c, i)] * row.root_K, r);
+    });
+  };
+  forEachAsked([&](double left, size_t) { open = larger(open, m_asked * m_island.dt * left); });
+  if (!(open > m_tolerance)) return false;
+  const double bend = bendOfRows(m_island, m_component, m_closes, m_work.start, m_nearest);
+  if (!(bend > open)) return false;
+  m_asked *= bend <= m_most_bend ? open / (2 * bend) : 0;
+  m_most_bend = open / 2;
+  m_work.moved = m_nearest = m_work.start;
+  measure();
+  forEachAsked([&](double left, size_t r) { m_goal[r] = m_u[r] + m_asked * left; });
+  m_work.broyden.begin();
+  return true;
 }
 
 // work.x: what is still open, in the units of K. Returns the most, m or rad.
@@ -265,10 +290,10 @@ double PoseCorrection::closeWithoutLimits(double left) {
 }
 
 bool PoseCorrection::startsClosed() const {
-  for (int c = 0; c < m_component.joints; ++c)
-    if (m_island.joints[size_t(m_component.first_joint + c)].open > m_options.loose_pose_tolerance)
-      return false;
-  return true;
+  const IslandJoint* const joints = &m_island.joints[size_t(m_component.first_joint)];
+  return std::all_of(joints, joints + m_component.joints, [&](const IslandJoint& joint) {
+    return joint.open <= m_options.loose_pose_tolerance;
+  });
 }
 
 // Where the end of the step is too far, as where a light body whirls between taut ropes, bodies go there from its start part by part.
@@ -315,17 +340,6 @@ bool PoseCorrection::closePart() {
   return true;
 }
 
-// Between what contacts push and the step of the velocities.
-void PoseCorrection::findChanges(PoseChange* changes) const {
-  for (int b = 0; b < m_component.bodies; ++b) {
-    const MovedBody by_velocity(m_work.v[size_t(b)], m_island.dt),
-        by_push(body(b).push, m_island.dt), &to = m_nearest[size_t(b)];
-    changes[b].head<3>() = to.move - by_velocity.move - by_push.move;
-    changes[b].tail<3>() =
-        rotationVector(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose());
-  }
-}
-
 void PoseCorrection::begin() {
   const auto rows = size_t(m_component.rows);
   m_u.resize(rows);
@@ -352,6 +366,10 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   has_factor = has_factor && m_K.factorise(m_options.least_pivot);
   if (!has_factor && !factorise(false)) return open;
   double left = closePassed(iterate(open, true));
+  while (askLess()) {
+    if (std::exchange(m_factors, 0) > 0 && !factorise(false)) return open;
+    left = closePassed(iterate(measure(), true));
+  }
   const double met = m_options.loose_pose_tolerance;  // but for rounding
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
@@ -364,7 +382,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     left = closePassed(iterate(measure(), false));
   }
   const double of_joints = left <= met ? left : closeWithoutLimits(left);
-  findChanges(changes);
+  findChanges(m_island, m_component, m_work.v, m_nearest, changes);
   if (!(of_joints <= met || left < m_options.contraction * open))
     shorten(m_island, m_component, m_K, m_open, changes);
   return left;
