@@ -18,8 +18,9 @@ void findBase(const Island& island, const Component& component, JointMatrix& K, 
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     Vector6d base = body.v_free;
-    base.tail<3>() -= K.bodies()[size_t(i)].angular *
-                      (work.stiffness[size_t(i)] * (body.v_free - body.v0).tail<3>());
+    if (!work.is_resolved)
+      base.tail<3>() -= K.bodies()[size_t(i)].angular *
+                        (work.stiffness[size_t(i)] * (body.v_free - body.v0).tail<3>());
     work.base.push_back(base);
   }
 }

@@ -2,8 +2,6 @@
 
 #include <Eigen/LU>
 
-#include <algorithm>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -22,10 +20,8 @@ Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia) {
 }
 
 InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
-    : linear(body.inverse_mass),
-      angular(stiffness.isZero(0) ? body.inverse_inertia
-                                  : inverseWhereFree(body, body.inertia + stiffness)) {
-  std::copy(body.scale, body.scale + 2, scale);
+    : InverseInertia(body) {
+  if (!stiffness.isZero(0)) angular = inverseWhereFree(body, body.inertia + stiffness);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -15,6 +15,10 @@ struct InverseInertia {
   Matrix3d angular;
   double scale[2];  ///< square roots of the mass, and of a mean of the inertia
 
+  explicit InverseInertia(const IslandBody& body)
+      : linear(body.inverse_mass),
+        angular(body.inverse_inertia),
+        scale{body.scale[0], body.scale[1]} {}
   /// With `stiffness` (kg m^2, symmetric, not negative) added to what turns.
   InverseInertia(const IslandBody& body, const Matrix3d& stiffness);
   /// Of an impulse, N s and N m s.

@@ -71,10 +71,10 @@ constexpr size_t joint_bytes = 2 * sizeof(Joint), rows_bytes = 4 * sizeof(Row);
 
 // What a joint knows the places of.
 void prefetchOf(btTypedConstraint& joint) {
-  prefetch(&joint.getRigidBodyA(), sizeof(btRigidBody));
-  prefetch(&joint.getRigidBodyB(), sizeof(btRigidBody));
+  prefetch<sizeof(btRigidBody)>(&joint.getRigidBodyA());
+  prefetch<sizeof(btRigidBody)>(&joint.getRigidBodyB());
   if (const Joint* const ours = JointAccess::ours(joint))
-    prefetch(&JointAccess::firstRow(*ours), rows_bytes);
+    prefetch<rows_bytes>(&JointAccess::firstRow(*ours));
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
   for (int i = 0; i < numConstraints; ++i) {
     btTypedConstraint& constraint = *constraints[i];
     // Memory takes about as long as one joint does; and a joint must be there to know its bodies.
-    if (i + 4 < numConstraints) prefetch(constraints[i + 4], joint_bytes);
+    if (i + 4 < numConstraints) prefetch<joint_bytes>(constraints[i + 4]);
     if (i + 2 < numConstraints) prefetchOf(*constraints[i + 2]);
     constraint.buildJacobian();
     constraint.internalSetAppliedImpulse(0);

@@ -101,8 +101,13 @@ void stiffen(const Island& island, const Component& component, const Workspace& 
              JointMatrix& K) {
   std::vector<InverseInertia>& bodies = K.bodies();
   bodies.clear();
-  for (int i = 0; i < component.bodies; ++i)
-    bodies.emplace_back(island.bodies[size_t(component.first_body + i)], work.stiffness[size_t(i)]);
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    if (work.is_resolved)
+      bodies.emplace_back(body);
+    else
+      bodies.emplace_back(body, work.stiffness[size_t(i)]);
+  }
 }
 
 }  // namespace PINTLE_PRECISION

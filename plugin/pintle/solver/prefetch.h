@@ -11,15 +11,16 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 /// So many bytes from there. Nothing is read: what lies behind the end of the object does not matter.
-inline void prefetch(const void* object, std::size_t bytes) {
+template <std::size_t bytes>
+void prefetch(const void* object) {
 #if defined(__GNUC__)
   constexpr std::size_t line = 64;
-  const auto first = reinterpret_cast<std::uintptr_t>(object);
-  for (std::size_t at = 0; at < bytes; at += line)
-    __builtin_prefetch(reinterpret_cast<const void*>(first + at));
+  __builtin_prefetch(object);
+  if constexpr (bytes > line)
+    prefetch<bytes - line>(
+        reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(object) + line));
 #else
   static_cast<void>(object);
-  static_cast<void>(bytes);
 #endif
 }
 

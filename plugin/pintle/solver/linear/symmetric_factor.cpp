@@ -156,7 +156,7 @@ size_t SymmetricFactor::place(int i, int k) const {
 void SymmetricFactor::set(const std::vector<double>& numbers, const std::vector<Run>& runs) {
   // (std::fill sets two at a time.)
   const auto clear = [this](size_t from, size_t to) {
-    std::memset(m_numbers.data() + from, 0, (to - from) * sizeof(double));
+    if (from < to) std::memset(m_numbers.data() + from, 0, (to - from) * sizeof(double));
   };
   const double* from = numbers.data();
   size_t done = 0;
