@@ -7,6 +7,7 @@
 #include <pintle/solver/row_velocities.h>
 
 #include <limits>
+#include <utility>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -69,7 +70,7 @@ void Chord::findWhatForeseenMisses() {
   m_K.subtractVelocities(change.data(), m_work.x.data());
 }
 
-// Where impulses lead to what is foreseen, but for rounding, and rows are met there, nothing is to be solved.
+// Whether impulses lead to what is foreseen, but for rounding, and rows are met there.
 bool Chord::isForeseen() {
   const double most2 =
       2 * m_energy_by_forces * rounding_of_velocities * rounding_of_velocities;  // twice, J
@@ -87,9 +88,7 @@ bool Chord::isForeseen() {
   missed2 = 0;
   for (size_t i = 0; i < m_work.v.size(); ++i)
     missed2 += bodies[i].product(m_work.stays[i], m_work.stays[i]);
-  if (!(missed2 <= most2)) return false;
-  for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_work.stays[i];
-  return true;
+  return missed2 <= most2;
 }
 
 // What the impulses lead to.
@@ -116,7 +115,11 @@ SolveReport Chord::run() {
   broyden.begin();
   aimRows(m_island, m_component, m_work, m_K);
   findWhatForeseenMisses();
-  if (isForeseen()) {
+  // Then nothing is to be solved. But impulses that had to change in the last step do so again: what is at rest would leave it by what
+  // rounding allows, and come back by two solves, for ever. So they are solved for once more, and then are right.
+  const bool was_missed = std::exchange(m_work.is_missed, !isForeseen());
+  if (!was_missed && !m_work.is_missed) {
+    for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_work.stays[i];
     m_report.converged = true;
     keepImpulses(m_work);
     return m_report;

@@ -250,7 +250,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
     kept.holds_end = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
-    kept.is_as_foreseen = false;
+    kept.is_as_foreseen = kept.work.is_missed = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
                                   : workAmongContacts(m_island, *of, kept.work);
   }

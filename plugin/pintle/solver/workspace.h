@@ -27,6 +27,7 @@ struct Workspace {
   std::vector<double> softness;     ///< of each row that acts, relative to K
   std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
   bool is_resolved = true;          ///< none: steps resolve the swing of all bodies
+  bool is_missed = false;           ///< impulses do not lead to what is foreseen (chord.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
   /// What a solve has found.
