@@ -43,7 +43,7 @@ double findResidual(double dt, const JointMatrix& K, const Vector6d* v, Workspac
   return dt * K.findResidual(work.aim.data(), work.y.data(), v, work.x.data());
 }
 
-void keepImpulses(Workspace& work) {
+void unscaleImpulses(Workspace& work) {
   work.lambda.resize(work.scales.size());
   for (size_t r = 0; r < work.scales.size(); ++r)
     work.lambda[r] = work.y[work.scales[r].at] * work.scales[r].by_root_K;

@@ -27,8 +27,8 @@ double findResidual(double dt, Workspace& work);
 /// The same of rows of the start, where bodies move with `v` (those of the component): of the rows of the last factor.
 double findResidual(double dt, const JointMatrix& K, const Vector6d* v, Workspace& work);
 
-/// work.lambda from work.y.
-void keepImpulses(Workspace& work);
+/// work.lambda from work.y, which is in the units of K.
+void unscaleImpulses(Workspace& work);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -148,7 +148,7 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
   splitBounds();
-  keepImpulses(m_work);
+  unscaleImpulses(m_work);
   return m_has_factor && m_factors > factors;
 }
 

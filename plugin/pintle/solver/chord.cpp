@@ -121,7 +121,7 @@ SolveReport Chord::run() {
   if (!was_missed && !m_work.is_missed) {
     for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_work.stays[i];
     m_report.converged = true;
-    keepImpulses(m_work);
+    unscaleImpulses(m_work);
     return m_report;
   }
   if (!m_K.factorise(m_options.least_pivot) || !broyden.step(m_K, m_work.x, m_work.y))
@@ -145,7 +145,7 @@ SolveReport Chord::run() {
     }
     if (!broyden.step(m_K, m_work.x, m_work.y)) return m_report;
   }
-  keepImpulses(m_work);
+  unscaleImpulses(m_work);
   return m_report;
 }
 

@@ -159,7 +159,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 void ComponentMemory::keepImpulses(const Island& island, const Component& component,
                                    double least_pivot) {
   m_lambda = work.lambda;
-  if (is_as_foreseen) return;  // so they were before
+  if (needed_no_solve) return;  // so they were before
   MostImpulse most(island.bodies[size_t(component.first_body)]);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];

@@ -20,9 +20,9 @@ struct ComponentMemory {
   std::vector<int> sizes;                  ///< of each: rows
   JointMatrix::Locks locks;                ///< of each body
   JointMatrix K;
-  bool has_factor = false;      ///< K is that of the step, and has a factor or can have one
-  bool is_as_foreseen = false;  ///< nothing was solved: impulses are those with which it began
-  bool holds_end = false;       ///< its velocities hold its rows at the end of the step
+  bool has_factor = false;       ///< K is that of the step, and has a factor or can have one
+  bool needed_no_solve = false;  ///< impulses are those with which it began
+  bool holds_end = false;        ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
   /// J: the most that holds its bodies on arcs, 0 where they swing about their load; where it is known (balance.h).

@@ -147,7 +147,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   m_report.newton_steps += done.steps;
   kept.converged = done.converged;
   kept.is_foreseen = done.converged && done.steps <= 1;
-  kept.is_as_foreseen = done.converged && done.steps == 0;
+  kept.needed_no_solve = done.converged && done.steps == 0;
   if (!done.converged) return false;
   kept.residual = done.error;
   kept.tolerance = m_options.pose_tolerance;
@@ -250,7 +250,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
     kept.holds_end = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
-    kept.is_as_foreseen = kept.work.is_missed = false;
+    kept.needed_no_solve = kept.work.is_missed = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
                                   : workAmongContacts(m_island, *of, kept.work);
   }
