@@ -7,15 +7,11 @@
 //   W = (v - v*) M (v + v_0) / 2 - (v* - v_0) M d / dt,   sum of W <= share * peak
 #pragma once
 
+#include <pintle/solver/solver_options.h>
 #include <pintle/solver/workspace.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-
-/// Of the velocities to which forces lead: less may be rounding.
-constexpr double rounding_of_velocities = 1e-12;
-/// Of the energy to which forces alone would lead: what joints give may be rounding, while it is less.
-constexpr double rounding_of_work = 10 * rounding_of_velocities;
 
 struct EnergyLedger {
   double given = 0;  ///< J: by the joints, so far

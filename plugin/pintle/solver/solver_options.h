@@ -9,6 +9,12 @@ inline namespace PINTLE_PRECISION {
 /// Of sums in double precision, beside the largest of what is added: less may be rounding.
 constexpr double rounding_share = 1e-9;
 
+/// Of the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
+constexpr double rounding_of_velocities = 1e-12;
+/// Of the energy to which forces alone would lead: what joints give may be rounding, while it is less. Of each body it is twice as much as
+/// of its velocity, and a few bodies add.
+constexpr double rounding_of_work = 10 * rounding_of_velocities;
+
 /// Of the inertia about an axis about which a body does not turn at all: so many times the least one. The body follows rows about that
 /// axis by less than rounding_share, and in world space its matrix still has four digits of the least one.
 constexpr double unturned_inertia = 1e12;
