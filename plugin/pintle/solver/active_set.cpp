@@ -21,15 +21,18 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   setZero(K.vectorSize(), work.aim);
   work.bounded.clear();
   work.scales.resize(rows);
-  forEachRow([&](int c, int i, const IslandRow& row, size_t r, size_t at) {
+  forEachRow([&](int c, int, const IslandRow& row, size_t r, size_t at) {
     work.scales[r] = {row.root_K, row.by_root_K, at};
     work.y[at] = work.lambda[r] * row.root_K;
     if (row.law.isEquality())
       work.pieces[r] = row.law.meet(0, row.K);  // wherever it is
     else
       work.bounded.push_back({&row, c, r, at});
-    K.setRow(c, i, row.J, row.root_K, row.by_root_K);
   });
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    K.setRows(c, &island.rows[size_t(joint.first_row)], joint.rows);
+  }
 }
 
 void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece) {

@@ -13,6 +13,7 @@ namespace {
 void addStiffness(const Island& island, const BlockOfJoints& of,
                   std::vector<Vector6d>& velocities) {
   stiffen(island, *of.component, *of.work, *of.K);
+  if (of.work->is_resolved) return;
   for (int i = 0; i < of.component->bodies; ++i) {
     Vector6d& v = velocities[size_t(of.component->first_body + i)];
     v.tail<3>() -=

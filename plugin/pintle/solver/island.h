@@ -67,6 +67,7 @@ struct RowJacobian {
 
 /// A rigid body that joints hold. World space; of vectors of six the first three are linear.
 struct IslandBody {
+  IslandBody() {}    // leaves what its maker sets as it is
   double mass;       ///< kg
   Matrix3d inertia;  ///< kg m^2
   Vector6d v0;       ///< at the start of the step
@@ -76,7 +77,7 @@ struct IslandBody {
   Matrix3d inverse_inertia;    ///< where its factors let it turn
   double scale[2];             ///< square roots of the mass, and of a mean of the inertia
   double inverse_scale2[2];    ///< of their squares
-  double least_inertia = 0;    ///< kg m^2: about any axis
+  double least_inertia;        ///< kg m^2: about any axis
   std::array<bool, 6> locked;  ///< axes of the world along which its factors hold it
   bool follows;  ///< it moves along all axes and turns about all: no row's K is rounding alone
 
@@ -178,7 +179,7 @@ struct IslandRow {
   bool has_position;  ///< whether C can be asked for at other poses
   /// An angle that may change by more than half a turn in the step: then poses do not tell by how much.
   bool spins = false;
-  /// Rigid stops of an angle, and nothing else.
+  /// Rigid stops of an angle, and nothing else that asks where it is.
   bool has_stops_alone = false;
   bool shares_arms = false;  ///< has those of the row before it
   signed char sign = 1;      ///< of J against start: coordinates of an axis may fall along its row
@@ -194,6 +195,10 @@ struct IslandRow {
   bool isOfAxis() const { return start != nullptr && start->axis >= 0; }
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
   bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
+  /// Whether it bends no more than arms of its length do: not as directions between two points.
+  bool bendsAsArms() const {
+    return !has_position || has_stops_alone || (isOfArms() && shape.kind != RowShape::distance);
+  }
   bool isOfAngle() const { return shape.kind == RowShape::angle || shape.kind == RowShape::turn; }
   /// Whether the direction of a stop may turn over in the step.
   bool mayTurnStops() const {
@@ -206,6 +211,7 @@ struct IslandRow {
   bool isFarFromStops(double straight, double turn, double dt) const {
     for (int i = 0; i < law.parts(); ++i) {
       const LawPart& part = law.part(i);
+      if (part.drives) continue;
       const double left = part.isLowerStop() ? straight - part.target : part.target - straight;
       if (!(left * dt > turn * turn)) return false;
     }

@@ -51,7 +51,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   // Bullet moves no kinematic body, whatever its mass.
   if (!(rigid.getInvMass() > 0) || rigid.isKinematicObject()) return known = unmoved(from);
   known = int(m_island.bodies.size());
-  IslandBody to;
+  IslandBody& to = m_island.bodies.emplace_back();
   to.body = &rigid;
   to.solver_body = number;
   to.start = from.m_worldTransform;
@@ -81,7 +81,6 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.v0 << inDouble(from.m_linearVelocity), inDouble(from.m_angularVelocity);
   to.v_free = freeVelocity(from);
   to.push.setZero();
-  m_island.bodies.push_back(to);
   return known;
 }
 
@@ -288,8 +287,8 @@ void IslandBuilder::addRigidLimit(const IslandJoint& of, const Axis& axis, const
   if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
   row.open = close(q < low ? q - low : q > high ? q - high : 0);
   // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
-  row.has_stops_alone =
-      row.start->angular && of.equalities == 5 && row.law.parts() <= 2 && !row.law.hasDrives();
+  row.has_stops_alone = row.start->angular && of.equalities == 5 &&
+                        axis.drive != Axis::Drive::servo && axis.drive != Axis::Drive::pose;
 }
 
 void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {
@@ -366,7 +365,7 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
                         int solver_body_b) {
   if (&joint.getRigidBodyA() == &joint.getRigidBodyB()) return;  // it holds nothing
-  IslandJoint to = {};
+  IslandJoint& to = m_island.joints.emplace_back();
   to.constraint = &joint;
   to.body = {body(bodies, solver_body_a), body(bodies, solver_body_b)};
   to.first_row = int(m_island.rows.size());
@@ -382,10 +381,12 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   } else {
     addOurs(to);
   }
-  if (to.rows == 0) return;
+  if (to.rows == 0) {
+    m_island.joints.pop_back();
+    return;
+  }
   findShapes(to);
   to.finishShapes(&m_island.rows[size_t(to.first_row)]);
-  m_island.joints.push_back(to);
 }
 
 }  // namespace PINTLE_PRECISION

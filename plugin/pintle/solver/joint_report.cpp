@@ -41,10 +41,11 @@ void report(const Island& island, const Component& component, const Workspace& e
           Scalar(-end.lambda[size_t(joint.row_of_component + joint.rows - 1)]));
       continue;
     }
-    for (int i = 0; i < joint.rows; ++i) {
-      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const auto r = size_t(joint.row_of_component + i);
-      const double lambda = end.lambda[r];
+    const IslandRow* const rows = &island.rows[size_t(joint.first_row)];
+    const double* const impulses = &end.lambda[size_t(joint.row_of_component)];
+    for (int i = 0, count = joint.rows; i < count; ++i) {
+      const IslandRow& row = rows[i];
+      const double lambda = impulses[i];
       if (feedback != nullptr) {
         const double force = lambda / island.dt;
         feedback->m_appliedForceBodyA += toBullet(force * row.J.L_a);
@@ -58,7 +59,7 @@ void report(const Island& island, const Component& component, const Workspace& e
         continue;
       }
       AxisState& state = JointAccess::axis(*joint.ours, *row.start);
-      const AxisLaw::Parts impulse = end.split(row.law, r);
+      const AxisLaw::Parts impulse = end.split(row.law, size_t(joint.row_of_component + i));
       state.taken = 0;
       state.impulse = {};
       for (int k = 0; k < row.law.parts(); ++k)

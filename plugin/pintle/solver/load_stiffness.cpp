@@ -51,10 +51,10 @@ void addLoad(const std::vector<double>& impulses, Workspace& work) {
 // The torque of a force f on a lever r falls by -[f]x [r]x dphi as the body turns, of which the symmetric part is a stiffness.
 void findStiffness(const Island& island, const Component& component, double stable_swing,
                    Workspace& work) {
-  std::vector<Matrix3d>& stiffness = work.stiffness;
-  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
   work.is_resolved = true;
   if (!mayBeFast(island, component, stable_swing, work)) return;
+  std::vector<Matrix3d>& stiffness = work.stiffness;
+  stiffness.assign(size_t(component.bodies), Matrix3d::Zero());
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     for (int i = 0; i < joint.rows; ++i) {
@@ -83,14 +83,16 @@ void findStiffness(const Island& island, const Component& component, double stab
 
 bool foreseeLoad(const Island& island, const Component& component, double stable_swing,
                  Workspace& work) {
+  const bool was_resolved = work.is_resolved;
   work.last_load = work.load;
-  work.last_stiffness = work.stiffness;
+  if (!was_resolved) work.last_stiffness = work.stiffness;
   addLoad(work.lambda, work);
   findStiffness(island, component, stable_swing, work);
   work.load = work.last_load;
+  if (work.is_resolved) return false;
   for (int i = 0; i < component.bodies; ++i) {
     const double own = island.bodies[size_t(component.first_body + i)].inertia.trace(),
-                 was = own + work.last_stiffness[size_t(i)].trace(),
+                 was = own + (was_resolved ? 0 : work.last_stiffness[size_t(i)].trace()),
                  is = own + work.stiffness[size_t(i)].trace();
     if (is * stable_swing > unstable_swing * was) return true;
   }

@@ -1,28 +1,48 @@
 #include <pintle/solver/row_blocks.h>
 
+#include <algorithm>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+
+PINTLE_INLINE void RowBlocks::set(Rows& to, int lane, const InverseInertia& body, const Vector3d& L,
+                                  const Vector3d& A) {
+  Eigen::Map<Vector6d> kept(to.answer[lane]);
+  const Vector6d answer = body.answer(L, A);
+  bool is_same = (m_is_assembled || m_is_factorised) && kept == answer;
+  for (int k = 0; is_same && k < 3; ++k)
+    is_same = to.J[k][lane] == L[k] && to.J[3 + k][lane] == A[k];
+  if (is_same) return;
+  m_is_assembled = m_is_factorised = false;
+  for (int k = 0; k < 3; ++k) {
+    to.J[k][lane] = L[k];
+    to.J[3 + k][lane] = A[k];
+  }
+  kept = answer;
+}
 
 void RowBlocks::setRow(int c, int i, const RowJacobian& J, double root_K, double by_root_K) {
   const int node = m_node[size_t(c)] + i / block, lane = i % block;
   m_root_K[size_t(stride * node + lane)] = root_K;
-  for (int side = 0; side < 2; ++side) {
-    const int body = m_bodies_of[size_t(node)][size_t(side)];
-    if (body < 0) continue;
-    const Vector3d L = by_root_K * J.L(side), A = by_root_K * J.A(side);
-    Eigen::Map<Vector6d> kept(rows(node, side).answer[lane]);
-    auto& to_J = rows(node, side).J;
-    const Vector6d answer = m_bodies[size_t(body)].answer(L, A);
-    bool is_same = (m_is_assembled || m_is_factorised) && kept == answer;
-    for (int k = 0; is_same && k < 3; ++k)
-      is_same = to_J[k][lane] == L[k] && to_J[3 + k][lane] == A[k];
-    if (is_same) continue;
-    m_is_assembled = m_is_factorised = false;
-    for (int k = 0; k < 3; ++k) {
-      to_J[k][lane] = L[k];
-      to_J[3 + k][lane] = A[k];
+  for (int side = 0; side < 2; ++side)
+    if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
+      set(rows(node, side), lane, m_bodies[size_t(body)], by_root_K * J.L(side),
+          by_root_K * J.A(side));
+}
+
+void RowBlocks::setRows(int c, const IslandRow* from, int count) {
+  for (int node = m_node[size_t(c)]; count > 0; ++node, from += block, count -= block) {
+    const int lanes = std::min(count, block);
+    double* const root_K = &m_root_K[size_t(stride * node)];
+    for (int i = 0; i < lanes; ++i) root_K[i] = from[i].root_K;
+    for (int side = 0; side < 2; ++side) {
+      const int body = m_bodies_of[size_t(node)][size_t(side)];
+      if (body < 0) continue;
+      Rows& to = rows(node, side);
+      for (int i = 0; i < lanes; ++i)
+        set(to, i, m_bodies[size_t(body)], from[i].by_root_K * from[i].J.L(side),
+            from[i].by_root_K * from[i].J.A(side));
     }
-    kept = answer;
   }
 }
 

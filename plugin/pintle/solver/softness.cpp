@@ -35,7 +35,7 @@ std::vector<char> findLoops(int bodies, const std::vector<std::array<int, 2>>& j
 void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
                   const std::vector<char>& in_loop, Workspace& work) {
   std::vector<double>& softness = work.of_loop;
-  softness.assign(size_t(component.joints), options.dependent_softness);
+  softness.resize(size_t(component.joints));
   const double give = options.newton_tolerance / options.dependent_margin / island.dt;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& of = island.joints[size_t(component.first_joint + c)];
@@ -49,8 +49,8 @@ void findSoftness(const Island& island, const Component& component, const Solver
           island.rows[size_t(of.first_row + i)].K * work.lambda[size_t(of.row_of_component + i)];
       load2 += change * change;
     }
-    const double load = std::sqrt(load2);
-    if (load * softness[size_t(c)] > give) softness[size_t(c)] = give / load;
+    const double load = std::sqrt(load2), most = options.dependent_softness;
+    softness[size_t(c)] = load * most > give ? give / load : most;
   }
 }
 

@@ -25,8 +25,8 @@ struct Workspace {
   /// Of each row: the impulses of the parts of its law, where they are found part by part. Else empty.
   std::vector<AxisLaw::Parts> parts;
   std::vector<double> softness;     ///< of each row that acts, relative to K
-  std::vector<Matrix3d> stiffness;  ///< of each body: added to its inertia (load_stiffness.h)
-  bool is_resolved = true;          ///< none: steps resolve the swing of all bodies
+  bool is_resolved = true;          ///< steps resolve the swing of all bodies
+  std::vector<Matrix3d> stiffness;  ///< else, of each: added to its inertia (load_stiffness.h)
   bool is_missed = false;           ///< impulses do not lead to what is foreseen (chord.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
