@@ -6,6 +6,8 @@
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -47,7 +49,13 @@ class Chord {
     moveBodies(m_island, m_component, m_work.v.data(), m_work.moved);
     measureAtEnd(m_island, m_component, m_work.moved, m_work.u);
   }
-  void measure();
+  void findVelocities() {
+    m_work.v = m_work.base;
+    m_K.addResponse(m_work.y.data(), m_work.v.data());
+  }
+  double findBend() const;
+  bool followStraight();
+  int countSteps(double bend);
   int end();
 
   const Island& m_island;
@@ -91,21 +99,63 @@ bool Chord::isForeseen() {
   return missed2 <= most2;
 }
 
-// What the impulses lead to.
-void Chord::measure() {
-  m_work.v = m_work.base;
-  m_K.addResponse(m_work.y.data(), m_work.v.data());
-  measureEnd();
+// m and rad: by how much rows of arms may bend between the velocities at which they are measured, in `stays`, and those that are found.
+// An arm that turns changes its direction by less than that turn; there are two on two bodies.
+double Chord::findBend() const {
+  double turn = 0, change = 0, lever = 1;  // that of axes is 1
+  for (size_t i = 0; i < m_work.v.size(); ++i) {
+    const Vector3d w = m_work.v[i].tail<3>(), before = m_work.stays[i].tail<3>();
+    turn = std::max(turn, w.squaredNorm());
+    change = std::max(change, (w - before).squaredNorm());
+  }
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
+    lever = std::max({lever, joint.lever[0], joint.lever[1]});
+  }
+  turn = std::sqrt(turn);
+  change = std::sqrt(change);
+  return 4 * lever * m_island.dt * m_island.dt * (turn + change) * change;
+}
+
+// Where rows come to without bending from there. Returns false if some may bend more than arms do.
+bool Chord::followStraight() {
+  if (m_island.anyUnmovedMoves()) return false;
+  for (size_t i = 0; i < m_work.v.size(); ++i) m_work.stays[i] = m_work.v[i] - m_work.stays[i];
+  for (int c = 0; c < m_component.joints; ++c) {
+    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
+    const IslandRow* const rows = &m_island.rows[size_t(joint.first_row)];
+    double* const u = &m_work.u[size_t(joint.row_of_component)];
+    for (int i = 0; i < joint.rows; ++i)
+      if (!rows[i].bendsAsArms()) return false;
+    for (size_t side = 0; side < 2; ++side) {
+      if (joint.body[side] < 0) continue;
+      const Vector6d& change = m_work.stays[size_t(joint.body[side] - m_component.first_body)];
+      for (int i = 0; i < joint.rows; ++i) u[i] += rows[i].J.along(int(side), change);
+    }
+  }
+  return true;
 }
 
 // Returns how many steps rows are from the pieces of their laws to which they would come.
-int Chord::end() {
-  ++m_report.steps;
-  measure();
+int Chord::countSteps(double bend) {
   const int changes = m_set.countSteps(m_set.bounded());
-  m_report.error = findResidual(m_island.dt, m_work);
+  m_report.error = findResidual(m_island.dt, m_work) + bend;
   m_report.converged = changes == 0 && m_report.error <= m_options.newton_tolerance;
   return changes;
+}
+
+// What the impulses lead to. It is measured, unless it is known as well from where it was measured last.
+int Chord::end() {
+  ++m_report.steps;
+  m_work.stays.swap(m_work.v);
+  findVelocities();
+  const double bend = findBend();
+  if (bend <= m_options.newton_tolerance && followStraight()) {
+    countSteps(bend);
+    if (m_report.converged) return 0;
+  }
+  measureEnd();
+  return countSteps(0);
 }
 
 SolveReport Chord::run() {
@@ -139,7 +189,8 @@ SolveReport Chord::run() {
       fewest = changes;
       m_set.changeAll(m_set.bounded());
       if (!factoriseRows(m_island, m_component, m_options, m_work, m_K)) return m_report;
-      measure();
+      findVelocities();
+      measureEnd();
       findResidual(m_island.dt, m_work);
       broyden.begin(may_wander);
     }
