@@ -97,6 +97,8 @@ report_publish() {  # folder
   report_figures demos/results/summary.md >"$folder/figures.md"
   report_replace README.md figures "$folder/figures.md"
   report_replace plugin/docs/benchmarks.md report "$folder/brief.md"
+  report_replace plugin/docs/benchmarks.md published "$folder/published.md"
+  report_replace plugin/docs/benchmarks.md machines "$folder/machines.md"
 }
 
 report() {

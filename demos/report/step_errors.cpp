@@ -115,7 +115,7 @@ void write_published(std::ostream& out, const Results& results, const StepErrors
     }
   }
   if (rows.str().empty()) return;
-  out << "\nOf published problems the least error of each, over all iterations, in double "
+  out << "Of published problems the least error of each, over all iterations, in double "
          "precision; "
          "trajectories are against the stored references. The steps alone are Bullet's, with "
          "joints "

@@ -254,7 +254,7 @@ void write_data(const std::string& folder, const Results& results, const Scene& 
 // Machines: every contender at the settings of a game.
 void write_machines(std::ostream& out, const Results& results, const std::vector<Scene>& machines) {
   if (machines.empty()) return;
-  out << "\nMachines at 60 Hz and 10 iterations, in double precision; times are those of a "
+  out << "Machines at 60 Hz and 10 iterations, in double precision; times are those of a "
          "step. An empty field: the engine has no joint for it.\n\n"
          "| machine | what |";
   for (const std::string& who : results.contenders()) out << ' ' << who << " |";
@@ -333,13 +333,14 @@ int main(int argc, char** argv) {
   std::ofstream summary(out + "/summary.md");
   const StepErrors steps = report::errors_of_steps(results, measured);
   write_summary(summary, results, steps, measured);
-  if (!machines.empty()) summary << "\n## Machines\n";
+  if (!machines.empty()) summary << "\n## Machines\n\n";
   write_machines(summary, results, machines);
   write_instructions(summary, instructions, all, results);
   std::ofstream brief(out + "/brief.md");  // for plugin/docs/benchmarks.md
   write_brief(brief, results, steps, measured);
-  report::write_published(brief, results, steps, measured);
-  write_machines(brief, results, machines);
+  std::ofstream published(out + "/published.md"), of_machines(out + "/machines.md");
+  report::write_published(published, results, steps, measured);
+  write_machines(of_machines, results, machines);
   std::ofstream plots(out + "/plots.txt");  // scene|title|errors|units|contenders|precisions
   for (const Scene& scene : measured) {
     std::ofstream page(out + "/" + scene.name + ".md");
@@ -363,6 +364,6 @@ int main(int argc, char** argv) {
   }
   if (!json.empty() && !write_json(json, results, all))
     return std::fprintf(stderr, "--json: cannot write %s\n", json.c_str()), 1;
-  if (!summary || !brief || !plots)
+  if (!summary || !brief || !published || !of_machines || !plots)
     return std::fprintf(stderr, "cannot write %s\n", out.c_str()), 1;
 }

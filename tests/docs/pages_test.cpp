@@ -279,6 +279,22 @@ TEST(Figures, OfTheBenchmarksAreThoseOfTheSummary) {
   }
 }
 
+TEST(Figures, OfPublishedProblemsAndMachinesAreWrittenByTheirCommand) {
+  const std::string text = page("plugin/docs/benchmarks.md");
+  const std::regex number(R"(([0-9.]+(e[-+][0-9]+)?|lost)?)");
+  const struct {
+    const char* mark;
+    std::size_t least_rows, words;  // columns that are in words
+  } tables[] = {{"published", 8, 2}, {"machines", 25, 2}};
+  for (const auto& table : tables) {
+    const auto all = rows(text, table.mark);
+    EXPECT_GE(all.size(), table.least_rows) << table.mark << ": bash demos/run.sh report --publish";
+    for (const Strings& row : all)
+      for (std::size_t i = table.words; i < row.size(); ++i)
+        EXPECT_TRUE(std::regex_match(row[i], number)) << table.mark << ": " << row[i];
+  }
+}
+
 // The rows are those that the command writes, each with two numbers.
 TEST(Figures, OfScenesAreWrittenByTheirCommand) {
   const auto table = rows(page("plugin/docs/benchmarks.md"), "scenes");
