@@ -174,15 +174,23 @@ void write_summary(std::ostream& out, const Results& results, const StepErrors& 
   report::write_steps(out, results, steps, all);
 }
 
+// Of a table with a column for each contender, behind those that are named.
+void write_head(std::ostream& out, const std::vector<std::string>& named, const Results& results) {
+  std::vector<std::string> columns = named;
+  columns.insert(columns.end(), results.contenders().begin(), results.contenders().end());
+  out << '|';
+  for (const std::string& column : columns) out << ' ' << column << " |";
+  out << "\n|";
+  for (size_t i = 0; i < columns.size(); ++i) out << "---|";
+}
+
 void write_instructions(std::ostream& out, const std::string& path, const std::vector<Scene>& all,
                         const Results& results) {
   const auto counts = report::read_instructions(path);
   if (counts.empty()) return;
   out << "\n## Instructions of a step\n\nCallgrind, single precision, 60 Hz, 10 iterations, the "
-         "mean over the first steps.\n\n| scene |";
-  for (const std::string& who : results.contenders()) out << ' ' << who << " |";
-  out << "\n|---|";
-  for (size_t i = 0; i < results.contenders().size(); ++i) out << "---|";
+         "mean over the first steps.\n\n";
+  write_head(out, {"scene"}, results);
   for (const Scene& scene : all) {
     out << "\n| " << scene.name << " |";
     for (const std::string& who : results.contenders()) {
@@ -255,11 +263,8 @@ void write_data(const std::string& folder, const Results& results, const Scene& 
 void write_machines(std::ostream& out, const Results& results, const std::vector<Scene>& machines) {
   if (machines.empty()) return;
   out << "Machines at 60 Hz and 10 iterations, in double precision; times are those of a "
-         "step. An empty field: the engine has no joint for it.\n\n"
-         "| machine | what |";
-  for (const std::string& who : results.contenders()) out << ' ' << who << " |";
-  out << "\n|---|---|";
-  for (size_t i = 0; i < results.contenders().size(); ++i) out << "---|";
+         "step. An empty field: the engine has no joint for it.\n\n";
+  write_head(out, {"machine", "what"}, results);
   out << '\n';
   for (const Scene& scene : machines) {
     const auto write = [&](const std::string& what, auto value) {

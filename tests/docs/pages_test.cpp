@@ -279,6 +279,14 @@ TEST(Figures, OfTheBenchmarksAreThoseOfTheSummary) {
   }
 }
 
+// Of each row what follows the columns that are in words.
+void expectNumbers(const char* mark, const std::vector<Strings>& table, std::size_t words,
+                   const std::regex& number) {
+  for (const Strings& row : table)
+    for (std::size_t i = words; i < row.size(); ++i)
+      EXPECT_TRUE(std::regex_match(row[i], number)) << mark << ": " << row[i];
+}
+
 TEST(Figures, OfPublishedProblemsAndMachinesAreWrittenByTheirCommand) {
   const std::string text = page("plugin/docs/benchmarks.md");
   const std::regex number(R"(([0-9.]+(e[-+][0-9]+)?|lost)?)");
@@ -289,9 +297,7 @@ TEST(Figures, OfPublishedProblemsAndMachinesAreWrittenByTheirCommand) {
   for (const auto& table : tables) {
     const auto all = rows(text, table.mark);
     EXPECT_GE(all.size(), table.least_rows) << table.mark << ": bash demos/run.sh report --publish";
-    for (const Strings& row : all)
-      for (std::size_t i = table.words; i < row.size(); ++i)
-        EXPECT_TRUE(std::regex_match(row[i], number)) << table.mark << ": " << row[i];
+    expectNumbers(table.mark, all, table.words, number);
   }
 }
 
@@ -324,9 +330,7 @@ TEST(Figures, OfTheExactSolverAreWrittenByTheirCommand) {
   for (const auto& table : tables) {
     const auto all = rows(text, table.mark);
     EXPECT_EQ(all.size(), table.rows) << table.mark << ": bash tests/bench/solver.sh --publish";
-    for (const Strings& row : all)
-      for (std::size_t i = table.words; i < row.size(); ++i)
-        EXPECT_TRUE(std::regex_match(row[i], number)) << table.mark << ": " << row[i];
+    expectNumbers(table.mark, all, table.words, number);
   }
 }
 
