@@ -10,11 +10,11 @@ inline namespace PINTLE_PRECISION {
 struct RowShape {
   enum Kind : unsigned char {
     point,  ///< C is along one direction of the world between points of the bodies: a and b are their levers
-    distance,  ///< C + a constant is the distance of two points, `length`: a and b are their levers
-    dot,       ///< C is a.b, a an axis of body a, b one of body b
+    dot,  ///< C is a.b, a an axis of body a, b one of body b
     /// C is the angle of b against a about the row's own axis, which other rows of the joint hold: who measures it takes arms a and b
     /// at right angles to that.
     turn,
+    distance,  ///< C + a constant is the distance of two points, `length`: a and b are their levers
     angle,  ///< C is an angle about the row's own axis, or another measure of how b is turned against a
     other  ///< anything else
   };

@@ -5,8 +5,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-void aimRows(const Island& island, const Component& component, Workspace& work, JointMatrix& K) {
-  const bool any_moves = island.anyUnmovedMoves();
+void setActing(const Island& island, const Component& component, Workspace& work, JointMatrix& K) {
+  work.softness.resize(work.scales.size());
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     for (int i = 0; i < joint.rows; ++i) {
@@ -18,10 +18,20 @@ void aimRows(const Island& island, const Component& component, Workspace& work, 
       if (piece.softness > 0)
         softness = std::max(softness, piece.softness / (scale.root_K * scale.root_K));
       K.setActing(scale.at, piece.acts, softness);
-      double aim = piece.target;
-      if (any_moves)
-        aim -= island.velocityOfUnmoved(joint, island.rows[size_t(joint.first_row + i)].J);
-      work.aim[scale.at] = aim * scale.by_root_K;
+    }
+  }
+}
+
+void aimRows(const Island& island, const Component& component, const JointMatrix& K,
+             Workspace& work) {
+  setZero(K.vectorSize(), work.aim);
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const RowJacobian& J = island.rows[size_t(joint.first_row + i)].J;
+      work.aim[work.scales[r].at] =
+          (work.pieces[r].target - island.velocityOfUnmoved(joint, J)) * work.scales[r].by_root_K;
     }
   }
 }

@@ -11,13 +11,17 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// To K which rows act, and how softly; to work.aim at what.
-void aimRows(const Island& island, const Component& component, Workspace& work, JointMatrix& K);
+/// To K which rows act, and how softly.
+void setActing(const Island& island, const Component& component, Workspace& work, JointMatrix& K);
+
+/// work.aim: at which velocities of the component's bodies rows are, in the units of K.
+void aimRows(const Island& island, const Component& component, const JointMatrix& K,
+             Workspace& work);
 
 /// K of the rows that act. Returns false if it has no factor.
 inline bool factoriseRows(const Island& island, const Component& component,
                           const SolverOptions& options, Workspace& work, JointMatrix& K) {
-  aimRows(island, component, work, K);
+  setActing(island, component, work, K);
   return K.factorise(options.least_pivot);
 }
 

@@ -15,10 +15,8 @@ ActiveSet::ActiveSet(const Island& island, const Component& component, const Sol
   work.pieces.resize(rows);
   work.parts.clear();
   work.u.resize(rows);
-  setZero(rows, work.softness);
   setZero(K.vectorSize(), work.y);
   setZero(K.vectorSize(), work.x);
-  setZero(K.vectorSize(), work.aim);
   work.bounded.clear();
   work.scales.resize(rows);
   forEachRow([&](int c, int, const IslandRow& row, size_t r, size_t at) {

@@ -32,6 +32,7 @@ void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
 void BlockSolver::factorise() {
   ++m_factors;
   m_solvable = m_has_factor = factoriseRows(m_island, *m_of.component, m_options, m_work, *m_of.K);
+  aimRows(m_island, *m_of.component, *m_of.K, m_work);
 }
 
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {

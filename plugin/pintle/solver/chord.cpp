@@ -38,6 +38,7 @@ class Chord {
         m_energy_by_forces(energy_by_forces),
         m_K(K),
         m_work(work),
+        m_bends_as_arms(component.bends_as_arms && !island.anyUnmovedMoves()),
         m_set(island, component, options, K, work) {}
 
   SolveReport run();
@@ -54,7 +55,7 @@ class Chord {
     m_K.addResponse(m_work.y.data(), m_work.v.data());
   }
   double findBend() const;
-  bool followStraight();
+  void followStraight();
   int countSteps(double bend);
   int end();
 
@@ -64,6 +65,7 @@ class Chord {
   const double m_energy_by_forces;
   JointMatrix& m_K;
   Workspace& m_work;
+  const bool m_bends_as_arms;  ///< all rows: by no more than findBend
   ActiveSet m_set;
   SolveReport m_report;
 };
@@ -102,38 +104,31 @@ bool Chord::isForeseen() {
 // m and rad: by how much rows of arms may bend between the velocities at which they are measured, in `stays`, and those that are found.
 // An arm that turns changes its direction by less than that turn; there are two on two bodies.
 double Chord::findBend() const {
-  double turn = 0, change = 0, lever = 1;  // that of axes is 1
+  double turn = 0, change = 0;
   for (size_t i = 0; i < m_work.v.size(); ++i) {
     const Vector3d w = m_work.v[i].tail<3>(), before = m_work.stays[i].tail<3>();
     turn = std::max(turn, w.squaredNorm());
     change = std::max(change, (w - before).squaredNorm());
   }
-  for (int c = 0; c < m_component.joints; ++c) {
-    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    lever = std::max({lever, joint.lever[0], joint.lever[1]});
-  }
   turn = std::sqrt(turn);
   change = std::sqrt(change);
+  const double lever = std::max(1., m_component.lever);  // that of axes is 1
   return 4 * lever * m_island.dt * m_island.dt * (turn + change) * change;
 }
 
-// Where rows come to without bending from there. Returns false if some may bend more than arms do.
-bool Chord::followStraight() {
-  if (m_island.anyUnmovedMoves()) return false;
+// Where rows come to without bending from there.
+void Chord::followStraight() {
   for (size_t i = 0; i < m_work.v.size(); ++i) m_work.stays[i] = m_work.v[i] - m_work.stays[i];
   for (int c = 0; c < m_component.joints; ++c) {
     const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
     const IslandRow* const rows = &m_island.rows[size_t(joint.first_row)];
     double* const u = &m_work.u[size_t(joint.row_of_component)];
-    for (int i = 0; i < joint.rows; ++i)
-      if (!rows[i].bendsAsArms()) return false;
     for (size_t side = 0; side < 2; ++side) {
       if (joint.body[side] < 0) continue;
       const Vector6d& change = m_work.stays[size_t(joint.body[side] - m_component.first_body)];
       for (int i = 0; i < joint.rows; ++i) u[i] += rows[i].J.along(int(side), change);
     }
   }
-  return true;
 }
 
 // Returns how many steps rows are from the pieces of their laws to which they would come.
@@ -149,10 +144,12 @@ int Chord::end() {
   ++m_report.steps;
   m_work.stays.swap(m_work.v);
   findVelocities();
-  const double bend = findBend();
-  if (bend <= m_options.newton_tolerance && followStraight()) {
-    countSteps(bend);
-    if (m_report.converged) return 0;
+  if (m_bends_as_arms) {
+    if (const double bend = findBend(); bend <= m_options.newton_tolerance) {
+      followStraight();
+      countSteps(bend);
+      if (m_report.converged) return 0;
+    }
   }
   measureEnd();
   return countSteps(0);
@@ -163,7 +160,7 @@ SolveReport Chord::run() {
   measureEnd();
   m_set.choose(m_set.bounded());
   broyden.begin();
-  aimRows(m_island, m_component, m_work, m_K);
+  setActing(m_island, m_component, m_work, m_K);
   findWhatForeseenMisses();
   // Then nothing is to be solved. But impulses that had to change in the last step do so again: what is at rest would leave it by what
   // rounding allows, and come back by two solves, for ever. So they are solved for once more, and then are right.

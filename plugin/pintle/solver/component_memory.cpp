@@ -70,17 +70,15 @@ namespace {
 // All momentum that there is.
 class MostImpulse {
  public:
-  explicit MostImpulse(const IslandBody& first) : m_low(first.start.getOrigin()), m_high(m_low) {}
+  /// Rows of a joint bear what its points bear on their levers, too: `lever` is the longest.
+  MostImpulse(const IslandBody& first, double lever)
+      : m_low(first.start.getOrigin()), m_high(m_low), m_radius(lever) {}
   void add(const IslandBody& body, const Vector6d& v) {
     const double radius = body.radius();
     m_linear += body.mass * (v.head<3>().norm() + radius * v.tail<3>().norm());
     m_radius = std::max(m_radius, radius);
     m_low.setMin(body.start.getOrigin());
     m_high.setMax(body.start.getOrigin());
-  }
-  /// Rows of a joint bear what its points bear on their levers, too.
-  void add(const IslandJoint& joint) {
-    m_radius = std::max({m_radius, joint.lever[0], joint.lever[1]});
   }
   /// After the last one.
   void finish() { m_angular = m_linear * (double((m_high - m_low).length()) + m_radius); }
@@ -94,7 +92,7 @@ class MostImpulse {
  private:
   double m_linear = 0, m_angular = 0;  ///< N s and N m s
   btVector3 m_low, m_high;             ///< of centres of mass
-  double m_radius = 0;                 ///< m: the largest one of gyration
+  double m_radius;                     ///< m: the largest one of gyration, or the lever
 };
 
 }  // namespace
@@ -108,17 +106,16 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     work.v[size_t(i)] =
         known ? Vector6d(body.v0 + forecast.change(size_t(i), island.dt)) : body.v_free;
   }
-  std::vector<double>& lambda = work.lambda;
-  setZero(size_t(component.rows), lambda);
-  setZero(size_t(component.rows), work.load);
+  work.lambda.resize(size_t(component.rows));
+  work.load.resize(size_t(component.rows));
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     const int rows = knownRows(c, joint);
-    for (int i = 0; i < rows; ++i) {
+    for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
-      lambda[r] = m_lambda[before + size_t(i)];
-      work.load[r] = m_load[before + size_t(i)];
+      work.lambda[r] = i < rows ? m_lambda[before + size_t(i)] : 0;
+      work.load[r] = i < rows ? m_load[before + size_t(i)] : 0;
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
   }
@@ -160,13 +157,11 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
                                    double least_pivot) {
   m_lambda = work.lambda;
   if (needed_no_solve) return;  // so they were before
-  MostImpulse most(island.bodies[size_t(component.first_body)]);
+  MostImpulse most(island.bodies[size_t(component.first_body)], component.lever);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     most.add(body, work.v[size_t(i)] + body.v_free - body.v0);
   }
-  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
-  for (int c = 0; c < component.joints; ++c) most.add(joints[c]);
   most.finish();
   bool is_allowed = true;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {

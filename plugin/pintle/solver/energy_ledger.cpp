@@ -85,6 +85,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
       work += stored(island, row, end.u[r], end.lambda[r]);
       const double driving = drivingImpulse(row.law, end, r);
       if (driving != 0 || row.reboundEnergy() > 0) {

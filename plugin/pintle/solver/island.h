@@ -194,10 +194,10 @@ struct IslandRow {
 
   bool isOfAxis() const { return start != nullptr && start->axis >= 0; }
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
-  bool isOfArms() const { return shape.kind != RowShape::angle && shape.kind != RowShape::other; }
+  bool isOfArms() const { return shape.kind <= RowShape::distance; }
   /// Whether it bends no more than arms of its length do: not as directions between two points.
   bool bendsAsArms() const {
-    return !has_position || has_stops_alone || (isOfArms() && shape.kind != RowShape::distance);
+    return shape.kind < RowShape::distance || !has_position || has_stops_alone;
   }
   bool isOfAngle() const { return shape.kind == RowShape::angle || shape.kind == RowShape::turn; }
   /// Whether the direction of a stop may turn over in the step.
@@ -233,11 +233,12 @@ struct IslandJoint {
   int equalities;        ///< of its own rows
 
   // What its rows are: so passes go by those of joints that do not concern them.
-  int bounded;        ///< so many are no equalities
-  double error;       ///< m or rad: the largest C of equalities that are of no axis
-  double open;        ///< m or rad: the most that poses are to close, or more
-  double lever[2];    ///< m: the longest of each body on which a row holds a point or a distance
-  unsigned on_lever;  ///< a bit for each row that does
+  int bounded;         ///< so many are no equalities
+  double error;        ///< m or rad: the largest C of equalities that are of no axis
+  double open;         ///< m or rad: the most that poses are to close, or more
+  double lever[2];     ///< m: the longest of each body on which a row holds a point or a distance
+  unsigned on_lever;   ///< a bit for each row that does
+  bool bends_as_arms;  ///< no row bends more
   bool has_axes, has_springs, may_turn_stops;
   bool drives;  ///< some work by themselves, as motors do, and rebounds
 
@@ -266,9 +267,13 @@ struct IslandJoint {
   bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
   /// When the shapes of its rows are known.
   void finishShapes(IslandRow* of) {
+    bends_as_arms = true;
     for (int i = 0; i < rows; ++i) {
       const RowShape& shape = of[i].shape;
-      may_turn_stops = may_turn_stops || of[i].mayTurnStops();
+      if (!of[i].bendsAsArms()) {
+        bends_as_arms = false;
+        may_turn_stops = may_turn_stops || of[i].mayTurnStops();
+      }
       of[i].shares_arms = i > 0 && shape.kind == of[i - 1].shape.kind &&
                           shape.a == of[i - 1].shape.a && shape.b == of[i - 1].shape.b;
       if (!of[i].has_position ||
@@ -334,7 +339,10 @@ struct Island {
 /// Joints and bodies that hang together: ranges of an island's.
 struct Component {
   int first_body = 0, bodies = 0, first_joint = 0, joints = 0;
-  int rows = 0;  ///< of all its joints
+  // Of all its joints:
+  int rows = 0;
+  double lever = 0;           ///< m: the longest
+  bool bends_as_arms = true;  ///< each does
 };
 
 /// visit(number of the joint in the component, number of the row in the joint, row, its number in the component)

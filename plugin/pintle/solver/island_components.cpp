@@ -65,6 +65,8 @@ void IslandBuilder::finish(std::vector<Component>& components) {
     joints_to.push_back(c.first_joint + c.joints++);
     joint.row_of_component = c.rows;
     c.rows += joint.rows;
+    c.lever = std::max({c.lever, joint.lever[0], joint.lever[1]});
+    c.bends_as_arms = c.bends_as_arms && joint.bends_as_arms;
   }
   for (size_t i = 0; i < n; ++i) {
     Component& c = components[size_t(numberOf(int(i)))];
