@@ -11,6 +11,7 @@
 #include <memory>
 #include <ostream>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "../unit/support.h"
@@ -57,6 +58,7 @@ class World {
   btRigidBody& addBeside(btRigidBody& to, double mass);
   void join(btRigidBody& a, btRigidBody& b, const btTransform& in_a, const btTransform& in_b);
   void take(const Kind& of, const Making& making);
+  void setOwn(btTypedConstraint& joint) const;
   /// At a point of the world, held by both.
   void joinAt(btRigidBody& a, btRigidBody& b, const btVector3& at);
   /// m: of a body that is not to start where its joints hold it.
@@ -130,9 +132,24 @@ void World::take(const Kind& of, const Making& making) {
     if (make == nullptr) continue;
     Joint joint = make(making);
     if (m_scene.threshold > 0) joint->setBreakingImpulseThreshold(scalar(m_scene.threshold));
+    if (m_scene.has_own) setOwn(*joint);
     m_world.addConstraint(joint.get(), true);
     m_joints.push_back(std::move(joint));
   }
+}
+
+// Of all axes. A joint refuses those that it does not have.
+void World::setOwn(btTypedConstraint& joint) const {
+  const auto set = [&](int parameter, double value) {
+    for (int axis = -1; axis < 6; ++axis) try {
+        joint.setParam(parameter, scalar(value), axis);
+      } catch (const std::invalid_argument&) {
+      }
+  };
+  set(BT_CONSTRAINT_ERP, m_scene.own_erp);
+  set(BT_CONSTRAINT_STOP_ERP, m_scene.own_stop_erp);
+  set(BT_CONSTRAINT_CFM, m_scene.own_cfm);
+  set(BT_CONSTRAINT_STOP_CFM, m_scene.own_stop_cfm);
 }
 
 void World::joinAt(btRigidBody& a, btRigidBody& b, const btVector3& at) {
@@ -346,6 +363,12 @@ Scene makeScene(unsigned seed) {
   scene.locks = chance(random, 0.15);
   scene.kinematic = chance(random, 0.15);
   scene.overlap = chance(random, 0.15) ? random.uniform(0, 0.3) : 0;
+  scene.has_own = chance(random, 0.3);
+  scene.own_erp = random.uniform(0, 1);
+  scene.own_stop_erp = random.uniform(0, 1);
+  const auto softness = [&] { return chance(random, 0.5) ? 0 : power(random, -9, -2); };
+  scene.own_cfm = softness();
+  scene.own_stop_cfm = softness();
   return scene;
 }
 
@@ -360,6 +383,9 @@ std::string describe(const Scene& s) {
   if (s.locks) out << ", locked factors";
   if (s.kinematic) out << ", kinematic";
   if (s.overlap > 0) out << ", starts " << s.overlap << " m apart";
+  if (s.has_own)
+    out << ", joints' own ERP " << s.own_erp << " and CFM " << s.own_cfm << ", of stops "
+        << s.own_stop_erp << " and " << s.own_stop_cfm;
   return out.str();
 }
 

@@ -26,6 +26,9 @@ struct Scene {
   bool locks;        ///< some factors of bodies are 0
   bool kinematic;    ///< what does not move is kinematic, not static
   double overlap;    ///< m by which bodies start away from where their joints hold them
+  // Joints may have their own, and not those of the world.
+  bool has_own;
+  double own_erp, own_cfm, own_stop_erp, own_stop_cfm;
 };
 Scene makeScene(unsigned seed);
 std::string describe(const Scene& scene);

@@ -30,6 +30,15 @@ TEST(RandomScenes, GainNothing) {
   EXPECT_LE(exceptions, count / 100) << list;
 }
 
+TEST(RandomScenes, WithSoftStopsGainNothing) {
+  for (unsigned seed = 30001; seed <= 30150; ++seed) {
+    Scene scene = makeScene(seed);
+    scene.has_own = true;
+    if (!(scene.own_stop_cfm > 0)) scene.own_stop_cfm = 1e-3;
+    expectNoGainByVelocities(scene, play(scene));
+  }
+}
+
 // Three of each. One that fails is played alone by `show SEED KIND`.
 TEST(RandomScenes, OfEachKindGainNothing) {
   for (int kind = 0; kind < kindCount(); ++kind)

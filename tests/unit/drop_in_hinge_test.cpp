@@ -995,6 +995,8 @@ TYPED_TEST(DropInHinge, StopErpActsOnLimitsAsStocks) {
 }
 
 TYPED_TEST(DropInHinge, StopCfmSoftensLimitsAsStocks) {
+  PINTLE_SKIP_ON_EXACT_SOLVER(
+      "a stop that gives starts without tension: what is open closes by poses");
   for (const double cfm : {0.0, 0.01, 0.1, 0.5})
     expectSameRateBeyondTheLimit<TypeParam>(
         [cfm](auto& hinge) { hinge.setParam(BT_CONSTRAINT_STOP_CFM, scalar(cfm)); });

@@ -1,5 +1,6 @@
 // The world's CFM, and a joint's own: little softness is as none, and none gives energy.
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
@@ -7,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 
 #include "books.h"
 #include "cables.h"
@@ -85,6 +88,68 @@ TEST(ExactSoftnessOfAJoint, IsThatOfTheWorld) {
   EXPECT_EQ(own.gap, of_world.gap);
   EXPECT_LE(own.gap, rigid.gap + rounding(1e-5, 2e-8));
 }
+
+// --- stops ---------------------------------------------------------------------------------------
+
+constexpr double gravity = 9.81;
+
+struct SoftStop {
+  double cfm, erp, hz;
+
+  void set(btTypedConstraint& joint) const {
+    joint.setParam(BT_CONSTRAINT_STOP_CFM, scalar(cfm));
+    joint.setParam(BT_CONSTRAINT_STOP_ERP, scalar(erp));
+  }
+  /// m or rad: how far it gives under what would accelerate by `a` (m/s^2 or rad/s^2) without it. CFM is in units of K = 1 / (what is
+  /// moved): ERP C / dt = CFM K F dt.
+  double give(double a) const { return cfm * a / (hz * hz * erp); }
+};
+
+class SoftStops : public testing::TestWithParam<SoftStop> {};
+
+// It comes down on it, and then rests.
+TEST_P(SoftStops, OfARopeGivesUnderALoad) {
+  const SoftStop& stop = GetParam();
+  Books books(stop.hz);
+  btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0));
+  btRigidBody& load = books.add(3, vec(0.1, 0.1, 0.1), vec(0, 0, -0.99));
+  auto rope = std::make_unique<pintle::DistanceJoint>(post, load, vec(0, 0, 0), vec(0, 0, 0), 1);
+  rope->setLimit(0, 1);
+  stop.set(*rope);
+  books.join(std::move(rope));
+  books.begin();
+  for (int i = 0; i < 5 * stop.hz; ++i) books.step();
+  EXPECT_NEAR(-double(load.getCenterOfMassPosition().z()) - 1, stop.give(gravity),
+              1e-3 * stop.give(gravity) + rounding(1e-5, 1e-8));
+  EXPECT_LE(double(load.getLinearVelocity().length()), rounding(1e-4, 1e-6));
+  EXPECT_LE(books.gain, 0.01 * books.peak);
+}
+
+TEST_P(SoftStops, OfAHingeGivesUnderALoad) {
+  const SoftStop& stop = GetParam();
+  Books books(stop.hz);
+  btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0));
+  btRigidBody& arm = books.add(1, vec(0.5, 0.05, 0.05), vec(0.5, 0, 0));
+  auto hinge = std::make_unique<pintle::QuaternionHinge>(post, arm, vec(0, 0, 0), vec(-0.5, 0, 0),
+                                                         vec(0, 1, 0), vec(0, 1, 0));
+  hinge->setLimit(scalar(-0.01), 1);
+  stop.set(*hinge);
+  pintle::QuaternionHinge& joint = *hinge;
+  books.join(std::move(hinge));
+  books.begin();
+  for (int i = 0; i < 5 * stop.hz; ++i) books.step();
+  const double inertia = 1 / double(arm.getInvInertiaDiagLocal().y()) + 0.25,
+               angle = double(joint.getHingeAngle()),
+               give = stop.give(gravity * 0.5 * std::cos(angle) / inertia);
+  EXPECT_NEAR(-angle - 0.01, give, 1e-3 * give + rounding(1e-5, 1e-8));
+  EXPECT_LE(double(arm.getAngularVelocity().length()), rounding(1e-4, 1e-6));
+  EXPECT_LE(books.gain, 0.01 * books.peak);
+}
+
+INSTANTIATE_TEST_SUITE_P(Some, SoftStops,
+                         testing::Values(SoftStop{1e-6, 0.2, 60}, SoftStop{1e-2, 0.2, 60},
+                                         SoftStop{0.1, 0.8, 60}, SoftStop{0.1, 0.2, 240},
+                                         SoftStop{1, 0.5, 120}));
 
 }  // namespace
 }  // namespace exact_softness_test

@@ -16,6 +16,7 @@ inline namespace PINTLE_PRECISION {
 struct LawPart {
   double target, softness, lower, upper;
   bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
+  bool gives = false;   ///< a stop with a spring of its own (RowSpring), by which its target pulls
   int role = 0;         ///< which part of an axis it is (Axis::Part)
   /// Of a spring and damper, Lambda = -dt k (C + dt u) - dt c u: dt^2 k softness. What is left of 1 is the damper's.
   double spring_share = 0;
@@ -31,7 +32,7 @@ struct LawPart {
     return (isLowerStop() && u < target) || (isUpperStop() && u > target);
   }
   bool rebounds() const {
-    return !drives && ((isLowerStop() && target > 0) || (isUpperStop() && target < 0));
+    return !drives && !gives && ((isLowerStop() && target > 0) || (isUpperStop() && target < 0));
   }
 
   /// The spring pulls by `share` of the way of this step, and by all that it was stretched before: Lambda = -dt k (C + share dt u) -

@@ -140,10 +140,10 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
       if (!row.isSoft()) continue;
       RowSpring& spring = row.extras->spring;
       const Stretch& last = m_last_stretch[before + size_t(i)];
-      const double most = spring.stretchOf(last.energy, row.law.part(0).softness, island.dt);
+      const double most = spring.stretchOf(last.energy, row.softness(), island.dt);
       spring.stretch = std::clamp(std::clamp(last.length, -most, most), std::fmin(spring.open, 0),
                                   std::fmax(spring.open, 0));
-      row.law.setTarget(0, row.law.part(0).target - spring.stretch / island.dt);
+      row.law.setTarget(spring.part, row.law.part(spring.part).target - spring.stretch / island.dt);
       row.open -= spring.stretch;
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
@@ -205,9 +205,10 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.isSoft()) continue;
       const double u = work.u[r];
+      const RowSpring& spring = row.extras->spring;
       m_stretch[r] = {
-          row.extras->spring.length(u, island.dt),
-          row.extras->spring.energyAfter(u, work.lambda[r], row.law.part(0).softness, island.dt)};
+          spring.length(u, island.dt),
+          spring.energyAfter(u, work.impulseOfSpring(row, r), row.softness(), island.dt)};
     }
   }
 }

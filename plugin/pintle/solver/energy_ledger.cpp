@@ -53,11 +53,12 @@ double drivingImpulse(const AxisLaw& law, const Workspace& end, size_t r) {
 }
 
 // J: what the spring of a soft row has stored in the step.
-double stored(const Island& island, const IslandRow& row, double u, double lambda) {
+double stored(const Island& island, const IslandRow& row, const Workspace& end, size_t r) {
   if (!row.isSoft()) return 0;
   const RowSpring& spring = row.extras->spring;
-  const double softness = row.law.part(0).softness;
-  return spring.energyAfter(u, lambda, softness, island.dt) - spring.energy(softness, island.dt);
+  const double softness = row.softness();
+  return spring.energyAfter(end.u[r], end.impulseOfSpring(row, r), softness, island.dt) -
+         spring.energy(softness, island.dt);
 }
 
 // J: the most that a drive does to velocities v* that its joints may not hold yet. Joints alone would lead to a w of no more energy, and
@@ -86,7 +87,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
-      work += stored(island, row, end.u[r], end.lambda[r]);
+      work += stored(island, row, end, r);
       const double driving = drivingImpulse(row.law, end, r);
       if (driving != 0 || row.reboundEnergy() > 0) {
         const double u = row.J.along(mean(0), mean(1));
@@ -120,7 +121,7 @@ double workAmongContacts(const Island& island, const Component& component, const
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const double lambda = end.lambda[r], u = row.J.along(a, b),
                    rest = lambda - drivingImpulse(row.law, end, r);
-      work += rest * u + stored(island, row, end.u[r], lambda) -
+      work += rest * u + stored(island, row, end, r) -
               std::fmin(row.reboundEnergy(), std::fmax(0, rest * u));
     }
   }

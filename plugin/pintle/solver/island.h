@@ -140,12 +140,13 @@ inline RowJacobian jacobianOf(const Row& row, double sign) {
   return {-L, -sign * row.A_a.cast<double>(), L, sign * row.A_b.cast<double>()};
 }
 
-/// Of a soft equality. It gives like a spring, which starts without tension wherever it is: what the step's velocities stretch it by
+/// Of a soft equality, or a soft stop that is passed. It gives like a spring, which starts without tension wherever it is: what the step's velocities stretch it by
 /// pulls it back, and what it was open by before moves poses.
 struct RowSpring {
   double erp = 0;
   double open = 0;     ///< ERP times C, m or rad
   double stretch = 0;  ///< the part of it that pulls
+  int part = 0;        ///< of the law of the row, which it is
 
   double length(double u, double dt) const { return stretch + erp * dt * u; }
   /// J, before the step and after it: never more than it was given.
@@ -206,6 +207,10 @@ struct IslandRow {
            !has_stops_alone;
   }
   bool isSoft() const { return extras != nullptr && extras->spring.erp > 0; }
+  /// Of one that is soft.
+  double softness() const { return law.part(extras->spring.part).softness; }
+  /// Whether it is beyond a soft stop.
+  bool hasSoftStop() const { return isSoft() && law.part(extras->spring.part).gives; }
   double reboundEnergy() const { return extras != nullptr ? extras->rebound_energy : 0; }
   /// Whether u = J v is far from both, where bodies turn by `turn` (rad) in the step: what else they measure by then is of its square.
   bool isFarFromStops(double straight, double turn, double dt) const {

@@ -234,7 +234,7 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
                          .beta)
             : 0;
     row.law.add({double(part.row.target), softness, bounded(part.row.lower),
-                 bounded(part.row.upper), true, role, of_spring});
+                 bounded(part.row.upper), true, false, role, of_spring});
   };
   if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction, nullptr);
   if (axis.drive != Axis::Drive::off)
@@ -244,11 +244,11 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   row.has_position =
       row.start->limit || axis.drive == Axis::Drive::servo || axis.drive == Axis::Drive::pose;
   if (!row.start->limit || !axis.limited()) return;
-  if (axis.hasLimitSpring() || motion.limit_cfm > 0)
+  if (axis.hasLimitSpring())
     addPart(limitPart(axis, motion, state.incoming), Axis::limit,
             axis.locked() ? &axis.limit_spring : nullptr);
   else
-    addRigidLimit(of, axis, motion, state, row);
+    addLimit(of, axis, motion, state, row);
 }
 
 // ERP of it, and what is left in the end at once: a part of that would be less than poses are corrected by.
@@ -259,35 +259,42 @@ double IslandBuilder::closing(double erp, double error, double max_speed) const 
   return std::copysign(std::min(part, max_speed * m_island.dt), error);
 }
 
-// Beyond a limit no further, and back by moving poses; inside up to it.
-void IslandBuilder::addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
-                                  AxisState& state, IslandRow& row) const {
+// Beyond a limit no further, or as far as it gives, and back by moving poses; inside up to it.
+void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
+                             AxisState& state, IslandRow& row) const {
   const double q = double(row.start->position), low = double(axis.low), high = double(axis.high);
   const double dt = m_island.dt;
-  const auto close = [&](double beyond) {
-    return closing(double(motion.limit_erp), beyond, double(motion.max_speed));
+  const NearLimit limit(axis, motion);
+  const bool is_beyond = axis.locked() || limit.gap < 0;
+  row.open = is_beyond ? closing(double(motion.limit_erp), q - (limit.at_low ? low : high),
+                                 double(motion.max_speed))
+                       : 0;
+  const auto add = [&](double target, double lower, double upper, bool gives, bool is_stop) {
+    if (gives)
+      row.extras->spring = {std::fmin(double(motion.limit_erp), 1), row.open, 0, row.law.parts()};
+    const double softness = gives ? double(motion.limit_cfm) * inverseMassBeside(of, row.J) : 0;
+    row.law.add({target, softness, lower, upper, false, gives && is_stop, Axis::limit});
   };
+  bool gives =
+      motion.limit_cfm > 0 && (axis.locked() || double(limit.gap) <= m_options.pose_tolerance);
   if (axis.locked()) {
-    row.law.add({0, 0, -AxisLaw::unbounded, AxisLaw::unbounded, false, Axis::limit});
-    row.open = close(q - low);
+    add(0, -AxisLaw::unbounded, AxisLaw::unbounded, gives, false);
     return;
   }
-  // It stops at the limit, and rebounds in the next step.
+  // It stops at the limit, and rebounds in the next step. What gives sends back what it was pressed by.
   double up = std::fmin((low - q) / dt, 0), down = std::fmax((high - q) / dt, 0);
-  const NearLimit limit(axis, motion);
-  if (const double rebound = double(reboundSpeed(axis, motion, limit)); rebound > 0) {
-    if (limit.at_low)
-      up = rebound;
-    else
-      down = -rebound;
+  const double rebound =
+      !gives || motion.incoming > 0 ? double(reboundSpeed(axis, motion, limit)) : 0;
+  if (rebound > 0) {
+    gives = false;
+    (limit.at_low ? up : down) = double(limit.side) * rebound;
   } else if (limit.gap > 0) {
     state.incoming = btMax(Scalar(0), -limit.inward);
   }
-  if (low > -double(infinity)) row.law.add({up, 0, 0, AxisLaw::unbounded, false, Axis::limit});
-  if (high < double(infinity)) row.law.add({down, 0, -AxisLaw::unbounded, 0, false, Axis::limit});
-  row.open = close(q < low ? q - low : q > high ? q - high : 0);
+  if (low > -double(infinity)) add(up, 0, AxisLaw::unbounded, gives && limit.at_low, true);
+  if (high < double(infinity)) add(down, -AxisLaw::unbounded, 0, gives && !limit.at_low, true);
   // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
-  row.has_stops_alone = row.start->angular && of.equalities == 5 &&
+  row.has_stops_alone = !row.isSoft() && row.start->angular && of.equalities == 5 &&
                         axis.drive != Axis::Drive::servo && axis.drive != Axis::Drive::pose;
 }
 

@@ -46,8 +46,8 @@ class IslandBuilder {
   void setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
                       IslandRow& row) const;
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
-  void addRigidLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
-                     AxisState& state, IslandRow& row) const;
+  void addLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion, AxisState& state,
+                IslandRow& row) const;
   void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   /// A row of the joint, which is to be filled, and then kept or not.
   IslandRow& newRow() { return m_island.rows.emplace_back(); }

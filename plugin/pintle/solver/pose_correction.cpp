@@ -74,13 +74,11 @@ bool PoseCorrection::findGoals() {
     const LawPiece& piece = m_work.pieces[r];
     double open = row.open / m_island.dt;
     // What comes back from beyond a stop by itself needs no closing.
-    const double* const stop =
-        row.has_position || row.open != 0 ? passedRigidStop(row.law, m_u[r] + open) : nullptr;
+    const double* const stop = passedStop(row, m_u[r] + open);
     const bool beyond = stop != nullptr;
     // What rebounds has a velocity to end with, and no pose.
     const bool rebounds = piece.acts && pintle::rebounds(row.law, piece.target);
-    if (hasRigidStops(row.law) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond))
-      open = 0;
+    if (hasStops(row) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond)) open = 0;
     const bool holds = piece.acts && (row.has_position || row.law.isEquality()) && !rebounds;
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || open != 0;

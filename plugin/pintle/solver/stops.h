@@ -3,7 +3,7 @@
 // of a lower one; of an upper one with the other signs. A target that points back into the range is a rebound (Newton's law of impact).
 #pragma once
 
-#include <pintle/solver/axis_law.h>
+#include <pintle/solver/island.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -36,6 +36,16 @@ inline const double* passedRigidStop(const AxisLaw& law, double u) {
     if (const LawPart& part = law.part(i); part.isRigidStop() && part.isBeyond(u))
       return &part.target;
   return nullptr;
+}
+
+/// Whether a row may be moved out of a stop.
+inline bool hasStops(const IslandRow& row) { return row.hasSoftStop() || hasRigidStops(row.law); }
+
+/// The target, but for what its spring pulls, of the stop that a row is beyond at velocity u; null: of none.
+inline const double* passedStop(const IslandRow& row, double u) {
+  static constexpr double at_start = 0;
+  if (row.hasSoftStop()) return u * row.open > 0 ? &at_start : nullptr;
+  return row.has_position || row.open != 0 ? passedRigidStop(row.law, u) : nullptr;
 }
 
 /// Whether a stop sends its row back with velocity u.

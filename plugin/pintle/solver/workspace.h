@@ -57,6 +57,11 @@ struct Workspace {
     return law.split(pieces[r].velocityAt(u[r], lambda[r]), lambda[r]);
   }
 
+  /// Of a soft row: what its spring has of its impulse.
+  double impulseOfSpring(const IslandRow& row, size_t r) const {
+    return row.law.parts() == 1 ? lambda[r] : split(row.law, r)[size_t(row.extras->spring.part)];
+  }
+
   // Memory of the solves.
   std::vector<double> y, x,
       aim;  ///< impulses, a residual, and targets, in the units of K (joint_matrix.h)
