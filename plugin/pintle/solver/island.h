@@ -117,11 +117,11 @@ struct MovedBody {
         move(dt * velocity.head<3>()),
         turn(RotationOfStep(velocity.tail<3>(), dt).matrix()) {}
 
-  /// On from there, by dt w.
-  void goOn(const Vector6d& w, double dt) {
-    v += w;
-    move += dt * w.head<3>();
-    turn = RotationOfStep(w.tail<3>(), dt).matrix() * turn;
+  /// On from there, by `part` of the way of w in a step.
+  void goOn(const Vector6d& w, double dt, double part = 1) {
+    v += part * w;
+    move += part * dt * w.head<3>();
+    turn = RotationOfStep(w.tail<3>(), dt, part).matrix() * turn;
   }
   btTransform from(const btTransform& start) const {
     if (v.isZero(0)) return start;

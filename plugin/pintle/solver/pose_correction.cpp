@@ -27,6 +27,7 @@ class PoseCorrection {
 
  private:
   void begin();
+  void goOn(double part);
   bool findGoals();
   bool addPassed();
   bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
@@ -298,16 +299,11 @@ bool PoseCorrection::startsClosed() const {
 // Each one is closed before the next one, and halved where it is too long. What starts open has no such way. Returns whether it led there.
 bool PoseCorrection::follow() {
   std::vector<MovedBody>& reached = m_work.first;
-  reached.clear();
-  for (int b = 0; b < m_component.bodies; ++b) reached.emplace_back(Vector6d::Zero(), m_island.dt);
+  reached.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));
   double gone = 0;
   for (double part = 0.5; gone < 1 && part >= m_options.least_part;) {
     m_work.moved = reached;
-    for (int b = 0; b < m_component.bodies; ++b)
-      for (Vector6d w : {body(b).push, m_work.v[size_t(b)]}) {
-        w.tail<3>() = RotationOfStep::vector(w.tail<3>(), m_island.dt) / m_island.dt;
-        m_work.moved[size_t(b)].goOn(part * w, m_island.dt);
-      }
+    goOn(part);
     m_part = gone + part;
     if (closePart()) {
       gone = m_part;
@@ -338,16 +334,22 @@ bool PoseCorrection::closePart() {
   return true;
 }
 
+// Bodies go a part of the step's way: what contacts push, and what velocities do.
+void PoseCorrection::goOn(double part) {
+  for (int b = 0; b < m_component.bodies; ++b) {
+    MovedBody& to = m_work.moved[size_t(b)];
+    to.goOn(body(b).push, m_island.dt, part);
+    to.goOn(m_work.v[size_t(b)], m_island.dt, part);
+  }
+}
+
 void PoseCorrection::begin() {
   const auto rows = size_t(m_component.rows);
   m_u.resize(rows);
   setZero(rows, m_goal);
   m_closes.assign(rows, false);
-  m_work.moved.clear();
-  for (int b = 0; b < m_component.bodies; ++b) {
-    m_work.moved.emplace_back(body(b).push, m_island.dt);
-    m_work.moved.back().goOn(m_work.v[size_t(b)], m_island.dt);
-  }
+  m_work.moved.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));
+  goOn(1);
   measureAtEnd(m_island, m_component, m_work.moved, m_u);
 }
 

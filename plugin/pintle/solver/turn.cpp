@@ -21,7 +21,8 @@ Vector3d RotationOfStep::vector(const Vector3d& w, double dt) {
   return length > max_turn ? Vector3d(angleBeyond(length) / length * phi) : phi;
 }
 
-RotationOfStep::RotationOfStep(const Vector3d& w, double dt) : phi(vector(w, dt)) {
+RotationOfStep::RotationOfStep(const Vector3d& w, double dt, double part)
+    : phi(part * vector(w, dt)) {
   const double t2 = phi.squaredNorm();
   if (t2 < 1e-6) {
     once = 1 - t2 / 6;

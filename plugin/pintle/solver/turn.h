@@ -34,7 +34,8 @@ struct RotationOfStep {
   Vector3d phi;        ///< rad: the rotation vector of the step
   double once, twice;  ///< R = 1 + once [phi]x + twice [phi]x^2
 
-  RotationOfStep(const Vector3d& w, double dt);
+  /// Of `part` of the way about the same axis.
+  RotationOfStep(const Vector3d& w, double dt, double part = 1);
   /// phi alone.
   static Vector3d vector(const Vector3d& w, double dt);
   /// Whether a body turns by dt w.
