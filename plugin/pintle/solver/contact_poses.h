@@ -31,9 +31,9 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
                const std::vector<Vector6d>& velocities, int passes, double turn_share,
                ContactResponse& response, const HoldJoints& holdJoints, ContactPosesMemory& memory);
 
-/// Where bodies of a component swing faster than a step resolves, rows of the start hold its velocities in hardly any of the ways that
-/// it may go, and poses have to take back the rest. Then velocities follow the poses, of all `bodies` that contacts join with it: by
-/// that part of their changes that takes most energy. It never gives any.
+/// Where bodies of a component swing or whirl faster than a step resolves, rows of the start hold its velocities in hardly any of the ways
+/// that it may go, and poses have to take back the rest. Then velocities follow the poses, of all `bodies` that contacts join with it:
+/// by that part of their changes that takes most energy. It never gives any.
 void followPoses(const Island& island, Span<const int> bodies, std::vector<Vector6d>& velocities,
                  std::vector<PoseChange>& changes);
 

@@ -268,6 +268,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   }
   kept.keepImpulses(m_island, component, m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
+  work.arrives = true;
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
     if (kept.holds_end) keepWhirls(m_island, component, m_options, kept);
@@ -360,7 +361,7 @@ void IslandSolver::finishComponents() {
     report(component, memoryOf(component));
     gatherVelocities(component);
   }
-  if (!m_contacts.empty()) followPoses();
+  followPoses();
 }
 
 Span<const int> IslandSolver::bodiesOf(const Component& component) {
@@ -370,13 +371,16 @@ Span<const int> IslandSolver::bodiesOf(const Component& component) {
 }
 
 void IslandSolver::followPoses() {
-  const auto isResolved = [&](const Component* of) { return memoryOf(*of).work.is_resolved; };
+  const auto arrives = [&](const Component* of) { return memoryOf(*of).work.arrives; };
+  const auto mayKeepVelocities = [&](const Component* of) {
+    return memoryOf(*of).work.is_resolved && arrives(of);
+  };
   for (const Component& component : m_components)
-    if (!m_groups.has(component) && !isResolved(&component))
+    if (!m_groups.has(component) && !arrives(&component))
       pintle::followPoses(m_island, bodiesOf(component), m_velocities, m_pose_changes);
   for (size_t g = 0; g < m_groups.count(); ++g) {
     const ContactGroup group = m_groups[g];
-    if (!std::all_of(group.components.begin(), group.components.end(), isResolved))
+    if (!std::all_of(group.components.begin(), group.components.end(), mayKeepVelocities))
       pintle::followPoses(m_island, group.bodies, m_velocities, m_pose_changes);
   }
 }

@@ -1,5 +1,6 @@
 #include <pintle/solver/pose_changes.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pintle {
@@ -15,6 +16,12 @@ void findChanges(const Island& island, const Component& component, const std::ve
     changes[b].tail<3>() =
         rotationVector(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose());
   }
+}
+
+bool startsClosed(const Island& island, const Component& component, double tolerance) {
+  const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
+  return std::all_of(joints, joints + component.joints,
+                     [&](const IslandJoint& joint) { return joint.open <= tolerance; });
 }
 
 double bendOfRows(const Island& island, const Component& component, const std::vector<char>& which,

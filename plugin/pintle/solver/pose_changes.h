@@ -34,6 +34,9 @@ inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
 void findChanges(const Island& island, const Component& component, const std::vector<Vector6d>& v,
                  const std::vector<MovedBody>& end, PoseChange* changes);
 
+/// Whether no joint of the component is open by more than `tolerance` (m or rad) at the start of the step.
+bool startsClosed(const Island& island, const Component& component, double tolerance);
+
 /// m or rad: the most by which turning bodies of the component from `start` to `end` changes what those rows of Bullet's measure beside what they
 /// say, which is known at the start of the step alone: a lever |A| that turns by phi leaves its tangent by |A| phi^2 / 2. Of `which` rows.
 double bendOfRows(const Island& island, const Component& component, const std::vector<char>& which,

@@ -43,8 +43,7 @@ class PoseCorrection {
   double closePassed(double left);
   double closeWithoutLimits(double left);
   bool opensArms(double open) const;
-  bool startsClosed() const;
-  bool follow();
+  double follow(double left);
   bool closePart();
   const IslandBody& body(int i) const {
     return m_island.bodies[size_t(m_component.first_body + i)];
@@ -288,16 +287,10 @@ double PoseCorrection::closeWithoutLimits(double left) {
   return left;
 }
 
-bool PoseCorrection::startsClosed() const {
-  const IslandJoint* const joints = &m_island.joints[size_t(m_component.first_joint)];
-  return std::all_of(joints, joints + m_component.joints, [&](const IslandJoint& joint) {
-    return joint.open <= m_options.loose_pose_tolerance;
-  });
-}
-
 // Where the end of the step is too far, as where a light body whirls between taut ropes, bodies go there from its start part by part.
-// Each one is closed before the next one, and halved where it is too long. What starts open has no such way. Returns whether it led there.
-bool PoseCorrection::follow() {
+// Each one is closed before the next one, and halved where it is too long. Where none is short enough they stay: there their joints hold.
+// What starts open has no such way. Returns what is left open.
+double PoseCorrection::follow(double left) {
   std::vector<MovedBody>& reached = m_work.first;
   reached.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));
   double gone = 0;
@@ -312,9 +305,14 @@ bool PoseCorrection::follow() {
       part /= 2;
     }
   }
+  m_work.moved = reached;
+  m_part = gone;
+  const double there = measure();
   m_part = 1;
-  if (gone == 1) m_nearest = reached;
-  return gone == 1;
+  m_work.arrives = m_work.arrives || gone == 1;
+  if (gone < 1 && (m_work.arrives || !(there < left))) return left;
+  m_nearest = reached;
+  return gone < 1 ? there : closePassed(iterate(there, false));
 }
 
 // With factors of where bodies are, each as long as it closes fast. Returns whether rows are where they are to be.
@@ -377,10 +375,9 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     open = measure();
     left = iterate(open, true);
   }
-  if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed() && follow()) {
-    m_work.moved = m_nearest;
-    left = closePassed(iterate(measure(), false));
-  }
+  m_work.arrives = left <= m_options.contact_tolerance;
+  if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed(m_island, m_component, met))
+    left = follow(left);
   const double of_joints = left <= met ? left : closeWithoutLimits(left);
   findChanges(m_island, m_component, m_work.v, m_nearest, changes);
   if (!(of_joints <= met || left < m_options.contraction * open))
