@@ -150,11 +150,11 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
   }
 }
 
-// What forces ask of joints is as much as levers make of it: a taut rope bears many times its weight. Of the rest, which are blows, and
-// what joints that contradict each other do to each other, and which would grow from step to step, the next step begins with no more than all
-// momentum that there is.
+// What forces, and what lies on its bodies, ask of joints is as much as levers make of it: a taut rope bears many times its weight. Of the
+// rest, which are blows, and what joints that contradict each other do to each other, and which would grow from step to step, the next step
+// begins with no more than all momentum that there is.
 void ComponentMemory::keepImpulses(const Island& island, const Component& component,
-                                   double least_pivot) {
+                                   Span<const ContactRow> contacts, double least_pivot) {
   m_lambda = work.lambda;
   if (needed_no_solve) return;  // so they were before
   MostImpulse most(island.bodies[size_t(component.first_body)], component.lever);
@@ -169,7 +169,7 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
   });
   if (is_allowed) return;
   const bool knows_forces = has_factor && K.factorise(least_pivot);
-  if (knows_forces) findWhatForcesAsk(island, component);
+  if (knows_forces) findWhatForcesAsk(island, component, contacts);
   forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
     const double by_forces =
         knows_forces && work.pieces[r].acts ? work.x[K.row(c, i)] * row.by_root_K : 0;
@@ -177,8 +177,9 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
   });
 }
 
-// work.x = -K^-1 J A^-1 M (v* - v_0)
-void ComponentMemory::findWhatForcesAsk(const Island& island, const Component& component) {
+// work.x = -K^-1 J A^-1 (M (v* - v_0) + J^T p), p and this J of contacts
+void ComponentMemory::findWhatForcesAsk(const Island& island, const Component& component,
+                                        Span<const ContactRow> contacts) {
   std::vector<Vector6d>& change = work.stays;
   change.clear();
   for (int i = 0; i < component.bodies; ++i) {
@@ -187,6 +188,10 @@ void ComponentMemory::findWhatForcesAsk(const Island& island, const Component& c
     by_forces.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * by_forces.tail<3>());
     change.push_back(by_forces);
   }
+  for (const ContactRow& row : contacts)
+    for (size_t side = 0; side < 2; ++side)
+      if (const int i = row.body[side] - component.first_body; i >= 0 && i < component.bodies)
+        change[size_t(i)] += row.impulse * row.answer[side];
   setZero(K.vectorSize(), work.x);
   K.subtractVelocities(change.data(), work.x.data());
   K.solve(work.x.data());

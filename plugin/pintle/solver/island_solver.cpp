@@ -266,7 +266,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     kept.converged = false;
     return;
   }
-  kept.keepImpulses(m_island, component, m_options.least_pivot);
+  kept.keepImpulses(m_island, component, m_groups.rowsOf(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   work.arrives = true;
   // What is left and what is open already are a tolerance together.
