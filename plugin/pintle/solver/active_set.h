@@ -38,8 +38,10 @@ class ActiveSet {
   /// visit(joint of the component, its row i, row, where it is among the component's, and among the unknowns of K)
   template <class Visit>
   void forEachRow(const Visit& visit) const {
+    size_t first = 0;  // of the joint
     pintle::forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-      visit(c, i, row, r, m_K.row(c, i));
+      if (i == 0) first = m_K.row(c, 0);
+      visit(c, i, row, r, first + JointMatrix::rowOfJoint(i));
     });
   }
   void set(const IslandRow& row, size_t r, size_t at, const LawPiece& piece);

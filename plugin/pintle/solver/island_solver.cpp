@@ -376,7 +376,7 @@ void IslandSolver::followPoses() {
     return memoryOf(*of).work.is_resolved && arrives(of);
   };
   for (const Component& component : m_components)
-    if (!m_groups.has(component) && !arrives(&component))
+    if (!arrives(&component) && !m_groups.has(component))
       pintle::followPoses(m_island, bodiesOf(component), m_velocities, m_pose_changes);
   for (size_t g = 0; g < m_groups.count(); ++g) {
     const ContactGroup group = m_groups[g];

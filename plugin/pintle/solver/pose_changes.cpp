@@ -18,10 +18,30 @@ void findChanges(const Island& island, const Component& component, const std::ve
   }
 }
 
+void goOn(const Island& island, const Component& component, const std::vector<Vector6d>& v,
+          double part, std::vector<MovedBody>& moved) {
+  for (size_t b = 0; b < v.size(); ++b) {
+    moved[b].goOn(island.bodies[size_t(component.first_body) + b].push, island.dt, part);
+    moved[b].goOn(v[b], island.dt, part);
+  }
+}
+
 bool startsClosed(const Island& island, const Component& component, double tolerance) {
   const IslandJoint* const joints = &island.joints[size_t(component.first_joint)];
   return std::all_of(joints, joints + component.joints,
                      [&](const IslandJoint& joint) { return joint.open <= tolerance; });
+}
+
+bool countsTurns(const Island& island, const Component& component, const std::vector<Vector6d>& v) {
+  if (std::all_of(v.begin(), v.end(), [&](const Vector6d& of) {
+        return RotationOfStep::follows(of.tail<3>(), island.dt);
+      }))
+    return false;
+  bool any = false;
+  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t) {
+    any = any || (row.isOfAxis() && row.isOfAngle());
+  });
+  return any;
 }
 
 double bendOfRows(const Island& island, const Component& component, const std::vector<char>& which,

@@ -34,8 +34,15 @@ inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
 void findChanges(const Island& island, const Component& component, const std::vector<Vector6d>& v,
                  const std::vector<MovedBody>& end, PoseChange* changes);
 
+/// Bodies of the component go a part of the step's way: what contacts push, and what velocities `v` do.
+void goOn(const Island& island, const Component& component, const std::vector<Vector6d>& v,
+          double part, std::vector<MovedBody>& moved);
+
 /// Whether no joint of the component is open by more than `tolerance` (m or rad) at the start of the step.
 bool startsClosed(const Island& island, const Component& component, double tolerance);
+
+/// Whether bodies go round so fast, with `v`, that joints of the component tell by their velocities how often: where they are does not.
+bool countsTurns(const Island& island, const Component& component, const std::vector<Vector6d>& v);
 
 /// m or rad: the most by which turning bodies of the component from `start` to `end` changes what those rows of Bullet's measure beside what they
 /// say, which is known at the start of the step alone: a lever |A| that turns by phi leaves its tangent by |A| phi^2 / 2. Of `which` rows.

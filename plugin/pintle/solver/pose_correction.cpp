@@ -27,7 +27,6 @@ class PoseCorrection {
 
  private:
   void begin();
-  void goOn(double part);
   bool findGoals();
   bool addPassed();
   bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
@@ -43,11 +42,9 @@ class PoseCorrection {
   double closePassed(double left);
   double closeWithoutLimits(double left);
   bool opensArms(double open) const;
+  bool arrives(double left);
   double follow(double left);
   bool closePart();
-  const IslandBody& body(int i) const {
-    return m_island.bodies[size_t(m_component.first_body + i)];
-  }
 
   const Island& m_island;
   const Component& m_component;
@@ -230,6 +227,15 @@ bool PoseCorrection::opensArms(double open) const {
   return any;
 }
 
+// Whether bodies get to the end of the step. What an angle has open there that folds tells nothing.
+bool PoseCorrection::arrives(double left) {
+  if (left <= m_options.contact_tolerance || countsTurns(m_island, m_component, m_work.v))
+    return true;
+  m_work.moved = m_nearest;
+  measure();
+  return !opensArms(m_options.contact_tolerance);
+}
+
 // Returns what is left open. `goes_on_anyhow`: where an angle is far from what its row says, so that nothing closes it, the first step is
 // what can be had.
 double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
@@ -296,7 +302,7 @@ double PoseCorrection::follow(double left) {
   double gone = 0;
   for (double part = 0.5; gone < 1 && part >= m_options.least_part;) {
     m_work.moved = reached;
-    goOn(part);
+    goOn(m_island, m_component, m_work.v, part, m_work.moved);
     m_part = gone + part;
     if (closePart()) {
       gone = m_part;
@@ -332,22 +338,13 @@ bool PoseCorrection::closePart() {
   return true;
 }
 
-// Bodies go a part of the step's way: what contacts push, and what velocities do.
-void PoseCorrection::goOn(double part) {
-  for (int b = 0; b < m_component.bodies; ++b) {
-    MovedBody& to = m_work.moved[size_t(b)];
-    to.goOn(body(b).push, m_island.dt, part);
-    to.goOn(m_work.v[size_t(b)], m_island.dt, part);
-  }
-}
-
 void PoseCorrection::begin() {
   const auto rows = size_t(m_component.rows);
   m_u.resize(rows);
   setZero(rows, m_goal);
   m_closes.assign(rows, false);
   m_work.moved.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));
-  goOn(1);
+  goOn(m_island, m_component, m_work.v, 1, m_work.moved);
   measureAtEnd(m_island, m_component, m_work.moved, m_u);
 }
 
@@ -375,7 +372,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     open = measure();
     left = iterate(open, true);
   }
-  m_work.arrives = left <= m_options.contact_tolerance;
+  m_work.arrives = arrives(left);
   if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed(m_island, m_component, met))
     left = follow(left);
   const double of_joints = left <= met ? left : closeWithoutLimits(left);

@@ -25,14 +25,17 @@ class RowBlocks {
   /// answers (addResponse), but is no unknown. Set before each factor.
   void setActing(size_t at, bool acts, double softness) {
     const double next = acts ? softness : 1;
-    if (m_softness[at] != next || (m_acts[at] != 0) != acts) m_is_factorised = false;
+    if (m_softness[at] == next && (m_acts[at] != 0) == acts) return;
+    m_is_factorised = false;
     m_softness[at] = next;
     m_acts[at] = acts;
   }
   /// A vector of all unknowns. That of row i of joint c is at row(c, i): velocities divided by root_K before, impulses times root_K after
   /// x = K^-1 x. What lies between the joints' must be 0.
   size_t vectorSize() const { return size_t(stride) * m_bodies_of.size(); }
-  size_t row(int c, int i) const { return size_t(stride * m_node[size_t(c)] + i + i / block); }
+  size_t row(int c, int i) const { return size_t(stride * m_node[size_t(c)]) + rowOfJoint(i); }
+  /// From the first one of a joint on.
+  static size_t rowOfJoint(int i) { return size_t(i + i / block); }
   /// v += A^-1 J^T x, x impulses times root_K.
   void addResponse(const double* x, Vector6d* v) const;
   /// x -= J v of the rows that act.
