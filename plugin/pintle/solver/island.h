@@ -140,8 +140,8 @@ inline RowJacobian jacobianOf(const Row& row, double sign) {
   return {-L, -sign * row.A_a.cast<double>(), L, sign * row.A_b.cast<double>()};
 }
 
-/// Of a soft equality, or a soft stop that is passed. It gives like a spring, which starts without tension wherever it is: what the step's velocities stretch it by
-/// pulls it back, and what it was open by before moves poses.
+/// Of a soft equality, or of a soft stop that is reached. It gives like a spring, which starts without tension wherever it is: what the
+/// step's velocities stretch it by pulls it back, and what it was open by before moves poses.
 struct RowSpring {
   double erp = 0;
   double open = 0;     ///< ERP times C, m or rad

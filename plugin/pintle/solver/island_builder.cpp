@@ -259,7 +259,7 @@ double IslandBuilder::closing(double erp, double error, double max_speed) const 
   return std::copysign(std::min(part, max_speed * m_island.dt), error);
 }
 
-// Beyond a limit no further, or as far as it gives, and back by moving poses; inside up to it.
+// Beyond a limit no further, or as a spring gives (RowSpring), and back by moving poses; inside up to it.
 void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion,
                              AxisState& state, IslandRow& row) const {
   const double q = double(row.start->position), low = double(axis.low), high = double(axis.high);
