@@ -150,12 +150,13 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
   }
 }
 
-// What forces, and what lies on its bodies, ask of joints is as much as levers make of it: a taut rope bears many times its weight. Of the
-// rest, which are blows, and what joints that contradict each other do to each other, and which would grow from step to step, the next step
-// begins with no more than all momentum that there is.
+// What forces ask of joints is as much as levers make of it: a taut rope bears many times its weight. Of the rest, which are blows, and
+// what joints that contradict each other do to each other, and which would grow from step to step, the next step begins with no more than all
+// momentum that there is. Contacts begin with impulses of their own. But what lies on bodies is a load that their joints bear.
 void ComponentMemory::keepImpulses(const Island& island, const Component& component,
                                    Span<const ContactRow> contacts, double least_pivot) {
   m_lambda = work.lambda;
+  m_borne.clear();
   if (needed_no_solve) return;  // so they were before
   MostImpulse most(island.bodies[size_t(component.first_body)], component.lever);
   for (int i = 0; i < component.bodies; ++i) {
@@ -169,12 +170,17 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
   });
   if (is_allowed) return;
   const bool knows_forces = has_factor && K.factorise(least_pivot);
-  if (knows_forces) findWhatForcesAsk(island, component, contacts);
-  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
-    const double by_forces =
-        knows_forces && work.pieces[r].acts ? work.x[K.row(c, i)] * row.by_root_K : 0;
-    m_lambda[r] = by_forces + most.of(row, m_lambda[r] - by_forces);
-  });
+  const auto bound = [&](Span<const ContactRow> those, std::vector<double>& impulses) {
+    impulses = work.lambda;
+    if (knows_forces) findWhatForcesAsk(island, component, those);
+    forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
+      const double by_forces =
+          knows_forces && work.pieces[r].acts ? work.x[K.row(c, i)] * row.by_root_K : 0;
+      impulses[r] = by_forces + most.of(row, impulses[r] - by_forces);
+    });
+  };
+  bound({}, m_lambda);
+  if (!contacts.empty()) bound(contacts, m_borne);
 }
 
 // work.x = -K^-1 J A^-1 (M (v* - v_0) + J^T p), p and this J of contacts
@@ -200,7 +206,7 @@ void ComponentMemory::findWhatForcesAsk(const Island& island, const Component& c
 void ComponentMemory::keep(const Island& island, const Component& component) {
   forecast.take(&island.bodies[size_t(component.first_body)], work.v, island.dt, is_foreseen);
   m_rows = sizes;
-  addLoad(m_lambda, work);
+  addLoad(m_borne.empty() ? m_lambda : m_borne, work);
   m_load = work.load;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];

@@ -50,8 +50,8 @@ struct ComponentMemory {
 
   size_t bytes() const {
     return sizeof(*this) + K.bytes() + work.bytes() +
-           bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_lambda, m_load, m_stretch,
-                   m_last_stretch) +
+           bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_borne, m_lambda, m_load,
+                   m_stretch, m_last_stretch) +
            forecast.bytes();
   }
 
@@ -65,7 +65,9 @@ struct ComponentMemory {
   void findWhatForcesAsk(const Island& island, const Component& component,
                          Span<const ContactRow> contacts);
 
-  std::vector<int> m_rows;                         ///< of each joint, in the last step
+  std::vector<int> m_rows;  ///< of each joint, in the last step
+  std::vector<double>
+      m_borne;  ///< of each row of this step, where contacts ask for more than m_lambda
   std::vector<double> m_lambda, m_load;            ///< of each row of it
   std::vector<Stretch> m_stretch, m_last_stretch;  ///< of each row's spring
 };
