@@ -269,16 +269,16 @@ void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const Axis
   row.open = is_beyond ? closing(double(motion.limit_erp), q - (limit.at_low ? low : high),
                                  double(motion.max_speed))
                        : 0;
-  const auto add = [&](double target, double lower, double upper, bool gives, bool is_stop) {
+  const auto add = [&](double target, double lower, double upper, bool gives) {
     if (gives)
       row.extras->spring = {std::fmin(double(motion.limit_erp), 1), row.open, 0, row.law.parts()};
     const double softness = gives ? double(motion.limit_cfm) * inverseMassBeside(of, row.J) : 0;
-    row.law.add({target, softness, lower, upper, false, gives && is_stop, Axis::limit});
+    row.law.add({target, softness, lower, upper, false, gives && !axis.locked(), Axis::limit});
   };
   bool gives =
       motion.limit_cfm > 0 && (axis.locked() || double(limit.gap) <= m_options.pose_tolerance);
   if (axis.locked()) {
-    add(0, -AxisLaw::unbounded, AxisLaw::unbounded, gives, false);
+    add(0, -AxisLaw::unbounded, AxisLaw::unbounded, gives);
     return;
   }
   // It stops at the limit, and rebounds in the next step. What gives sends back what it was pressed by.
@@ -291,8 +291,8 @@ void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const Axis
   } else if (limit.gap > 0) {
     state.incoming = btMax(Scalar(0), -limit.inward);
   }
-  if (low > -double(infinity)) add(up, 0, AxisLaw::unbounded, gives && limit.at_low, true);
-  if (high < double(infinity)) add(down, -AxisLaw::unbounded, 0, gives && !limit.at_low, true);
+  if (low > -double(infinity)) add(up, 0, AxisLaw::unbounded, gives && limit.at_low);
+  if (high < double(infinity)) add(down, -AxisLaw::unbounded, 0, gives && !limit.at_low);
   // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
   row.has_stops_alone = !row.isSoft() && row.start->angular && of.equalities == 5 &&
                         axis.drive != Axis::Drive::servo && axis.drive != Axis::Drive::pose;

@@ -258,6 +258,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
 
 void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
+  work.arrives = true;
   double sum = 0;
   for (const Vector6d& v : work.v) sum += v.sum();
   if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
@@ -268,7 +269,6 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   }
   kept.keepImpulses(m_island, component, m_groups.rowsOf(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
-  work.arrives = true;
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
     if (kept.holds_end) keepWhirls(m_island, component, m_options, kept);
