@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "constraints.h"
+#include "springs.h"
 
 namespace reference {
 namespace {
@@ -58,12 +58,13 @@ class System {
 
   // One of Bullet's, with joints that hold at its end (make_bullet_steps).
   void bullet_step(double h) {
-    if (rows_ > 0) {
-      evaluate();
-      factorize();
-    }
-    VectorXd force = VectorXd::Zero(6 * Eigen::Index(bodies_.size()));
-    add_springs(force);
+    evaluate();
+    const std::vector<StiffSpring> stiff = add_stiff_springs(h);
+    const Eigen::Index rows = rows_ + Eigen::Index(stiff.size());
+    if (rows > 0) factorize();
+    VectorXd force = VectorXd::Zero(6 * Eigen::Index(bodies_.size())),
+             impulse = VectorXd::Zero(rows);
+    add_springs(force, h);
     const std::vector<Coordinates> start = bodies_;
     VectorXd v(force.size());
     for (size_t i = 0; i < start.size(); ++i) {
@@ -80,11 +81,18 @@ class System {
         body.x = start[i].x + h * body.v;
         body.q = (bullet_turn(body.w, h) * start[i].q).normalized();
       }
-      if (rows_ == 0) return;
+      if (rows == 0) return;
       evaluate_values();
+      value_.conservativeResize(rows);
+      for (Eigen::Index i = rows_; i < rows; ++i) {
+        const StiffSpring& spring = stiff[size_t(i - rows_)];
+        value_[i] = spring.error(extension(*spring.joint).value, impulse[i]);
+      }
       constexpr double rounding = 1e-12;
       if (value_.cwiseAbs().maxCoeff() < rounding) return;
-      v -= W_ * factor_.solve(value_ / h);
+      const VectorXd change = factor_.solve(value_ / h);
+      impulse -= change;
+      v -= W_ * change;
     }
   }
   engines::State state(int body) const {
@@ -207,6 +215,34 @@ class System {
     }
   }
 
+  Extension extension(const Joint& joint) const {
+    return {joint, bodies_[size_t(joint.a)], bodies_[size_t(joint.b)]};
+  }
+
+  // Stiff springs are rows with a softness, the last ones of gradient_.
+  std::vector<StiffSpring> add_stiff_springs(double h) {
+    std::vector<StiffSpring> stiff;
+    softness_.setZero(rows_);
+    for (const Joint& joint : scene_.joints) {
+      if (joint.spring.frequency == 0 || !is_stiff(joint.spring, h)) continue;
+      const Extension now = extension(joint);
+      stiff.emplace_back(scene_, joint, now, h);
+      const Eigen::Index row = softness_.size();
+      softness_.conservativeResize(row + 1);
+      softness_[row] = stiff.back().softness / h;
+      gradient_.conservativeResize(row + 1, Eigen::NoChange);
+      gradient_.row(row).setZero();
+      const auto set = [&](int body, const Vector3d& arm, const Vector3d& axis) {
+        if (body == 0) return;
+        gradient_.row(row).segment<3>(6 * body) = axis;
+        gradient_.row(row).segment<3>(6 * body + 3) = arm.cross(axis);
+      };
+      set(joint.a, now.arm_a, -now.axis);
+      set(joint.b, now.arm_b, now.axis);
+    }
+    return stiff;
+  }
+
   // W = M^-1 J^T, and J W factorized.
   void factorize() {
     W_ = gradient_.transpose();
@@ -216,6 +252,7 @@ class System {
           inverse_inertia(i) * W_.middleRows(6 * Eigen::Index(i) + 3, 3).eval();
     }
     MatrixXd K = gradient_ * W_;
+    if (softness_.size() > 0) K.diagonal() += softness_;
     factor_.compute(K);
     // Redundant constraints leave pivots of nothing but rounding. Which of them carries the load
     // means nothing: a little compliance decides.
@@ -251,31 +288,21 @@ class System {
     return k;
   }
 
-  // Along a slider's axis, or between the points of a distance.
-  void add_springs(VectorXd& a) const {
+  // Accelerations by springs, but by those that are stiff for steps of h.
+  void add_springs(VectorXd& a, double h = 0) const {
     for (const Joint& joint : scene_.joints) {
-      if (joint.spring.frequency == 0) continue;
-      const auto inverse_mass = [&](int body) {
-        return body == 0 ? 0 : 1 / scene_.bodies[size_t(body)].mass;
-      };
-      const double mass = 1 / (inverse_mass(joint.a) + inverse_mass(joint.b));
-      const double w = 2 * scenes::pi * joint.spring.frequency;
-      const Coordinates &A = bodies_[size_t(joint.a)], &B = bodies_[size_t(joint.b)];
-      const Vector3d arm_a = A.q * joint.in_a.translation(), arm_b = B.q * joint.in_b.translation();
-      const Vector3d apart = B.x + arm_b - A.x - arm_a;
-      const bool strut = joint.kind == scenes::Kind::distance;
-      const Vector3d axis = strut ? apart.normalized() : Vector3d(A.q * joint.in_a.linear().col(0));
-      const double position = apart.dot(axis) - (strut ? joint.range.low : 0);
-      const double speed = (B.v + B.w.cross(arm_b) - A.v - A.w.cross(arm_a)).dot(axis);
+      if (joint.spring.frequency == 0 || is_stiff(joint.spring, h)) continue;
+      const Extension now = extension(joint);
+      const SpringConstants spring(scene_, joint);
       const Vector3d force =
-          -mass * (w * w * position + 2 * joint.spring.damping_ratio * w * speed) * axis;
+          -(spring.stiffness * now.value + spring.damping * now.speed) * now.axis;
       const auto push = [&](int body, const Vector3d& arm, const Vector3d& by) {
         if (body == 0) return;
-        a.segment<3>(6 * body) += inverse_mass(body) * by;
+        a.segment<3>(6 * body) += by / scene_.bodies[size_t(body)].mass;
         a.segment<3>(6 * body + 3) += inverse_inertia(size_t(body)) * arm.cross(by);
       };
-      push(joint.a, arm_a, -force);
-      push(joint.b, arm_b, force);
+      push(joint.a, now.arm_a, -force);
+      push(joint.b, now.arm_b, force);
     }
   }
 
@@ -306,7 +333,7 @@ class System {
   const Scene& scene_;
   std::vector<Coordinates> bodies_;
   int rows_ = 0;
-  VectorXd value_, curvature_;
+  VectorXd value_, curvature_, softness_;
   MatrixXd gradient_, W_;
   Eigen::LDLT<MatrixXd> factor_;
 };

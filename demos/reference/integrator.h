@@ -25,8 +25,9 @@ Solution solve(const scenes::Scene& scene, double dt, double interval);
 
 // Bullet's own steps with joints that leave nothing: velocities first and positions by them, the
 // gyroscopic term and the turn of a body as Bullet has them, and impulses along the joints' rows at
-// the start of the step with which the joints hold at its end. The errors of such a run are those of
-// the steps, and of no joint. Throws as `solve` does.
+// the start of the step with which the joints hold at its end. Springs pull by the start of the step,
+// as forces do, or by its end where they are too stiff for that. The errors of such a run are those
+// of the steps, and of no joint. Throws as `solve` does.
 std::unique_ptr<engines::Engine> make_bullet_steps(const scenes::Scene& scene);
 
 }  // namespace reference
