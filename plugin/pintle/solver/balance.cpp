@@ -83,9 +83,12 @@ double energyOfArcs(const Island& island, const Component& component, const Work
   return sum / 4;
 }
 
-// J: of the same, what is by turns alone, and by no load.
+// J: of the same, what is by turns alone, and by no load: 1/4 phi^2 of the kinetic energy, of the largest turn phi of a body in the step.
 double energyOfTurns(const Island& island, const Component& component, const Workspace& end) {
-  return shareOfArcs(end.v, island.dt) * kineticEnergy(island, component, end.v);
+  double turn2 = 0;
+  for (const Vector6d& v : end.v)
+    turn2 = std::fmax(turn2, v.tail<3>().squaredNorm() * island.dt * island.dt);
+  return turn2 / 4 * kineticEnergy(island, component, end.v);
 }
 
 // Whether that is all that joints give and take: not where a stop bears something, which takes, nor where a body turns further than
@@ -218,12 +221,6 @@ void keepWhirls(const Island& island, const Component& component, const SolverOp
   const double gaps = workOfGaps(kept.work, options.newton_tolerance, island.dt);
   kept.whirls =
       mayWhirl(island, component, gaps, kept.work) ? whirls(island, component, options, kept) : 0;
-}
-
-double shareOfArcs(const std::vector<Vector6d>& v, double dt) {
-  double turn2 = 0;
-  for (const Vector6d& of : v) turn2 = std::fmax(turn2, of.tail<3>().squaredNorm() * dt * dt);
-  return turn2 / 4;
 }
 
 bool isOfArcs(const Island& island, const Component& component, const SolverOptions& options,

@@ -12,9 +12,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// The part of the kinetic energy that chords hold of arcs of the largest turn phi of a body in the step: 1/4 phi^2.
-double shareOfArcs(const std::vector<Vector6d>& v, double dt);
-
 /// Keeps what c holds, 1/4 c M c, or 0 where c M c is not more than 2 l M c, at the end of a step that was found by its factor K: before
 /// K, or that end, is another one.
 void keepWhirls(const Island& island, const Component& component, const SolverOptions& options,

@@ -1,7 +1,6 @@
 #include <pintle/solver/chord.h>
 
 #include <pintle/solver/acting_rows.h>
-#include <pintle/solver/balance.h>
 #include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
@@ -174,9 +173,7 @@ SolveReport Chord::run() {
   if (!m_K.factorise(m_options.least_pivot) || !broyden.step(m_K, m_work.x, m_work.y))
     return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.
-  const bool may_wander =
-      m_work.is_resolved &&
-      (m_options.may_wander || shareOfArcs(m_work.v, m_island.dt) > m_options.ledger_share);
+  const bool may_wander = m_work.is_resolved;
   broyden.begin(may_wander);
   int fewest = std::numeric_limits<int>::max();
   for (int changes = end(); !m_report.converged; changes = end()) {

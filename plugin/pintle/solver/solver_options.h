@@ -38,9 +38,6 @@ struct SolverOptions {
   double loose_pose_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-6;
   /// Iterations of the first tier, and of the correction of poses.
   int max_iterations = 30;
-  /// Whether a step of the first tier may be longer than the last one. In single precision, where bodies turn far alone: else rounding
-  /// leads a taut cable astray.
-  bool may_wander = sizeof(Scalar) > 4;
   /// Factors of the correction of poses, each where the last one has led, and as many again for stops that it passes. From 2 on, bodies
   /// may go the way of the step in parts, each with as many, and velocities may be solved for again, too, where the load that was found
   /// makes a body unstable with the inertia that was foreseen.
