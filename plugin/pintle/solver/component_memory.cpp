@@ -154,7 +154,7 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 // what joints that contradict each other do to each other, and which would grow from step to step, the next step begins with no more than all
 // momentum that there is. Contacts begin with impulses of their own. But what lies on bodies is a load that their joints bear.
 void ComponentMemory::keepImpulses(const Island& island, const Component& component,
-                                   Span<const ContactRow> contacts, double least_pivot) {
+                                   bool has_contacts, double least_pivot) {
   m_lambda = work.lambda;
   m_borne.clear();
   if (needed_no_solve) return;  // so they were before
@@ -170,34 +170,37 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
   });
   if (is_allowed) return;
   const bool knows_forces = has_factor && K.factorise(least_pivot);
-  const auto bound = [&](Span<const ContactRow> those, std::vector<double>& impulses) {
+  const auto bound = [&](bool with_contacts, std::vector<double>& impulses) {
     impulses = work.lambda;
-    if (knows_forces) findWhatForcesAsk(island, component, those);
+    if (knows_forces) findWhatOthersAsk(island, component, with_contacts);
     forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
-      const double by_forces =
+      const double by_others =
           knows_forces && work.pieces[r].acts ? work.x[K.row(c, i)] * row.by_root_K : 0;
-      impulses[r] = by_forces + most.of(row, impulses[r] - by_forces);
+      impulses[r] = by_others + most.of(row, impulses[r] - by_others);
     });
   };
-  bound({}, m_lambda);
-  if (!contacts.empty()) bound(contacts, m_borne);
+  bound(false, m_lambda);
+  if (has_contacts) bound(true, m_borne);
 }
 
-// work.x = -K^-1 J A^-1 (M (v* - v_0) + J^T p), p and this J of contacts
-void ComponentMemory::findWhatForcesAsk(const Island& island, const Component& component,
-                                        Span<const ContactRow> contacts) {
+// work.x = -K^-1 J of what forces do to velocities, A^-1 M (v* - v_0), or of what contacts do, too: all but what joints do,
+// v - A^-1 (M v_0 + J^T lambda).
+void ComponentMemory::findWhatOthersAsk(const Island& island, const Component& component,
+                                        bool with_contacts) {
   std::vector<Vector6d>& change = work.stays;
-  change.clear();
+  change.assign(size_t(component.bodies), Vector6d::Zero());
+  if (with_contacts) K.addResponse(work.y.data(), change.data());
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    Vector6d by_forces = body.v_free - body.v0;
-    by_forces.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * by_forces.tail<3>());
-    change.push_back(by_forces);
+    const auto leftOf = [&](const Vector6d& v) {  // A^-1 M v
+      Vector6d to = v;
+      to.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * v.tail<3>());
+      return to;
+    };
+    Vector6d& of = change[size_t(i)];
+    of = with_contacts ? Vector6d(work.v[size_t(i)] - of - leftOf(body.v0))
+                       : leftOf(body.v_free - body.v0);
   }
-  for (const ContactRow& row : contacts)
-    for (size_t side = 0; side < 2; ++side)
-      if (const int i = row.body[side] - component.first_body; i >= 0 && i < component.bodies)
-        change[size_t(i)] += row.impulse * row.answer[side];
   setZero(K.vectorSize(), work.x);
   K.subtractVelocities(change.data(), work.x.data());
   K.solve(work.x.data());

@@ -2,7 +2,6 @@
 // the forecast of velocities with which the next step begins, and its energies.
 #pragma once
 
-#include <pintle/solver/contacts.h>
 #include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/joint_matrix.h>
 #include <pintle/solver/velocity_forecast.h>
@@ -40,9 +39,9 @@ struct ComponentMemory {
   void begin(const Island& island, const Component& component);
   /// Springs of soft rows pull by what they are stretched.
   void stretchSprings(Island& island, const Component& component);
-  /// Impulses with which the next step begins, while K is that of the solve. `contacts`: of these bodies, and of others.
-  void keepImpulses(const Island& island, const Component& component,
-                    Span<const ContactRow> contacts, double least_pivot);
+  /// Impulses with which the next step begins, while K and work.y are those of the solve.
+  void keepImpulses(const Island& island, const Component& component, bool has_contacts,
+                    double least_pivot);
   /// The step as it has ended.
   void keep(const Island& island, const Component& component);
   /// The next step begins anew.
@@ -62,8 +61,7 @@ struct ComponentMemory {
 
   /// Of joint c, the rows that it had in the last step, too: all, or its equalities, which come first.
   int knownRows(int c, const IslandJoint& joint) const;
-  void findWhatForcesAsk(const Island& island, const Component& component,
-                         Span<const ContactRow> contacts);
+  void findWhatOthersAsk(const Island& island, const Component& component, bool with_contacts);
 
   std::vector<int> m_rows;  ///< of each joint, in the last step
   std::vector<double>

@@ -93,13 +93,6 @@ void ContactGroups::find(const std::vector<Component>& components, size_t bodies
   m_rows = contacts.data();
 }
 
-Span<const ContactRow> ContactGroups::rowsOf(const Component& component) const {
-  const int group = m_group[size_t(component.first_body)];
-  if (group < 0) return {};
-  const Span<ContactRow> rows = (*this)[size_t(group)].rows;
-  return {rows.begin(), rows.size()};
-}
-
 ContactGroup ContactGroups::operator[](size_t group) const {
   const Ends first = firstOf(int(group)), &end = m_ends[group];
   return {{m_components.data() + first.components, end.components - first.components},

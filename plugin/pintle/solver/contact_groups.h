@@ -24,8 +24,6 @@ class ContactGroups {
   ContactGroup operator[](size_t group) const;
   /// Whether a contact is on one of its bodies.
   bool has(const Component& component) const { return m_group[size_t(component.first_body)] >= 0; }
-  /// Of the group of the component; none where it has none.
-  Span<const ContactRow> rowsOf(const Component& component) const;
 
   void reserve(size_t bodies, size_t components) {
     pintle::reserve(bodies, m_root, m_group, m_bodies, m_ends);

@@ -267,7 +267,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     kept.converged = false;
     return;
   }
-  kept.keepImpulses(m_island, component, m_groups.rowsOf(component), m_options.least_pivot);
+  kept.keepImpulses(m_island, component, m_groups.has(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
