@@ -27,6 +27,7 @@ struct ComponentMemory {
   bool is_foreseen = false;
   /// J: the most that holds its bodies on arcs, 0 where they swing about their load; where it is known (balance.h).
   std::optional<double> whirls;
+  bool arrives = true;     ///< its joints hold where its velocities lead
   double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
   double residual = 0;     ///< m and rad: how far they miss their goals there
   bool converged = false;  ///< its contacts and bounded rows have settled

@@ -258,7 +258,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
 
 void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
-  work.arrives = true;
+  kept.arrives = true;
   double sum = 0;
   for (const Vector6d& v : work.v) sum += v.sum();
   if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
@@ -272,8 +272,10 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
     if (kept.holds_end) keepWhirls(m_island, component, m_options, kept);
-    kept.residual = correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K,
-                                 kept.has_factor, changes);
+    const PosesReport done = correctPoses(m_island, component, m_options, kept.tolerance, work,
+                                          kept.K, kept.has_factor, changes);
+    kept.residual = done.open;
+    kept.arrives = done.arrives;
     kept.work_done += workOfPoses(m_island, component, changes);
   }
   kept.work_done += balance(m_island, component, m_options, kept, changes);
@@ -371,12 +373,11 @@ Span<const int> IslandSolver::bodiesOf(const Component& component) {
 }
 
 void IslandSolver::followPoses() {
-  const auto arrives = [&](const Component* of) { return memoryOf(*of).work.arrives; };
   const auto mayKeepVelocities = [&](const Component* of) {
-    return memoryOf(*of).work.is_resolved && arrives(of);
+    return memoryOf(*of).work.is_resolved && memoryOf(*of).arrives;
   };
   for (const Component& component : m_components)
-    if (!arrives(&component) && !m_groups.has(component))
+    if (!memoryOf(component).arrives && !m_groups.has(component))
       pintle::followPoses(m_island, bodiesOf(component), m_velocities, m_pose_changes);
   for (size_t g = 0; g < m_groups.count(); ++g) {
     const ContactGroup group = m_groups[g];

@@ -24,6 +24,7 @@ class PoseCorrection {
         m_K(K) {}
 
   double run(bool has_factor, PoseChange* changes);
+  bool arrives() const { return m_arrives; }
 
  private:
   void begin();
@@ -42,7 +43,7 @@ class PoseCorrection {
   double closePassed(double left);
   double closeWithoutLimits(double left);
   bool opensArms(double open) const;
-  bool arrives(double left);
+  bool getsThere(double left);
   double follow(double left);
   bool closePart();
 
@@ -53,6 +54,7 @@ class PoseCorrection {
   Workspace& m_work;
   JointMatrix& m_K;
   int m_factors = 0;
+  bool m_arrives = true;
   double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
   double m_asked = 1;  ///< of what Bullet's rows are to close
   double m_most_bend = infinity;  ///< m or rad: more is not by what they are to close
@@ -228,7 +230,7 @@ bool PoseCorrection::opensArms(double open) const {
 }
 
 // Whether bodies get to the end of the step. What an angle has open there that folds tells nothing.
-bool PoseCorrection::arrives(double left) {
+bool PoseCorrection::getsThere(double left) {
   if (left <= m_options.contact_tolerance || countsTurns(m_island, m_component, m_work.v))
     return true;
   m_work.moved = m_nearest;
@@ -315,8 +317,8 @@ double PoseCorrection::follow(double left) {
   m_part = gone;
   const double there = measure();
   m_part = 1;
-  m_work.arrives = m_work.arrives || gone == 1;
-  if (gone < 1 && (m_work.arrives || !(there < left))) return left;
+  m_arrives = m_arrives || gone == 1;
+  if (gone < 1 && (m_arrives || !(there < left))) return left;
   m_nearest = reached;
   return gone < 1 ? there : closePassed(iterate(there, false));
 }
@@ -372,7 +374,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     open = measure();
     left = iterate(open, true);
   }
-  m_work.arrives = arrives(left);
+  m_arrives = getsThere(left);
   if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed(m_island, m_component, met))
     left = follow(left);
   const double of_joints = left <= met ? left : closeWithoutLimits(left);
@@ -384,10 +386,12 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
 
 }  // namespace
 
-double correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                    double tolerance, Workspace& work, JointMatrix& K, bool has_factor,
-                    PoseChange* changes) {
-  return PoseCorrection(island, component, options, tolerance, work, K).run(has_factor, changes);
+PosesReport correctPoses(const Island& island, const Component& component,
+                         const SolverOptions& options, double tolerance, Workspace& work,
+                         JointMatrix& K, bool has_factor, PoseChange* changes) {
+  PoseCorrection correction(island, component, options, tolerance, work, K);
+  const double open = correction.run(has_factor, changes);
+  return {open, correction.arrives()};
 }
 
 }  // namespace PINTLE_PRECISION

@@ -12,12 +12,17 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+struct PosesReport {
+  double open = 0;      ///< m or rad: what is left
+  bool arrives = true;  ///< joints hold where velocities lead
+};
+
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what the
 /// velocities leave: Newton's iteration for the poses at the end of the step. `has_factor`: K is that with which the velocities were
-/// found, of the rows of the start. Returns what is left open, m or rad.
-double correctPoses(const Island& island, const Component& component, const SolverOptions& options,
-                    double tolerance, Workspace& work, JointMatrix& K, bool has_factor,
-                    PoseChange* changes);
+/// found, of the rows of the start.
+PosesReport correctPoses(const Island& island, const Component& component,
+                         const SolverOptions& options, double tolerance, Workspace& work,
+                         JointMatrix& K, bool has_factor, PoseChange* changes);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -27,7 +27,6 @@ struct Workspace {
   std::vector<double> softness;     ///< of each row that acts, relative to K
   bool is_resolved = true;          ///< steps resolve the swing of all bodies
   std::vector<Matrix3d> stiffness;  ///< else, of each: added to its inertia (load_stiffness.h)
-  bool arrives = true;              ///< joints hold where velocities lead
   bool is_missed = false;           ///< impulses do not lead to what is foreseen (chord.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
