@@ -1,5 +1,6 @@
 // A spring of any stiffness or softness between two of many bodies gives by what it should.
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/distance_joint.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/solver/solver_options.h>
 
@@ -86,6 +87,25 @@ TEST(ExactSprings, OfAnyStiffnessGiveByWhatTheyBear) {
         ASSERT_NEAR(tree.gives(), tree.expected, most) << i;
       }
     }
+}
+
+// How heavy a rod is along a spring depends on how it stands to it. The spring's stiffness does not change with that.
+TEST(ExactSprings, OfLimitsFeedNothingWhereBodiesTurnAgainstThem) {
+  Books books(60);
+  books.world.setGravity(vec(0, 0, 0));
+  btRigidBody& post = books.add(0, vec(0.1, 0.1, 0.1), vec(0, 0, 0));
+  btRigidBody& rod = books.add(1, vec(0.5, 0.02, 0.02), vec(1.5, 0, 0));
+  auto made =
+      std::make_unique<pintle::DistanceJoint>(post, rod, vec(0, 0, 0), vec(-0.5, 0, 0), scalar(1));
+  made->setLimitSpring(scalar(1.2), 0);
+  books.join(std::move(made));
+  rod.setLinearVelocity(vec(0.3, 1, 0));
+  rod.setAngularVelocity(vec(0, 0, 3));
+  const double start = books.kinetic();  // the spring is as long as it is at rest
+  for (int i = 0; i < 6000; ++i) {
+    books.step();
+    ASSERT_LE(books.kinetic(), 1.01 * start) << i;
+  }
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ struct AxisState {
   Scalar last_incoming =
       0;             ///< the same of the last step. Two, so that getInfo2 may be called again
   Scalar taken = 0;  ///< J: by that row, of which a rebound in the next step may give back
-  // Of a part that is an impulse given beforehand (`given`):
+  // Of a part that is an impulse given beforehand (`given`); of one that is a spring on ExactJointSolver, K alone:
   Scalar K = 0;                     ///< J M^-1 J^T of the coordinate
   Scalar expected = 0;              ///< velocity of the coordinate with that impulse and no other
   Scalar disturbance = 0;           ///< what others added to that velocity in the last step

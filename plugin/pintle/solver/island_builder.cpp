@@ -225,7 +225,7 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
     double softness = double(part.row.cfm);
     if (softness > 0) {
       if (K_beside < 0) K_beside = inverseMassBeside(of, row.J);
-      softness *= K_beside;
+      softness *= role == Axis::limit ? JointAccess::keptK(state, K_beside) : K_beside;
     }
     const double of_spring =
         spring != nullptr && softness > 0

@@ -81,6 +81,12 @@ struct JointAccess {
             joint.m_erp.isSet()};
   }
 
+  /// K of a limit's spring, of which it has its stiffness: `now`, or while it presses that with which it began. A stiffness that changed
+  /// with the poses of bodies would work by that alone.
+  static double keptK(AxisState& state, double now) {
+    if (state.impulse[Axis::limit] == 0 || !(state.K > 0)) state.K = Scalar(now);
+    return double(state.K);
+  }
   static AxisState& axis(Joint& joint, const Row& row) { return joint.m_rows.axis(row.axis); }
   /// What its axis is asked in this step. `velocity`: of the coordinate, its mean over the step.
   static AxisMotion motion(Joint& joint, const Row& row, const AxisState& state,
