@@ -32,8 +32,8 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
                ContactResponse& response, const HoldJoints& holdJoints, ContactPosesMemory& memory);
 
 /// Where bodies of a component swing or whirl faster than a step resolves, rows of the start hold its velocities in hardly any of the ways
-/// that it may go, and poses have to take back the rest. Then velocities follow the poses, of all `bodies` that contacts join with it:
-/// by that part of their changes that takes most energy. It never gives any.
+/// that it may go, and poses have to take back the rest. Then velocities follow the poses, of its `bodies` and all that contacts join with
+/// them: by that part of their changes that takes most energy. It never gives any.
 void followPoses(const Island& island, Span<const int> bodies, std::vector<Vector6d>& velocities,
                  std::vector<PoseChange>& changes);
 

@@ -1,6 +1,6 @@
 // Purpose: what joints may give. A component books the work of its joints' impulses, and of poses that are moved against forces. The
 // first tier is exact for motions that the steps resolve and feeds those that they do not: where it would give more than a share of
-// the kinetic energy, the second tier follows. What that gives by moving poses is taken from the velocities.
+// the kinetic energy, and not by arcs (balance.h), the second tier follows. What that gives by moving poses is taken from the velocities.
 //
 // An impulse J^T lambda = M (v - v*) works along the mean velocity, at which the discrete gradient of the kinetic energy is (Gonzalez
 // 1996); a pose that is moved by d, against the forces:

@@ -29,7 +29,7 @@ inline namespace PINTLE_PRECISION {
 /// poses that are moved.
 ///
 /// **Softness.** CFM of any size is exact. A soft equality is a spring and damper of its ERP and CFM, which starts without tension
-/// wherever it is. What joints of loops say twice they share; where they contradict each other, they give way.
+/// wherever it is; so is a soft stop that is reached. What joints of loops say twice they share; where they contradict, they give way.
 ///
 /// **Motors, limits, friction and thresholds** are solved with the joints: which of them are at a bound is found anew in each step. A
 /// joint breaks at what it bears when all else is solved, and the step is then solved without it.

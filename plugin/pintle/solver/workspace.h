@@ -91,7 +91,7 @@ struct Workspace {
     size_t first;
   };
   std::vector<AsContact> as_contacts;
-  std::vector<Vector6d> stays;  ///< of each body: the part of its velocity that is not scaled
+  std::vector<Vector6d> stays;  ///< of each body: another velocity, or a part that is not scaled
   std::vector<double> open;     ///< what poses are to close, in the units of K
   std::vector<MovedBody> start, nearest, first;  ///< of each body: where corrections of poses lead
   std::vector<double> last_load;
