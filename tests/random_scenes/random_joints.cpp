@@ -27,12 +27,12 @@
 
 #include <cmath>
 
+#include "draws.h"
+
 namespace random_scenes {
 namespace {
 
 using support::scalar;
-
-bool chance(const Making& m, double part) { return m.random.uniform(0, 1) < part; }
 
 template <class J>
 std::unique_ptr<J> of(const Making& m) {
@@ -71,7 +71,7 @@ Joint limitedHinge(const Making& m) {
   auto hinge = of<Hinge>(m);
   const Range angles = m.range(1);
   hinge->setLimit(angles.low, angles.high);
-  if (m.rubs && chance(m, 0.3))  // a brake
+  if (m.rubs && chance(m.random, 0.3))  // a brake
     hinge->enableAngularMotor(true, 0, m.friction() / 60);
   else
     hinge->setFriction(m.friction());
@@ -97,7 +97,7 @@ Joint universal(const Making& m) {
   auto joint = of<pintle::UniversalJoint>(m);
   for (const int axis : {4, 5}) {
     const Range angles = m.range(1);
-    if (chance(m, 0.3)) joint->setLimit(axis, angles.low, angles.high);
+    if (chance(m.random, 0.3)) joint->setLimit(axis, angles.low, angles.high);
     joint->setFriction(axis, m.friction());
   }
   return joint;
@@ -124,15 +124,15 @@ Joint wedge(const Making& m) {
 Joint angularLimit(const Making& m) {
   auto limit = of<pintle::AngularLimit>(m);
   const btScalar now = limit->getAngle();
-  const Range angles = chance(m, 0.3) ? Range{0, 0} : m.range(1);
+  const Range angles = chance(m.random, 0.3) ? Range{0, 0} : m.range(1);
   limit->setLimit(now + angles.low, now + angles.high);
   limit->setFriction(m.friction());
   return limit;
 }
 Joint contact(const Making& m) {
   auto joint = of<pintle::ContactJoint>(m);
-  joint->setTwoSided(chance(m, 0.3));
-  if (chance(m, 0.3)) joint->setRestitution(scalar(m.random.uniform(0, 1)));
+  joint->setTwoSided(chance(m.random, 0.3));
+  if (chance(m.random, 0.3)) joint->setRestitution(scalar(m.random.uniform(0, 1)));
   return joint;
 }
 std::unique_ptr<pintle::DistanceJoint> distance(const Making& m) {
@@ -168,7 +168,7 @@ template <class Hinge>
 Joint stockHinge(const Making& m) {
   auto hinge = of<Hinge>(m);
   const Range angles = m.range(1);
-  if (chance(m, 0.5))
+  if (chance(m.random, 0.5))
     hinge->setLimit(angles.low, angles.high);
   else
     hinge->setLimit(1, -1);
@@ -216,7 +216,7 @@ Joint limitedSixDof(std::unique_ptr<SixDof> joint, const Making& m, btScalar abo
 }
 Joint stockUniversal(const Making& m) {
   auto joint = ofAxes<btUniversalConstraint>(m, 2, 1);
-  if (chance(m, 0.5)) {
+  if (chance(m.random, 0.5)) {
     const Range angle1 = m.range(1), angle2 = m.range(1);
     joint->setLowerLimit(angle1.low, angle2.low);
     joint->setUpperLimit(angle1.high, angle2.high);
@@ -287,6 +287,11 @@ const Kind all_kinds[] = {
     {"stock ball with a gear", false, stockBall, stockGear},
 };
 
+template <class J, class Visit>
+void ifIs(btTypedConstraint& joint, const Visit& visit) {
+  if (auto* const of = dynamic_cast<J*>(&joint)) visit(*of);
+}
+
 }  // namespace
 
 Range Making::range(double most) const {
@@ -298,6 +303,34 @@ double Making::length() const {
   return double((a.getCenterOfMassTransform() * in_a.getOrigin() -
                  b.getCenterOfMassTransform() * in_b.getOrigin())
                     .length());
+}
+
+void setVariant(btTypedConstraint& joint, const Variant& variant, support::Random& random) {
+  const btScalar hz = scalar(variant.spring_hz), damping = scalar(variant.spring_damping);
+  auto* const ours = dynamic_cast<pintle::Joint*>(&joint);
+  if (variant.document && ours != nullptr && dynamic_cast<pintle::AngularLimit*>(ours) == nullptr)
+    ours->setFormulation(pintle::Formulation::document);
+  ifIs<pintle::ConstantVelocityJoint>(joint, [&](auto& of) {
+    if (variant.bends) of.setBendLimit(of.getBend() + scalar(random.uniform(0, 1)));
+    of.setBendLimitSpring(hz, damping);
+  });
+  if (!(hz > 0)) return;
+  const auto setSpring = [&](auto& of) { of.setLimitSpring(hz, damping); };
+  ifIs<pintle::HingeBase>(joint, setSpring);
+  ifIs<pintle::AngularLimit>(joint, setSpring);
+  ifIs<pintle::ContactJoint>(joint, setSpring);
+  ifIs<pintle::WedgeJoint>(joint, setSpring);
+  ifIs<pintle::UniversalJoint>(joint, [&](auto& of) {
+    for (const int axis : {4, 5}) of.setLimitSpring(axis, hz, damping);
+  });
+  ifIs<pintle::SliderJoint>(joint, [&](auto& of) {
+    of.setLinLimitSpring(hz, damping);
+    of.setAngLimitSpring(hz, damping);
+  });
+  ifIs<pintle::ConeTwistJoint>(joint, [&](auto& of) {
+    of.setSwingLimitSpring(hz, damping);
+    of.setTwistLimitSpring(hz, damping);
+  });
 }
 
 int kindCount() { return int(std::size(all_kinds)); }

@@ -1,5 +1,5 @@
-// The joints of random scenes: all of Pintle's and of Bullet's, without drives and springs. A motor of no speed is friction. The
-// springs of Bullet's joints stay off: what a spring stores is not in the book of energy.
+// The joints of random scenes: all of Pintle's and of Bullet's, without drives. A motor of no speed is friction. Limits may be springs,
+// which give back what they took. The springs of Bullet's joints stay off: what they store at the start is not in the book of energy.
 #pragma once
 
 #include <memory>
@@ -38,6 +38,17 @@ struct Kind {
   Joint (*make_other)(const Making&);  ///< on the same bodies; null: there is none
   bool folds = false;                  ///< it holds Euler angles, also where they fold
 };
+
+/// What joints have beside, where they can.
+struct Variant {
+  bool bends = false;     ///< constant velocity joints: a limit of their bend
+  bool document = false;  ///< Formulation::document
+  double spring_hz = 0;   ///< of limits; 0: they are rigid
+  double spring_damping = 0;
+};
+/// Not the form of an angular limit: what the document has in the place of its row is none where bodies tilt (equations/angular_limit.h).
+/// Nor springs of distances: where these turn far in a step, they give more than they took.
+void setVariant(btTypedConstraint& joint, const Variant& variant, support::Random& random);
 
 int kindCount();
 const Kind& kindOf(int index);

@@ -10,11 +10,11 @@
 #include <cmath>
 #include <memory>
 #include <ostream>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "../unit/support.h"
+#include "draws.h"
 #include "energy_book.h"
 #include "random_joints.h"
 
@@ -25,16 +25,12 @@ using support::Random;
 using support::scalar;
 using support::vec;
 
-bool chance(Random& random, double part) { return random.uniform(0, 1) < part; }
-double power(Random& random, double low, double high) {
-  return std::pow(10, random.uniform(low, high));
-}
-
 class World {
  public:
   explicit World(const Scene& scene)
       : m_scene(scene),
         m_random(scene.seed),
+        m_of_variant(scene.seed ^ 0x85ebca6bu),
         m_world(&m_dispatcher, &m_broadphase, &m_solver, &m_configuration) {
     m_world.setGravity(vec(0, 0, -9.81));
     btContactSolverInfo& info = m_world.getSolverInfo();
@@ -74,7 +70,7 @@ class World {
   double depth() const;
 
   const Scene& m_scene;
-  Random m_random;
+  Random m_random, m_of_variant;
   btDefaultCollisionConfiguration m_configuration;
   btCollisionDispatcher m_dispatcher{&m_configuration};
   btDbvtBroadphase m_broadphase;
@@ -133,6 +129,7 @@ void World::take(const Kind& of, const Making& making) {
     Joint joint = make(making);
     if (m_scene.threshold > 0) joint->setBreakingImpulseThreshold(scalar(m_scene.threshold));
     if (m_scene.has_own) setOwn(*joint);
+    setVariant(*joint, m_scene.variant, m_of_variant);
     m_world.addConstraint(joint.get(), true);
     m_joints.push_back(std::move(joint));
   }
@@ -332,62 +329,7 @@ Outcome World::play(std::ostream* log) {
   return out;
 }
 
-const char* nameOf(int kind) { return kind < 0 ? "mixed" : kindOf(kind).name; }
-
-const char* const shapes[] = {"chain", "tree", "loop", "cable", "net", "star"};
-
 }  // namespace
-
-Scene makeScene(unsigned seed) {
-  Random random(seed ^ 0x9e3779b9u);
-  Scene scene = {};
-  scene.seed = seed;
-  scene.shape = Shape(std::min(5, int(random.uniform(0, 6))));
-  scene.kind = std::min(kindCount() - 1, int(random.uniform(0, kindCount())));
-  if (random.uniform(0, 1) < 0.2) scene.kind = -1;
-  scene.bodies = 1 + int(random.uniform(0, 8));
-  if (scene.shape == Shape::cable || scene.shape == Shape::loop) scene.bodies += 2;
-  if (scene.shape == Shape::net) scene.bodies = chance(random, 0.5) ? 4 : 9;
-  scene.hz = chance(random, 0.5) ? (chance(random, 0.5) ? 60 : 120)
-                                 : std::round(15 * power(random, 0, 1.82));
-  scene.mass_decades = random.uniform(0, 3);
-  scene.load = chance(random, 0.2) ? power(random, 0, 6) : 1;
-  if (scene.load > 1) scene.mass_decades = 0;
-  scene.speed = random.uniform(0, 5);
-  scene.erp = chance(random, 0.5) ? 0.2 : random.uniform(0, 1);
-  scene.cfm = chance(random, 0.7) ? 0 : power(random, -9, -2);
-  scene.contacts = chance(random, 0.3);
-  scene.friction = chance(random, 0.7);
-  scene.rubs = chance(random, 0.3);
-  scene.threshold = chance(random, 0.15) ? power(random, -1, 2) : 0;
-  scene.locks = chance(random, 0.15);
-  scene.kinematic = chance(random, 0.15);
-  scene.overlap = chance(random, 0.15) ? random.uniform(0, 0.3) : 0;
-  scene.has_own = chance(random, 0.3);
-  scene.own_erp = random.uniform(0, 1);
-  scene.own_stop_erp = random.uniform(0, 1);
-  const auto softness = [&] { return chance(random, 0.5) ? 0 : power(random, -9, -2); };
-  scene.own_cfm = softness();
-  scene.own_stop_cfm = softness();
-  return scene;
-}
-
-std::string describe(const Scene& s) {
-  std::ostringstream out;
-  out << s.seed << ": " << shapes[int(s.shape)] << " of " << nameOf(s.kind) << ", " << s.bodies
-      << " bodies, " << s.hz << " Hz, masses of " << s.mass_decades << " decades, load " << s.load
-      << ", speed " << s.speed << ", ERP " << s.erp << ", CFM " << s.cfm;
-  if (s.contacts) out << (s.friction ? ", contacts with friction" : ", contacts");
-  if (s.rubs) out << ", friction in joints";
-  if (s.threshold > 0) out << ", breaks at " << s.threshold;
-  if (s.locks) out << ", locked factors";
-  if (s.kinematic) out << ", kinematic";
-  if (s.overlap > 0) out << ", starts " << s.overlap << " m apart";
-  if (s.has_own)
-    out << ", joints' own ERP " << s.own_erp << " and CFM " << s.own_cfm << ", of stops "
-        << s.own_stop_erp << " and " << s.own_stop_cfm;
-  return out.str();
-}
 
 Outcome play(const Scene& scene, std::ostream* log) { return World(scene).play(log); }
 

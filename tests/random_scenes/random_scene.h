@@ -1,9 +1,11 @@
-// Random scenes of joints without drives and springs: whatever they are, their energy must not grow. A scene follows from its
-// seed alone.
+// Random scenes of joints without drives, of which springs store nothing at the start: whatever they are, their energy must not grow.
+// A scene follows from its seed alone.
 #pragma once
 
 #include <iosfwd>
 #include <string>
+
+#include "random_joints.h"
 
 namespace random_scenes {
 
@@ -29,6 +31,7 @@ struct Scene {
   // Joints may have their own, and not those of the world.
   bool has_own;
   double own_erp, own_cfm, own_stop_erp, own_stop_cfm;
+  Variant variant;  ///< of its joints
 };
 Scene makeScene(unsigned seed);
 std::string describe(const Scene& scene);
