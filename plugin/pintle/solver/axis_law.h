@@ -27,6 +27,8 @@ struct LawPart {
   bool isRigidStop() const {
     return (isLowerStop() || isUpperStop()) && !drives && !(softness > 0);
   }
+  /// Friction, or a motor that holds still: it takes alone.
+  bool brakes() const { return drives && target == 0 && lower < upper && !(spring_share > 0); }
   /// Of a stop: whether u is beyond it.
   bool isBeyond(double u) const {
     return (isLowerStop() && u < target) || (isUpperStop() && u > target);

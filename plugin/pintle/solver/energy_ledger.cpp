@@ -42,15 +42,23 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
 
 namespace {
 
-// The impulse of the parts of a law that drive.
-double drivingImpulse(const AxisLaw& law, const Workspace& end, size_t r) {
-  if (!law.hasDrives()) return 0;
-  const AxisLaw::Parts impulse = end.split(law, r);
-  double driving = 0;
-  for (int k = 0; k < law.parts(); ++k)
-    if (law.part(k).drives) driving += impulse[size_t(k)];
-  return driving;
-}
+// The impulse of the parts of a law that drive, and that of its brakes.
+struct Driving {
+  double impulse = 0, of_brakes = 0;
+
+  Driving(const AxisLaw& law, const Workspace& end, size_t r) {
+    if (!law.hasDrives()) return;
+    const AxisLaw::Parts of = end.split(law, r);
+    for (int k = 0; k < law.parts(); ++k) {
+      if (!law.part(k).drives) continue;
+      impulse += of[size_t(k)];
+      if (law.part(k).brakes()) of_brakes += of[size_t(k)];
+    }
+  }
+  // J: what is not the joint's, at the mean velocity u. A brake takes by the way of its row in the step. Where along the directions of the
+  // start it would give, that is the joint's.
+  double work(double u) const { return impulse * u - std::fmax(0, of_brakes * u); }
+};
 
 // J: what the spring of a soft row has stored in the step.
 double stored(const Island& island, const IslandRow& row, const Workspace& end, size_t r) {
@@ -88,14 +96,14 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
       work += stored(island, row, end, r);
-      const double driving = drivingImpulse(row.law, end, r);
-      if (driving != 0 || row.reboundEnergy() > 0) {
+      const Driving driving(row.law, end, r);
+      if (driving.impulse != 0 || row.reboundEnergy() > 0) {
         const double u = row.J.along(mean(0), mean(1));
-        work -= (over_forces && driving != 0
-                     ? mostWork(driving, end.u[r], row.K,
+        work -= (over_forces && driving.impulse != 0
+                     ? mostWork(driving.impulse, end.u[r], row.K,
                                 kineticEnergy(island, component, &IslandBody::v_free))
-                     : driving * u) +
-                std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - driving) * u));
+                     : driving.work(u)) +
+                std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - driving.impulse) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
       if (any_moves) work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
@@ -119,10 +127,10 @@ double workAmongContacts(const Island& island, const Component& component, const
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const double lambda = end.lambda[r], u = row.J.along(a, b),
-                   rest = lambda - drivingImpulse(row.law, end, r);
-      work += rest * u + stored(island, row, end, r) -
-              std::fmin(row.reboundEnergy(), std::fmax(0, rest * u));
+      const double lambda = end.lambda[r], u = row.J.along(a, b);
+      const Driving driving(row.law, end, r);
+      work += lambda * u - driving.work(u) + stored(island, row, end, r) -
+              std::fmin(row.reboundEnergy(), std::fmax(0, (lambda - driving.impulse) * u));
     }
   }
   return work;
