@@ -67,4 +67,17 @@ TEST_F(OneRow, FrictionTakesAlone) {
   EXPECT_NEAR(work(0, 1), 1, 1e-12);
 }
 
+// What a stop takes in one step and gives back in the next one is in sum nothing: else each rebound would leave credit for the next one.
+TEST_F(OneRow, AStopKeepsWhatItGivesBack) {
+  m_row.law.add({0, 0, 0, AxisLaw::unbounded, false, false, pintle::Axis::limit});
+  EXPECT_NEAR(work(-1, 0), -1, 1e-12);
+  m_row.extras->keeps_for_rebound = true;
+  EXPECT_NEAR(work(-1, 0), 0, 1e-12);
+  m_row.extras->keeps_for_rebound = false;
+  m_row.extras->rebound_energy = 1;
+  EXPECT_NEAR(work(0, 1), 0, 1e-12);
+  EXPECT_NEAR(work(0, 0.5), -0.75, 1e-12);
+  EXPECT_NEAR(work(0, 2), 3, 1e-12);
+}
+
 }  // namespace exact_energy_ledger_test

@@ -97,13 +97,17 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
       work += stored(island, row, end, r);
       const Driving driving(row.law, end, r);
-      if (driving.impulse != 0 || row.reboundEnergy() > 0) {
+      if (driving.impulse != 0 || row.reboundEnergy() > 0 || row.keepsForRebound()) {
         const double u = row.J.along(mean(0), mean(1));
-        work -= (over_forces && driving.impulse != 0
-                     ? mostWork(driving.impulse, end.u[r], row.K,
-                                kineticEnergy(island, component, &IslandBody::v_free))
-                     : driving.work(u)) +
-                std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - driving.impulse) * u));
+        if (!over_forces)
+          work -= driving.work(u) + row.reboundEnergy() -
+                  keptForRebound(island, component, row, end, r, u);
+        else
+          work -=
+              (driving.impulse != 0 ? mostWork(driving.impulse, end.u[r], row.K,
+                                               kineticEnergy(island, component, start))
+                                    : 0) +
+              std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - driving.impulse) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
       if (any_moves) work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
@@ -113,6 +117,33 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
 }
 
 }  // namespace
+
+double keptForRebound(const Island& island, const Component& component, const IslandRow& row,
+                      const Workspace& end, size_t r, double u) {
+  if (!row.keepsForRebound()) return 0;
+  const AxisLaw::Parts impulse = end.split(row.law, r);
+  double of_limit = 0;
+  for (int k = 0; k < row.law.parts(); ++k)
+    if (row.law.part(k).role == Axis::limit) of_limit += impulse[size_t(k)];
+  return std::fmax(0,
+                   std::fmin(kineticEnergy(island, component, &IslandBody::v_free), -of_limit * u));
+}
+
+double keptForRebounds(const Island& island, const Component& component, const Workspace& end) {
+  double sum = 0;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (!joint.drives) continue;
+    for (int i = 0; i < joint.rows; ++i) {
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!row.keepsForRebound()) continue;
+      const double u = row.J.along(meanVelocity(island, joint, 0, component, end),
+                                   meanVelocity(island, joint, 1, component, end));
+      sum += keptForRebound(island, component, row, end, size_t(joint.row_of_component + i), u);
+    }
+  }
+  return sum;
+}
 
 double workOfJoints(const Island& island, const Component& component, const Workspace& end) {
   return workFrom(&IslandBody::v0, island, component, end);
@@ -127,10 +158,9 @@ double workAmongContacts(const Island& island, const Component& component, const
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      const double lambda = end.lambda[r], u = row.J.along(a, b);
-      const Driving driving(row.law, end, r);
-      work += lambda * u - driving.work(u) + stored(island, row, end, r) -
-              std::fmin(row.reboundEnergy(), std::fmax(0, (lambda - driving.impulse) * u));
+      const double u = row.J.along(a, b);
+      work += end.lambda[r] * u - Driving(row.law, end, r).work(u) + stored(island, row, end, r) +
+              keptForRebound(island, component, row, end, r, u) - row.reboundEnergy();
     }
   }
   return work;

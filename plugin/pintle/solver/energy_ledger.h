@@ -47,6 +47,11 @@ double kineticEnergy(const Island& island, const Component& component, Vector6d 
 /// J: of all bodies at these velocities, which are those of the component.
 double kineticEnergy(const Island& island, const Component& component,
                      const std::vector<Vector6d>& v);
+/// J: what a limit takes that is met in this step, and may give back in the next one: until then it is not lost. `u`: of the row in the mean.
+double keptForRebound(const Island& island, const Component& component, const IslandRow& row,
+                      const Workspace& end, size_t r, double u);
+/// The same of all rows.
+double keptForRebounds(const Island& island, const Component& component, const Workspace& end);
 /// J: what joints gave in the step, without motors, springs and friction: all that bodies have gained but by their forces.
 double workOfJoints(const Island& island, const Component& component, const Workspace& end);
 /// The same where contacts act, too: of the impulses of joints alone.

@@ -169,6 +169,7 @@ struct RowExtras {
   LawPart parts[AxisLaw::max_parts];
   RowSpring spring;
   double rebound_energy;  ///< J: what its limit took when it was met, which a rebound may give back
+  bool keeps_for_rebound;  ///< what its limit takes in this step, for the next one
   Row turned;  ///< at the end of what forces lead to, where that is another one (turnStops)
 };
 
@@ -212,6 +213,7 @@ struct IslandRow {
   /// Whether it is beyond a soft stop.
   bool hasSoftStop() const { return isSoft() && law.part(extras->spring.part).gives; }
   double reboundEnergy() const { return extras != nullptr ? extras->rebound_energy : 0; }
+  bool keepsForRebound() const { return extras != nullptr && extras->keeps_for_rebound; }
   /// Whether u = J v is far from both, where bodies turn by `turn` (rad) in the step: what else they measure by then is of its square.
   bool isFarFromStops(double straight, double turn, double dt) const {
     for (int i = 0; i < law.parts(); ++i) {
@@ -256,7 +258,7 @@ struct IslandJoint {
     drives = drives || row.law.hasDrives();
     if (row.extras != nullptr) {
       has_springs = has_springs || row.isSoft();
-      drives = drives || row.reboundEnergy() > 0;
+      drives = drives || row.reboundEnergy() > 0 || row.keepsForRebound();
     }
     if (!row.law.isEquality())
       ++bounded;
@@ -308,6 +310,7 @@ struct Island {
     row.extras = &extras.take();
     row.extras->spring = {};
     row.extras->rebound_energy = 0;
+    row.extras->keeps_for_rebound = false;
     return *row.extras;
   }
 

@@ -290,6 +290,7 @@ void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const Axis
     (limit.at_low ? up : down) = double(limit.side) * rebound;
   } else if (limit.gap > 0) {
     state.incoming = btMax(Scalar(0), -limit.inward);
+    row.extras->keeps_for_rebound = state.incoming > 0 && axis.bias * axis.relaxation > 0;
   }
   if (low > -double(infinity)) add(up, 0, AxisLaw::unbounded, gives && limit.at_low);
   if (high < double(infinity)) add(down, -AxisLaw::unbounded, 0, gives && !limit.at_low);

@@ -77,10 +77,9 @@ void report(const Island& island, const Component& component, const Workspace& e
         state.incoming = 0;  // it was not met
       else if (state.incoming > 0) {
         const double u = row.J.along(meanVelocity(island, joint, 0, component, end),
-                                     meanVelocity(island, joint, 1, component, end)),
-                     most = kineticEnergy(island, component, &IslandBody::v_free);  // J
-        state.taken =
-            btMax(Scalar(0), btMin(Scalar(most), -state.impulse[Axis::limit] * Scalar(u)));
+                                     meanVelocity(island, joint, 1, component, end));
+        state.taken = Scalar(
+            keptForRebound(island, component, row, end, size_t(joint.row_of_component + i), u));
       }
     }
   }
