@@ -18,7 +18,9 @@ bool moves(const btRigidBody& body) { return body.getInvMass() > 0; }
 }  // namespace
 
 EnergyBook::EnergyBook(const Bodies& bodies, double dt)
-    : m_bodies(bodies), m_dt(dt), m_start(bodies.size()) {}
+    : m_bodies(bodies), m_dt(dt), m_start(bodies.size()) {
+  by_velocities = -weight() * gravity * dt * dt / 8;
+}
 
 double EnergyBook::weight() const {
   double sum = 0;
@@ -51,10 +53,7 @@ void EnergyBook::endStep() {
     // By the inertia of the start: what it gains by turning with its velocity kept is Bullet's integrator's, not its joints'.
     const double now = support::kineticEnergy(body, start.pose.getBasis());
     kinetic += now;
-    // In the first step joints put right what velocities they are given: it is measured from those that forces lead to.
-    const double mean =
-        m_is_first ? start.fall - gravity * m_dt / 2 : (start.fall + double(v.z())) / 2;
-    by_velocities += now - start.energy + weightOf(body) * m_dt * mean;
+    by_velocities += now - start.energy + weightOf(body) * m_dt * (start.fall + double(v.z())) / 2;
     btTransform led;
     btTransformUtil::integrateTransform(start.pose, v, w, support::scalar(m_dt), led);
     const btVector3 moved = body.getCenterOfMassPosition() - led.getOrigin();
@@ -64,7 +63,6 @@ void EnergyBook::endStep() {
              support::kineticEnergy(body, led.getBasis());
   }
   peak = std::max(peak, kinetic);
-  m_is_first = false;
 }
 
 }  // namespace random_scenes

@@ -3,6 +3,9 @@
 // Bullet's free fall keeps KE + m g (z - dt v_z / 2), so a weight works along the mean of the velocities before and after a step,
 // and what a pose is moved by beside its velocity is height. A body that turns keeps its velocity in Bullet, and not its momentum:
 // what its inertia makes of that is no joint's work. Where a pose is turned beside its velocity, that is counted apart.
+//
+// That is m (v_z - g dt / 2)^2 / 2 + m g z - m (g dt)^2 / 8: Bullet's velocities are those of half a step before their poses. What is held has
+// no such fall. So who stops a body that rises by g dt / 2 seems to give it m (g dt)^2 / 8, which is not counted.
 #pragma once
 
 #include <memory>
@@ -39,7 +42,6 @@ class EnergyBook {
   };
   const Bodies& m_bodies;
   double m_dt;
-  bool m_is_first = true;
   std::vector<Start> m_start;
 };
 

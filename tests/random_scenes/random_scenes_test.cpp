@@ -1,9 +1,13 @@
 // No joint may feed energy, whatever the scene.
+#include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <memory>
 #include <string>
 
+#include "../unit/books.h"
+#include "energy_book.h"
 #include "random_joints.h"
 #include "random_scene.h"
 
@@ -13,6 +17,31 @@ namespace {
 void expectNoGainByVelocities(const Scene& scene, const Outcome& out) {
   EXPECT_TRUE(out.finite) << describe(scene);
   EXPECT_LE(out.by_velocities, out.mayGainByVelocities()) << describe(scene);
+}
+
+// The books of what is held at rest stay as they began: neither the first step nor any other one leaves credit, by which it could gain
+// later.
+TEST(RandomScenes, BooksOfWhatRestsStay) {
+  support::ExactWorld of;
+  of.world.setGravity(support::vec(0, 0, -9.81));
+  EnergyBook::Bodies bodies;
+  btBoxShape shape(support::vec(0.2, 0.2, 0.2));
+  bodies.push_back(std::make_unique<btRigidBody>(support::scalar(3), nullptr, &shape,
+                                                 support::vec(0.1, 0.1, 0.1)));
+  of.world.addRigidBody(bodies.front().get());
+  btPoint2PointConstraint joint(*bodies.front(), support::vec(0, 0, 0));
+  of.world.addConstraint(&joint);
+  const double dt = 1. / 60;
+  EnergyBook book(bodies, dt);
+  const double at_start = book.total();
+  for (int i = 0; i < 3; ++i) {
+    book.beginStep();
+    of.world.stepSimulation(support::scalar(dt), 0, support::scalar(dt));
+    book.endStep();
+    EXPECT_NEAR(book.total(), at_start, 1e-5);  // of m (g dt)^2 / 2 = 0.04 J
+  }
+  of.world.removeConstraint(&joint);
+  of.world.removeRigidBody(bodies.front().get());
 }
 
 // Moving poses lifts or throws what it closes in one scene of 200, where velocities do not pay for it.
