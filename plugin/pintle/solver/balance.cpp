@@ -240,9 +240,10 @@ double balance(const Island& island, const Component& component, const SolverOpt
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);
   if (is_free && !isFree(island, component)) return 0;
-  const double work = scale(island, component, is_free, energy, kept.work, changes);
+  const double for_rebounds = keptForRebounds(island, component, kept.work),
+               work = scale(island, component, is_free, energy, kept.work, changes);
   if (by_arcs) ledger.taken = std::fmax(0, ledger.taken - work);
-  return work;
+  return work + keptForRebounds(island, component, kept.work) - for_rebounds;
 }
 
 }  // namespace PINTLE_PRECISION

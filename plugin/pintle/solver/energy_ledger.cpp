@@ -2,6 +2,7 @@
 
 #include <pintle/solver/row_velocities.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pintle {
@@ -42,14 +43,16 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
 
 namespace {
 
-// The impulse of the parts of a law that drive, and that of its brakes.
+// The impulse of the parts of a law that drive, that of its brakes, and that of its limits.
 struct Driving {
-  double impulse = 0, of_brakes = 0;
+  double impulse = 0, of_brakes = 0, of_limits = 0;
 
-  Driving(const AxisLaw& law, const Workspace& end, size_t r) {
-    if (!law.hasDrives()) return;
+  Driving(const IslandRow& row, const Workspace& end, size_t r) {
+    const AxisLaw& law = row.law;
+    if (!law.hasDrives() && !row.keepsForRebound()) return;
     const AxisLaw::Parts of = end.split(law, r);
     for (int k = 0; k < law.parts(); ++k) {
+      if (law.part(k).role == Axis::limit) of_limits += of[size_t(k)];
       if (!law.part(k).drives) continue;
       impulse += of[size_t(k)];
       if (law.part(k).brakes()) of_brakes += of[size_t(k)];
@@ -57,7 +60,13 @@ struct Driving {
   }
   // J: what is not the joint's, at the mean velocity u. A brake takes by the way of its row in the step. Where along the directions of the
   // start it would give, that is the joint's.
-  double work(double u) const { return impulse * u - std::fmax(0, of_brakes * u); }
+  double work(double u) const { return impulse * u - std::max(0., of_brakes * u); }
+  // J: what its limit takes for a rebound.
+  double kept(const Island& island, const Component& component, const IslandRow& row,
+              double u) const {
+    if (!row.keepsForRebound() || !(of_limits * u < 0)) return 0;
+    return std::fmin(kineticEnergy(island, component, &IslandBody::v_free), -of_limits * u);
+  }
 };
 
 // J: what the spring of a soft row has stored in the step.
@@ -87,7 +96,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
   const bool over_forces = start == &IslandBody::v_free, any_moves = island.anyUnmovedMoves();
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (!joint.drives && !joint.has_springs && !any_moves) continue;
+    if (!joint.drives && !joint.has_springs && !any_moves && !joint.keeps_for_rebound) continue;
     const auto mean = [&](int side) {
       return meanVelocity(island, joint, side, component, end, start);
     };
@@ -96,12 +105,11 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
       work += stored(island, row, end, r);
-      const Driving driving(row.law, end, r);
+      const Driving driving(row, end, r);
       if (driving.impulse != 0 || row.reboundEnergy() > 0 || row.keepsForRebound()) {
         const double u = row.J.along(mean(0), mean(1));
         if (!over_forces)
-          work -= driving.work(u) + row.reboundEnergy() -
-                  keptForRebound(island, component, row, end, r, u);
+          work -= driving.work(u) + row.reboundEnergy() - driving.kept(island, component, row, u);
         else
           work -=
               (driving.impulse != 0 ? mostWork(driving.impulse, end.u[r], row.K,
@@ -120,20 +128,14 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
 
 double keptForRebound(const Island& island, const Component& component, const IslandRow& row,
                       const Workspace& end, size_t r, double u) {
-  if (!row.keepsForRebound()) return 0;
-  const AxisLaw::Parts impulse = end.split(row.law, r);
-  double of_limit = 0;
-  for (int k = 0; k < row.law.parts(); ++k)
-    if (row.law.part(k).role == Axis::limit) of_limit += impulse[size_t(k)];
-  return std::fmax(0,
-                   std::fmin(kineticEnergy(island, component, &IslandBody::v_free), -of_limit * u));
+  return Driving(row, end, r).kept(island, component, row, u);
 }
 
 double keptForRebounds(const Island& island, const Component& component, const Workspace& end) {
   double sum = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (!joint.drives) continue;
+    if (!joint.keeps_for_rebound) continue;
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.keepsForRebound()) continue;
@@ -159,8 +161,9 @@ double workAmongContacts(const Island& island, const Component& component, const
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const double u = row.J.along(a, b);
-      work += end.lambda[r] * u - Driving(row.law, end, r).work(u) + stored(island, row, end, r) +
-              keptForRebound(island, component, row, end, r, u) - row.reboundEnergy();
+      const Driving driving(row, end, r);
+      work += end.lambda[r] * u - driving.work(u) + stored(island, row, end, r) +
+              driving.kept(island, component, row, u) - row.reboundEnergy();
     }
   }
   return work;

@@ -247,7 +247,8 @@ struct IslandJoint {
   unsigned on_lever;   ///< a bit for each row that does
   bool bends_as_arms;  ///< no row bends more
   bool has_axes, has_springs, may_turn_stops;
-  bool drives;  ///< some work by themselves, as motors do, and rebounds
+  bool drives;             ///< some work by themselves, as motors do, and rebounds
+  bool keeps_for_rebound;  ///< stops may, what they take
 
   /// When its law is known, and what is open.
   void add(const IslandRow& row) {
@@ -258,7 +259,8 @@ struct IslandJoint {
     drives = drives || row.law.hasDrives();
     if (row.extras != nullptr) {
       has_springs = has_springs || row.isSoft();
-      drives = drives || row.reboundEnergy() > 0 || row.keepsForRebound();
+      drives = drives || row.reboundEnergy() > 0;
+      keeps_for_rebound = keeps_for_rebound || row.extras->keeps_for_rebound;
     }
     if (!row.law.isEquality())
       ++bounded;
@@ -269,7 +271,7 @@ struct IslandJoint {
   void release() {
     bounded = rows;
     error = open = 0;
-    has_springs = drives = false;
+    has_springs = drives = keeps_for_rebound = false;
   }
   bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
   /// When the shapes of its rows are known.

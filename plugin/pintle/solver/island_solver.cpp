@@ -278,9 +278,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     kept.arrives = done.arrives;
     kept.work_done += workOfPoses(m_island, component, changes);
   }
-  const double for_rebounds = keptForRebounds(m_island, component, work);
   kept.work_done += balance(m_island, component, m_options, kept, changes);
-  kept.work_done += keptForRebounds(m_island, component, work) - for_rebounds;
   kept.ledger.book(kept.work_done, m_options.ledger_share,
                    kineticEnergy(m_island, component, work.v));
   kept.keep(m_island, component);
