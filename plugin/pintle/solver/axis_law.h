@@ -3,7 +3,7 @@
 // vertical if rigid. An equality is one part without bounds, a limit one with one bound, a motor and friction have two.
 #pragma once
 
-#include <pintle/precision.h>
+#include <pintle/rows/axis_settings.h>
 
 #include <LinearMath/btScalar.h>
 
@@ -17,7 +17,7 @@ struct LawPart {
   double target, softness, lower, upper;
   bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
   bool gives = false;   ///< a stop with a spring of its own (RowSpring), by which its target pulls
-  int role = 0;         ///< which part of an axis it is (Axis::Part)
+  int role = 0;  ///< which part of an axis it is (Axis::Part), or a bounded pull (Axis::parts)
   /// Of a spring and damper, Lambda = -dt k (C + dt u) - dt c u: dt^2 k softness. What is left of 1 is the damper's.
   double spring_share = 0;
 
@@ -28,7 +28,9 @@ struct LawPart {
     return (isLowerStop() || isUpperStop()) && !drives && !(softness > 0);
   }
   /// Friction, or a motor that holds still: it takes alone.
-  bool brakes() const { return drives && target == 0 && lower < upper && !(spring_share > 0); }
+  bool brakes() const {
+    return drives && role != Axis::parts && target == 0 && lower < upper && !(spring_share > 0);
+  }
   /// Of a stop: whether u is beyond it.
   bool isBeyond(double u) const {
     return (isLowerStop() && u < target) || (isUpperStop() && u > target);

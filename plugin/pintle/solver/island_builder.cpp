@@ -1,6 +1,5 @@
 #include <pintle/solver/island_builder.h>
 
-#include <pintle/body_pair.h>
 #include <pintle/joint_rows.h>
 #include <pintle/solver/client_joint.h>
 #include <pintle/solver/inverse_inertia.h>
@@ -190,8 +189,8 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
   const double position = double(row.start->position);
   double target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
   if (bound < AxisLaw::unbounded) {
-    row.law.add({target - erp * position / m_island.dt, cfm * row.K, -bound, bound, true});
-    return;
+    target -= erp * position / m_island.dt;
+    return row.law.add({target, cfm * row.K, -bound, bound, true, false, Axis::parts});
   }
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
   row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
