@@ -1,7 +1,6 @@
 #include "step_errors.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <sstream>
 #include <stdexcept>

@@ -106,7 +106,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
       work += stored(island, row, end, r);
       const Driving driving(row, end, r);
-      if (driving.impulse != 0 || row.reboundEnergy() > 0 || row.keepsForRebound()) {
+      if (driving.impulse != 0 || row.reboundEnergy() > 0 || driving.of_limits != 0) {
         const double u = row.J.along(mean(0), mean(1));
         if (!over_forces)
           work -= driving.work(u) + row.reboundEnergy() - driving.kept(island, component, row, u);
