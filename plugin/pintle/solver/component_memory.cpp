@@ -210,7 +210,7 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
   forecast.take(&island.bodies[size_t(component.first_body)], work.v, island.dt, is_foreseen);
   m_rows = sizes;
   addLoad(m_borne.empty() ? m_lambda : m_borne, work);
-  m_load = work.load;
+  m_load.swap(work.load);  // begin fills it anew
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     if (!joint.has_springs) continue;
