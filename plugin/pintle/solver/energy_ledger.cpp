@@ -43,24 +43,25 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
 
 namespace {
 
-// The impulse of the parts of a law that drive, that of its brakes, and that of its limits.
-struct Driving {
-  double impulse = 0, of_brakes = 0, of_limits = 0;
+// The impulses of a law's parts that drive, of those of them that brake, and of its limits.
+struct PartImpulses {
+  double of_drives = 0, of_brakes = 0, of_limits = 0;
 
-  Driving(const IslandRow& row, const Workspace& end, size_t r) {
+  PartImpulses(const IslandRow& row, const Workspace& end, size_t r) {
     const AxisLaw& law = row.law;
     if (!law.hasDrives() && !row.keepsForRebound()) return;
     const AxisLaw::Parts of = end.split(law, r);
     for (int k = 0; k < law.parts(); ++k) {
-      if (law.part(k).role == Axis::limit) of_limits += of[size_t(k)];
-      if (!law.part(k).drives) continue;
-      impulse += of[size_t(k)];
-      if (law.part(k).brakes()) of_brakes += of[size_t(k)];
+      const LawPart& part = law.part(k);
+      if (part.role == Axis::limit) of_limits += of[size_t(k)];
+      if (!part.drives) continue;
+      of_drives += of[size_t(k)];
+      if (part.brakes()) of_brakes += of[size_t(k)];
     }
   }
   // J: what is not the joint's, at the mean velocity u. A brake takes by the way of its row in the step. Where along the directions of the
   // start it would give, that is the joint's.
-  double work(double u) const { return impulse * u - std::max(0., of_brakes * u); }
+  double work(double u) const { return of_drives * u - std::max(0., of_brakes * u); }
   // J: what its limit takes for a rebound.
   double kept(const Island& island, const Component& component, const IslandRow& row,
               double u) const {
@@ -105,17 +106,17 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (row.extras == nullptr && !row.law.hasDrives() && !any_moves) continue;
       work += stored(island, row, end, r);
-      const Driving driving(row, end, r);
-      if (driving.impulse != 0 || row.reboundEnergy() > 0 || driving.of_limits != 0) {
+      const PartImpulses parts(row, end, r);
+      if (parts.of_drives != 0 || row.reboundEnergy() > 0 || parts.of_limits != 0) {
         const double u = row.J.along(mean(0), mean(1));
         if (!over_forces)
-          work -= driving.work(u) + row.reboundEnergy() - driving.kept(island, component, row, u);
+          work -= parts.work(u) + row.reboundEnergy() - parts.kept(island, component, row, u);
         else
           work -=
-              (driving.impulse != 0 ? mostWork(driving.impulse, end.u[r], row.K,
+              (parts.of_drives != 0 ? mostWork(parts.of_drives, end.u[r], row.K,
                                                kineticEnergy(island, component, start))
                                     : 0) +
-              std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - driving.impulse) * u));
+              std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - parts.of_drives) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
       if (any_moves) work += end.lambda[r] * island.velocityOfUnmoved(joint, row.J);
@@ -128,7 +129,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
 
 double keptForRebound(const Island& island, const Component& component, const IslandRow& row,
                       const Workspace& end, size_t r, double u) {
-  return Driving(row, end, r).kept(island, component, row, u);
+  return PartImpulses(row, end, r).kept(island, component, row, u);
 }
 
 double keptForRebounds(const Island& island, const Component& component, const Workspace& end) {
@@ -161,9 +162,9 @@ double workAmongContacts(const Island& island, const Component& component, const
       const auto r = size_t(joint.row_of_component + i);
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       const double u = row.J.along(a, b);
-      const Driving driving(row, end, r);
-      work += end.lambda[r] * u - driving.work(u) + stored(island, row, end, r) +
-              driving.kept(island, component, row, u) - row.reboundEnergy();
+      const PartImpulses parts(row, end, r);
+      work += end.lambda[r] * u - parts.work(u) + stored(island, row, end, r) +
+              parts.kept(island, component, row, u) - row.reboundEnergy();
     }
   }
   return work;
