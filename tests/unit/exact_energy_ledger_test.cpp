@@ -47,16 +47,19 @@ class OneRow : public testing::Test {
     const pintle::Component component{0, 1, 0, 1, 1};
     const double of_all = workOfJoints(m_island, component, end);
     EXPECT_NEAR(workAmongContacts(m_island, component, end), of_all, 1e-12);
+    m_over_forces = gainOverForces(m_island, component, end);
     return of_all;
   }
 
   pintle::Island m_island;
   pintle::IslandRow m_row;
+  double m_over_forces = 0;  // J: of the last one, as what may not be
 };
 
 TEST_F(OneRow, AMotorMayGive) {
   m_row.law.add({1, 0, -10, 10, true});
   EXPECT_NEAR(work(0, 1), 0, 1e-12);
+  EXPECT_LE(m_over_forces, 0);
   EXPECT_NEAR(work(1, 0), 0, 1e-12);
 }
 
@@ -65,6 +68,15 @@ TEST_F(OneRow, FrictionTakesAlone) {
   m_row.law.add({0, 0, -10, 10, true});
   EXPECT_NEAR(work(1, 0), 0, 1e-12);
   EXPECT_NEAR(work(0, 1), 1, 1e-12);
+}
+
+// So whatever bodies gain to which friction is held is a solve that is not sound.
+TEST_F(OneRow, FrictionGivesNothingToWhereForcesLead) {
+  m_row.law.add({0, 0, -10, 10, true});
+  for (const double to : {0.5, 1., 2.}) {
+    work(1, to);
+    EXPECT_NEAR(m_over_forces, to * to - 1, 1e-12) << to;
+  }
 }
 
 // What a stop takes in one step and gives back in the next one is in sum nothing: else each rebound would leave credit for the next one.

@@ -62,6 +62,8 @@ struct PartImpulses {
   // J: what is not the joint's, at the mean velocity u. A brake takes by the way of its row in the step. Where along the directions of the
   // start it would give, that is the joint's.
   double work(double u) const { return of_drives * u - std::max(0., of_brakes * u); }
+  // N s: without brakes, which give nothing to velocities to which forces lead.
+  double pull() const { return of_drives - of_brakes; }
   // J: what its limit takes for a rebound.
   double kept(const Island& island, const Component& component, const IslandRow& row,
               double u) const {
@@ -113,9 +115,9 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
           work -= parts.work(u) + row.reboundEnergy() - parts.kept(island, component, row, u);
         else
           work -=
-              (parts.of_drives != 0 ? mostWork(parts.of_drives, end.u[r], row.K,
-                                               kineticEnergy(island, component, start))
-                                    : 0) +
+              (parts.pull() != 0 ? mostWork(parts.pull(), end.u[r], row.K,
+                                            kineticEnergy(island, component, start))
+                                 : 0) +
               std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - parts.of_drives) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
