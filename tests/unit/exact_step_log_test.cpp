@@ -205,7 +205,7 @@ void expectRejected(const pintle::SolverOptions& options, const std::string& wit
   EXPECT_EQ(solver.options().ledger_share, pintle::SolverOptions().ledger_share);
 }
 
-/// 8 x 8 plates, each joined to its neighbours, that swing from two corners.
+/// 8 x 8 plates, each joined to its neighbours, that swing from two corners; those of the far edge are heavy.
 template <class Ball>
 struct Net {
   static constexpr int size = 8;
@@ -215,7 +215,9 @@ struct Net {
     world.setGravity(vec(0, 0, -9.81));
     const btVector3 x = vec(0.5, 0, 0), y = vec(0, 0.5, 0);
     for (int i = 0; i < size * size; ++i) {
-      btRigidBody::btRigidBodyConstructionInfo info(1, nullptr, &shape, vec(0.06, 0.06, 0.1));
+      const double mass = i < size * (size - 1) ? 1 : 100;
+      btRigidBody::btRigidBodyConstructionInfo info(scalar(mass), nullptr, &shape,
+                                                    vec(0.06 * mass, 0.06 * mass, 0.1 * mass));
       info.m_startWorldTransform.setOrigin(vec(i % size, double(i / size), 0));
       bodies.push_back(std::make_unique<btRigidBody>(info));
       world.addRigidBody(bodies.back().get(), 0, 0);

@@ -125,10 +125,10 @@ bool mayWhirl(const Island& island, const Component& component, double gaps, con
   return energyOfTurns(island, component, end) > gaps && actsByArcs(island, component, end);
 }
 
-// v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2: with v' = r + s w, by
-//   (s - 1) ((s + 1) w M w + w M (2 r + v0 - v*)) / 2
-// more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Poses end where they did, so what
-// v' goes less they are moved by: against the forces that is work, too, which is left to the next steps. Returns all work.
+// v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2, and poses, which end where they did, are moved against
+// the forces by what v' goes less: with v' = r + s w, both by
+//   (s - 1) ((s + 1) w M w + w M (2 r + v* - v0)) / 2
+// more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Returns its work.
 double scale(const Island& island, const Component& component, bool is_free, double energy,
              Workspace& work, PoseChange* changes) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
@@ -139,18 +139,19 @@ double scale(const Island& island, const Component& component, bool is_free, dou
     for (size_t i = 0; i < v.size(); ++i)
       stays[i] = as_one.of(AtEnd(bodies[i], v[i], changes[i], island.dt));
   }
-  double a = 0, b = 0;
+  double a = 0, b = 0, by_forces = 0;
   for (size_t i = 0; i < v.size(); ++i) {
-    const Vector6d w = v[i] - stays[i];
+    const Vector6d w = v[i] - stays[i], forces = bodies[i].v_free - bodies[i].v0;
     a += bodies[i].product(w, w);
-    b += bodies[i].product(w, 2 * stays[i] + bodies[i].v0 - bodies[i].v_free);
+    b += bodies[i].product(w, 2 * stays[i] + forces);
+    by_forces += bodies[i].product(w, forces);
   }
   if (!(a > 0)) return 0;
   const double root2 = b * b + 4 * a * (a + b - 2 * std::fmax(energy, -a / 2));
   // Of two roots the one that leads to s = 1 where the energy is none.
   const double root = std::copysign(std::sqrt(std::fmax(root2, 0)), 2 * a + b);
   const double part = std::clamp((root - b) / (2 * a), 0., std::sqrt(2.));
-  const double by_velocities = (part - 1) * ((part + 1) * a + b) / 2,
+  const double by_velocities = (part - 1) * ((part + 1) * a + b - 2 * by_forces) / 2,
                by_poses = workOfPoses(island, component, changes);
   for (size_t i = 0; i < v.size(); ++i) {
     const Vector6d next = stays[i] + part * (v[i] - stays[i]);
@@ -234,9 +235,9 @@ double balance(const Island& island, const Component& component, const SolverOpt
   if (ledger.taken > 0)
     ledger.taken = std::fmin(ledger.taken, energyOfArcs(island, component, kept.work));
   const double of_arcs = std::fmax(ledger.given + kept.work_done, -ledger.taken),
-               excess = ledger.excess(kept.work_done, options.ledger_share);
+               too_much = excess(island, component, kept.work_done, options.ledger_share, ledger);
   const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept);
-  const double energy = by_arcs ? of_arcs : std::fmax(excess, 0);
+  const double energy = by_arcs ? of_arcs : too_much;
   if (energy == 0) return 0;
   const bool is_free = !isAnchored(island, component);
   if (is_free && !isFree(island, component)) return 0;

@@ -3,6 +3,7 @@
 #include <pintle/solver/acting_rows.h>
 #include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/pose_changes.h>
 #include <pintle/solver/row_velocities.h>
 
 #include <algorithm>
@@ -57,6 +58,7 @@ class Chord {
   void followStraight();
   int countSteps(double bend);
   int end();
+  void meetClosely();
 
   const Island& m_island;
   const Component& m_component;
@@ -154,6 +156,18 @@ int Chord::end() {
   return countSteps(0);
 }
 
+// The tolerance leaves joints open, always to where their load pulls. Where poses are moved back, that gives back but a part of what it took
+// of the motion. In single precision this is most of what a swing loses: so rows are met once more from there. Not where rows are bounded,
+// which are met up to the tolerance, nor where joints start open.
+void Chord::meetClosely() {
+  if (!m_set.bounded().empty() || !startsClosed(m_island, m_component, m_options.pose_tolerance) ||
+      !m_work.broyden.step(m_K, m_work.x, m_work.y))
+    return;
+  m_work.stays.swap(m_work.v);
+  findVelocities();
+  followStraight();
+}
+
 SolveReport Chord::run() {
   Broyden& broyden = m_work.broyden;
   measureEnd();
@@ -190,6 +204,7 @@ SolveReport Chord::run() {
     }
     if (!broyden.step(m_K, m_work.x, m_work.y)) return m_report;
   }
+  if (sizeof(Scalar) == 4) meetClosely();
   unscaleImpulses(m_work);
   return m_report;
 }

@@ -38,7 +38,8 @@ void EnergyLedger::begin(const Island& island, const Component& component, doubl
   }
   // It is forgotten within a second or so.
   peak = std::fmax(peak * std::fmax(1 - island.dt, 0), std::fmin(m_left, now));
-  given = std::fmin(given, share * peak);
+  given = std::fmin(given, share * peak + rounding);
+  rounding = 0;
 }
 
 namespace {
@@ -179,6 +180,18 @@ double workOfPoses(const Island& island, const Component& component, const Vecto
     work -= body.product((body.v_free - body.v0) / island.dt, changes[i]);
   }
   return work;
+}
+
+double beyondRounding(const Island& island, const Component& component, double excess,
+                      EnergyLedger& ledger) {
+  double sum = 0;
+  for (int i = component.first_body; i < component.first_body + component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(i)];
+    const double force = body.mass * (body.v_free - body.v0).head<3>().norm() / island.dt;
+    sum += force * (inDouble(body.start.getOrigin()).norm() + body.radius());
+  }
+  ledger.rounding = double(SIMD_EPSILON) * sum;
+  return excess > ledger.rounding ? excess : 0;
 }
 
 double gainOverForces(const Island& island, const Component& component, const Workspace& end) {

@@ -18,6 +18,7 @@ struct EnergyLedger {
   double peak =
       0;  ///< J: the largest recent kinetic energy that a step has left: not that of a blow which joints take at once
   double now = 0;          ///< J: the kinetic energy with which this step begins
+  double rounding = 0;     ///< J: where joints gave more, what rounding of poses may have done
   double taken = 0;        ///< J: what was taken of what arcs gave, and may be given back
   double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
 
@@ -58,6 +59,16 @@ double workOfJoints(const Island& island, const Component& component, const Work
 double workAmongContacts(const Island& island, const Component& component, const Workspace& end);
 /// J: what moving poses by `changes` does against the forces of the step.
 double workOfPoses(const Island& island, const Component& component, const Vector6d* changes);
+/// J: `excess`, or 0 where it is not more than what forces do while poses are rounded. That is in no book, until velocities, which take it,
+/// or changes of poses, which give it, lead back: of a body at rest, the ledger forgets the first.
+double beyondRounding(const Island& island, const Component& component, double excess,
+                      EnergyLedger& ledger);
+/// J: how much more joints gave with `work` than they may.
+inline double excess(const Island& island, const Component& component, double work, double share,
+                     EnergyLedger& ledger) {
+  const double excess = ledger.excess(work, share);
+  return excess > 0 ? beyondRounding(island, component, excess, ledger) : 0;
+}
 /// J: what all impulses gave, those of contacts, too, to the velocities that forces lead to: KE(v) - KE(v*). Without motors, springs
 /// and friction again.
 double gainOverForces(const Island& island, const Component& component, const Workspace& end);

@@ -153,7 +153,7 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.tolerance = m_options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
-  return kept.ledger.mayGive(kept.work_done, m_options.ledger_share) ||
+  return excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0 ||
          (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));
 }
 
@@ -294,7 +294,7 @@ void IslandSolver::report(const Component& component, ComponentMemory& kept) {
         std::max(m_report.open, m_island.joints[size_t(component.first_joint + c)].error);
   m_report.work += kept.work_done;
   m_report.ledger += kept.ledger.given;
-  m_report.ledger_limit += kept.ledger.limit(m_options.ledger_share);
+  m_report.ledger_limit += kept.ledger.limit(m_options.ledger_share) + kept.ledger.rounding;
 }
 
 void IslandSolver::beginComponents(WorldMemory& memory) {
