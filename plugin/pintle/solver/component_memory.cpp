@@ -206,6 +206,31 @@ void ComponentMemory::findWhatOthersAsk(const Island& island, const Component& c
   K.solve(work.x.data());
 }
 
+// Else the load that is foreseen is that of another motion, and what was taken comes back: a taut cable would quiver for ever. Where a row
+// is bounded or gives, its impulse does not follow from velocities.
+void ComponentMemory::followVelocities(const Island& island, const Component& component,
+                                       double least_pivot) {
+  bool are_rigid = true;
+  forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
+    are_rigid = are_rigid && row.law.isEquality() && !(work.pieces[r].softness > 0);
+  });
+  if (!are_rigid || !K.factorise(least_pivot)) return;
+  std::vector<Vector6d>& change = work.stays;
+  change.clear();
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    Vector6d by_forces = body.v_free - work.v[size_t(i)];
+    by_forces.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * by_forces.tail<3>());
+    change.push_back(by_forces);
+  }
+  setZero(K.vectorSize(), work.x);
+  K.subtractVelocities(change.data(), work.x.data());
+  K.solve(work.x.data());
+  forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
+    if (work.pieces[r].acts) m_lambda[r] = work.lambda[r] = work.x[K.row(c, i)] * row.by_root_K;
+  });
+}
+
 void ComponentMemory::keep(const Island& island, const Component& component) {
   forecast.take(&island.bodies[size_t(component.first_body)], work.v, island.dt, is_foreseen);
   m_rows = sizes;

@@ -43,6 +43,8 @@ struct ComponentMemory {
   /// Impulses with which the next step begins, while K and work.y are those of the solve.
   void keepImpulses(const Island& island, const Component& component, bool has_contacts,
                     double least_pivot);
+  /// The same where velocities have been balanced: those that lead to them, along the rows of the last factor.
+  void followVelocities(const Island& island, const Component& component, double least_pivot);
   /// The step as it has ended.
   void keep(const Island& island, const Component& component);
   /// The next step begins anew.

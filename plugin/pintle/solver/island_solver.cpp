@@ -278,7 +278,10 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
     kept.arrives = done.arrives;
     kept.work_done += workOfPoses(m_island, component, changes);
   }
-  kept.work_done += balance(m_island, component, m_options, kept, changes);
+  const double by_balance = balance(m_island, component, m_options, kept, changes);
+  kept.work_done += by_balance;
+  if (by_balance != 0 && !m_groups.has(component))
+    kept.followVelocities(m_island, component, m_options.least_pivot);
   kept.ledger.book(kept.work_done, m_options.ledger_share,
                    kineticEnergy(m_island, component, work.v));
   kept.keep(m_island, component);
