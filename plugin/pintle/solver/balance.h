@@ -7,7 +7,7 @@
 #pragma once
 
 #include <pintle/solver/component_memory.h>
-#include <pintle/solver/pose_correction.h>
+#include <pintle/solver/pose_changes.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

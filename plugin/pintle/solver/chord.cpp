@@ -1,7 +1,6 @@
 #include <pintle/solver/chord.h>
 
 #include <pintle/solver/acting_rows.h>
-#include <pintle/solver/energy_ledger.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/pose_changes.h>
 #include <pintle/solver/row_velocities.h>

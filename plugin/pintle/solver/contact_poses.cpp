@@ -1,6 +1,5 @@
 #include <pintle/solver/contact_poses.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace pintle {

@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {

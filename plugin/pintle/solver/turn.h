@@ -13,12 +13,6 @@ inline namespace PINTLE_PRECISION {
 using Vector3d = Eigen::Matrix<double, 3, 1>;
 using Matrix3d = Eigen::Matrix<double, 3, 3>;
 
-inline Matrix3d crossMatrix(const Vector3d& a) {
-  Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
 /// The rotation of a rotation vector, rad.
 inline Eigen::AngleAxisd turnBy(const Vector3d& phi) {
   const double angle = phi.norm();

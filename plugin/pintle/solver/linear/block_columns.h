@@ -19,11 +19,6 @@ struct MatrixBlock {
   PINTLE_INLINE void store(double* to, int length = block_stride) const {
     for (int k = 0; k < block_size; ++k) of[k].store(to + length * k);
   }
-  /// -= a b
-  PINTLE_INLINE void subtractProduct(const MatrixBlock& a, const double* b) {
-    for (int s = 0; s < block_size; ++s)
-      for (int k = 0; k < block_size; ++k) of[s].subtract(a.of[k], b[block_stride * s + k]);
-  }
   /// -= a b^T
   PINTLE_INLINE void subtractProductTransposed(const MatrixBlock& a, const double* b) {
     for (int s = 0; s < block_size; ++s)
