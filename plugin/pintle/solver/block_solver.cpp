@@ -85,7 +85,7 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
   if (!m_has_factor) return change;
   const double error = solveOnce(velocities, m_options.newton_tolerance);
-  if (mayChangeSet() && !isSetRight(velocities)) {
+  if (mayChangeSet() && !findOrCheckSet(velocities)) {
     if (m_alone)
       m_solvable = m_has_factor = false;
     else
@@ -95,7 +95,8 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   return std::fmax(change, error / m_island.dt);
 }
 
-bool BlockSolver::isSetRight(std::vector<Vector6d>& velocities) {
+// The first pass finds the set, and later ones see whether it still is the right one.
+bool BlockSolver::findOrCheckSet(std::vector<Vector6d>& velocities) {
   if (!m_is_settled) return findWhichAct(m_set.bounded(), m_alone, velocities);
   m_set.measure(m_set.bounded(), own(velocities));
   return m_set.countSteps(m_set.bounded()) == 0;

@@ -79,7 +79,7 @@ class BlockSolver {
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   bool findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
                     std::vector<Vector6d>& velocities);
-  bool isSetRight(std::vector<Vector6d>& velocities);
+  bool findOrCheckSet(std::vector<Vector6d>& velocities);
   template <class Change>
   void changeImpulses(std::vector<Vector6d>& velocities, const Change& change);
   double solveOnce(std::vector<Vector6d>& velocities, double tolerance);

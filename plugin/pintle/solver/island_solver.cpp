@@ -8,6 +8,7 @@
 #include <pintle/solver/softness.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace pintle {
@@ -157,7 +158,7 @@ bool IslandSolver::solveByChord(const Component& component) {
          (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));
 }
 
-// Where the first tier gives too much, the second one may lose more than that: then it is balanced.
+// Where the first tier gives too much, the second one may lose more than that: then the first one is taken, and balanced.
 void IslandSolver::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
   ComponentMemory& kept = memoryOf(component);
@@ -226,7 +227,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     bool again = false;
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
-    if (again && m_options.max_new_factors > 1) solve(sweep);  // the first one is for poses
+    if (again && m_options.max_new_factors > 1) solve(sweep);  // a single one is for poses
     return done.is_solvable && gainInVelocity(group) <= rounding_share * largest;
   };
   // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.

@@ -57,7 +57,7 @@ class PoseCorrection {
   bool m_arrives = true;
   double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
   double m_asked = 1;  ///< of what Bullet's rows are to close
-  double m_most_bend = infinity;  ///< m or rad: more is not by what they are to close
+  double m_most_bend = infinity;  ///< m or rad: a larger bend is by what other rows ask for
   std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
   std::vector<char>& m_closes = m_work.closes;
   std::vector<char>& m_bends =
