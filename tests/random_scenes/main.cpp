@@ -1,10 +1,12 @@
 // Plays random scenes, and prints those of which joints feed energy, or that do not hold.
 // Usage: random_scenes COUNT [FIRST [all]]  scenes FIRST (1 unless given) to FIRST + COUNT - 1; all: prints every one
-//        random_scenes show SEED [KIND] one scene, step by step; KIND: all its joints are of the kind of that number
+//        random_scenes show SEED [WHAT] one scene, step by step; WHAT: `soft_stops` or `heavy_load_on_ropes` (random_scene.h), or all
+//                                       its joints are of the kind of that number
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
+#include <string>
 
 #include "random_joints.h"
 #include "random_scene.h"
@@ -64,18 +66,27 @@ void print(const Counts& n) {
             << "; " << n.not_converged << " of " << n.steps << " steps did not converge\n";
 }
 
+random_scenes::Scene sceneOf(unsigned seed, const std::string& what) {
+  if (what == "soft_stops") return random_scenes::withSoftStops(seed);
+  if (what == "heavy_load_on_ropes") return random_scenes::withHeavyLoadOnRopes(seed);
+  random_scenes::Scene scene = random_scenes::makeScene(seed);
+  if (!what.empty())
+    scene.kind = std::clamp(std::atoi(what.c_str()), 0, random_scenes::kindCount() - 1);
+  return scene;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if ((argc == 3 || argc == 4) && std::strcmp(argv[1], "show") == 0) {
-    random_scenes::Scene scene = random_scenes::makeScene(unsigned(std::atol(argv[2])));
-    if (argc == 4) scene.kind = std::clamp(std::atoi(argv[3]), 0, random_scenes::kindCount() - 1);
+    const random_scenes::Scene scene =
+        sceneOf(unsigned(std::atol(argv[2])), argc == 4 ? argv[3] : "");
     std::cout << random_scenes::describe(scene) << '\n';
     random_scenes::play(scene, &std::cout);
     return 0;
   }
   if (argc < 2 || argc > 4) {
-    std::cerr << "usage: random_scenes COUNT [FIRST [all]] | random_scenes show SEED [KIND]\n";
+    std::cerr << "usage: random_scenes COUNT [FIRST [all]] | random_scenes show SEED [WHAT]\n";
     return 2;
   }
   const unsigned count = unsigned(std::atol(argv[1])),

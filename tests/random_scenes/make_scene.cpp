@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 #include "draws.h"
@@ -61,6 +62,27 @@ Scene makeScene(unsigned seed) {
   scene.own_cfm = softness();
   scene.own_stop_cfm = softness();
   scene.variant = makeVariant(scene, random);
+  return scene;
+}
+
+Scene withSoftStops(unsigned seed) {
+  Scene scene = makeScene(seed);
+  scene.has_own = true;
+  if (!(scene.own_stop_cfm > 0)) scene.own_stop_cfm = 1e-3;
+  return scene;
+}
+
+Scene withHeavyLoadOnRopes(unsigned seed) {
+  Scene scene = makeScene(seed);
+  scene.shape = seed % 2 ? Shape::tree : Shape::chain;
+  scene.kind = 0;
+  while (std::strcmp(kindOf(scene.kind).name, "rope") != 0) ++scene.kind;
+  scene.bodies = 3 + int(seed % 5);
+  scene.hz = 30;
+  scene.mass_decades = 0;
+  scene.load = 1e5;
+  scene.contacts = scene.locks = false;
+  scene.threshold = scene.overlap = 0;
   return scene;
 }
 

@@ -34,6 +34,10 @@ struct Scene {
   Variant variant;  ///< of its joints
 };
 Scene makeScene(unsigned seed);
+/// The same, with stops that give.
+Scene withSoftStops(unsigned seed);
+/// A tree or a chain of light bodies on ropes, under 10^5 times their mass, at 30 Hz.
+Scene withHeavyLoadOnRopes(unsigned seed);
 std::string describe(const Scene& scene);
 
 struct Outcome {
