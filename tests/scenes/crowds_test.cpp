@@ -118,7 +118,7 @@ TEST(ExactCrowds, RagdollsHoldInEachStep) {
   }
 }
 
-// A load of 100 times a plank's mass. One of 1000 times is too much for the contacts' iterations: it sinks through the planks.
+// A load of 100 times a plank's mass.
 TEST(ExactCrowds, BridgeBearsWhatItsPlanksDoNot) {
   const scenes::Scene bridge = scenes::loaded_bridge_scene();
   const auto stock = run(bridge, 5, make_stock_joint),
