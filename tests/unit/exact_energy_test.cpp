@@ -120,12 +120,19 @@ double mostError(const ChainOf& of) {
   return worksAgainstItself(of.kind) ? 0.01 : rounding(2e-5, 1e-6);
 }
 
+/// m or rad: twice the tolerance of poses. What a wedge's angle is of may be short. In single precision sliders get far, where positions
+/// are rounded.
+double mostConverged(const ChainOf& of) {
+  return rounding(1e-4, of.name == "LimitedWedge" ? 1e-8 : 2e-9);
+}
+
 class EnergyOfChain : public testing::TestWithParam<ChainOf> {};
 
 TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
   constexpr int runs = 100;
   const kinds::Kind& kind = GetParam().kind;
-  double errors = 0;  // the mean
+  double errors = 0;     // the mean
+  double converged = 0;  // the worst at the end of a step that has converged
   std::string far;
   for (int run = 0; run < runs; ++run) {
     Random random(unsigned(run) + 1);
@@ -154,8 +161,11 @@ TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
     double worst = 0;
     for (int i = 0; i < 3 * 120; ++i) {
       books.step();
+      double now = 0;
       for (const auto& joint : books.joints)
-        worst = std::max(worst, largestError(static_cast<const pintle::Joint&>(*joint)));
+        now = std::max(now, largestError(static_cast<const pintle::Joint&>(*joint)));
+      worst = std::max(worst, now);
+      if (books.solver.lastStep().not_converged == 0) converged = std::max(converged, now);
     }
     ASSERT_TRUE(support::is_finite(*last)) << GetParam() << ", run " << run;
     EXPECT_LE(books.gain, 0.03 * books.peak) << GetParam() << ", run " << run;
@@ -163,6 +173,9 @@ TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
     errors += worst / runs;
   }
   EXPECT_LE(errors, mostError(GetParam())) << "runs" << far;
+  if (!worksAgainstItself(kind)) {
+    EXPECT_LE(converged, mostConverged(GetParam()));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EnergyOfChain, testing::ValuesIn(chains()),
