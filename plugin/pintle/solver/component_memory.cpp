@@ -183,6 +183,18 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
   if (has_contacts) bound(true, m_borne);
 }
 
+Vector6d ComponentMemory::leftOf(const IslandBody& body, int i, const Vector6d& v) {
+  Vector6d to = v;
+  to.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * v.tail<3>());
+  return to;
+}
+
+void ComponentMemory::findImpulses(const std::vector<Vector6d>& change) {
+  setZero(K.vectorSize(), work.x);
+  K.subtractVelocities(change.data(), work.x.data());
+  K.solve(work.x.data());
+}
+
 // work.x = -K^-1 J of what forces do to velocities, A^-1 M (v* - v_0), or of what contacts do, too: all but what joints do,
 // v - A^-1 (M v_0 + J^T lambda).
 void ComponentMemory::findWhatOthersAsk(const Island& island, const Component& component,
@@ -192,18 +204,11 @@ void ComponentMemory::findWhatOthersAsk(const Island& island, const Component& c
   if (with_contacts) K.addResponse(work.y.data(), change.data());
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    const auto leftOf = [&](const Vector6d& v) {  // A^-1 M v
-      Vector6d to = v;
-      to.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * v.tail<3>());
-      return to;
-    };
     Vector6d& of = change[size_t(i)];
-    of = with_contacts ? Vector6d(work.v[size_t(i)] - of - leftOf(body.v0))
-                       : leftOf(body.v_free - body.v0);
+    of = with_contacts ? Vector6d(work.v[size_t(i)] - of - leftOf(body, i, body.v0))
+                       : leftOf(body, i, body.v_free - body.v0);
   }
-  setZero(K.vectorSize(), work.x);
-  K.subtractVelocities(change.data(), work.x.data());
-  K.solve(work.x.data());
+  findImpulses(change);
 }
 
 // Else the load that is foreseen is that of another motion, and what was taken comes back: a taut cable would quiver for ever. Where a row
@@ -219,13 +224,9 @@ void ComponentMemory::followVelocities(const Island& island, const Component& co
   change.clear();
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    Vector6d by_forces = body.v_free - work.v[size_t(i)];
-    by_forces.tail<3>() = K.bodies()[size_t(i)].angular * (body.inertia * by_forces.tail<3>());
-    change.push_back(by_forces);
+    change.push_back(leftOf(body, i, body.v_free - work.v[size_t(i)]));
   }
-  setZero(K.vectorSize(), work.x);
-  K.subtractVelocities(change.data(), work.x.data());
-  K.solve(work.x.data());
+  findImpulses(change);
   forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
     if (work.pieces[r].acts) m_lambda[r] = work.lambda[r] = work.x[K.row(c, i)] * row.by_root_K;
   });

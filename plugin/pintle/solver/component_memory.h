@@ -64,6 +64,10 @@ struct ComponentMemory {
 
   /// Of joint c, the rows that it had in the last step, too: all, or its equalities, which come first.
   int knownRows(int c, const IslandJoint& joint) const;
+  /// A^-1 M v of body i: what K's matrix of that body leaves of a velocity.
+  Vector6d leftOf(const IslandBody& body, int i, const Vector6d& v);
+  /// work.x = -K^-1 J change.
+  void findImpulses(const std::vector<Vector6d>& change);
   void findWhatOthersAsk(const Island& island, const Component& component, bool with_contacts);
 
   std::vector<int> m_rows;  ///< of each joint, in the last step
