@@ -228,5 +228,40 @@ TEST(ExactEnergy, WhatFallsElsewhereCostsNoPasses) {
   EXPECT_LT(passes(all), 1.1 * (chains + heap));  // else each takes as many as the heap
 }
 
+// A net falls on the ground, flat. Each of its bodies has four contacts there. To follow all of these through the net takes several times
+// the memory of the joints.
+TEST(ExactContacts, ManyContactsOnANetTakeNoMoreMemoryThanJoints) {
+  constexpr int size = 15, always_followed = 1000;
+  const auto memoryOfNet = [](bool falls_on_ground,
+                              int longest_path = pintle::SolverOptions().longest_path) {
+    Books books(60);
+    pintle::SolverOptions options = books.solver.options();
+    options.longest_path = longest_path;
+    books.solver.setOptions(options);
+    if (falls_on_ground) books.add(0, vec(50, 50, 1), at(vec(0, 0, -1)), true);
+    std::vector<btRigidBody*> bodies;
+    for (int i = 0; i < size * size; ++i) {
+      btRigidBody& body =
+          books.add(1, vec(0.4, 0.4, 0.1), at(vec(i % size, int(i / size), 0.2)), true);
+      if (i % size > 0)
+        books.join(std::make_unique<pintle::BallJoint>(*bodies.back(), body, vec(0.5, 0, 0),
+                                                       vec(-0.5, 0, 0)));
+      if (i >= size)
+        books.join(std::make_unique<pintle::BallJoint>(*bodies[size_t(i - size)], body,
+                                                       vec(0, 0.5, 0), vec(0, -0.5, 0)));
+      bodies.push_back(&body);
+    }
+    for (int step = 0; step < 60; ++step) books.step();
+    EXPECT_LE(largestGapOf<pintle::BallJoint>(books), rounding(1e-5, 1e-7));
+    if (falls_on_ground) {
+      EXPECT_LE(books.kinetic(), rounding(1e-4, 1e-7)) << "it rests";
+    }
+    return double(books.solver.getMemory());
+  };
+  const double of_joints = memoryOfNet(false);
+  EXPECT_LT(memoryOfNet(true), 2 * of_joints);
+  EXPECT_GT(memoryOfNet(true, always_followed), 3 * of_joints);
+}
+
 }  // namespace
 }  // namespace exact_contacts_test

@@ -307,9 +307,6 @@ TEST(SolverOptions, AreChecked) {
   options.longest_path = 0;
   expectRejected(options, "longest_path = 0: must be 1 or more");
   options = {};
-  options.cut_path = 0;
-  expectRejected(options, "cut_path = 0: must be 1 or more");
-  options = {};
   options.dependent_margin = 0.5;
   expectRejected(options, "dependent_margin = 0.5: must be 1 or more");
   options = {};

@@ -53,13 +53,11 @@ class Passes {
     if (!isAtOnce(sweep))
       for (ContactRow& row : contacts) row.impulse = 0;
     memory.bounds.clear();
-    if (!contacts.empty())
-      for (const BlockOfJoints& part : of) {
-        const bool is_whole = part.K->longestPath() <= options.longest_path;
-        memory.response.addJoints(part.component->first_body, *part.K,
-                                  is_whole ? all_blocks : options.cut_path);
-        m_are_paths_whole = m_are_paths_whole && is_whole;
-      }
+    if (!contacts.empty()) {
+      for (const BlockOfJoints& part : of)
+        memory.response.addJoints(part.component->first_body, *part.K);
+      m_see_joints = memory.response.leaveOutLongPaths(contacts, options.longest_path);
+    }
     for (ContactRow& row : contacts) {
       row.K = memory.response.findAnswers(island, row);
       row.before = 0;
@@ -192,9 +190,8 @@ class Passes {
   const Sweep m_sweep;
   PassMemory& m_memory;
   int m_passes = 0, m_next_look = 1;
-  /// Where not all joints are on the paths, what a pass does is less than it might, and never too much. Then joints are solved after each
-  /// pass.
-  bool m_are_paths_whole = true;
+  /// Contacts see all joints. Else these are solved after each pass.
+  bool m_see_joints = true;
 };
 
 // Contacts see each other through the joints. These are solved when the passes are over, and before after 1, 2, 4, ... of them, only
@@ -207,9 +204,9 @@ double Passes::passAtOnce(bool is_last) {
                  of_bounds = response.sweep(m_memory.bounds),
                  largest = std::fmax(of_contacts, of_bounds);
     const bool is_converged = largest * m_island.dt <= m_options.contact_tolerance;
-    if (m_are_paths_whole && !is_last && !is_converged && m_passes < m_next_look) return largest;
+    if (m_see_joints && !is_last && !is_converged && m_passes < m_next_look) return largest;
     if (m_passes >= m_next_look) m_next_look *= 2;
-    if ((m_are_paths_whole && !mayChangeSet()) || !hasNews()) return largest;
+    if ((m_see_joints && !mayChangeSet()) || !hasNews()) return largest;
     if (!is_last) return infinity;
   }
 }

@@ -61,21 +61,37 @@ PINTLE_TARGET_CLONES size_t sweepRows(size_t i, ContactRow* rows, size_t count,
 
 }  // namespace
 
-void ContactResponse::addJoints(int first, JointMatrix& joints, int most) {
+void ContactResponse::addJoints(int first, JointMatrix& joints) {
   for (size_t i = 0; i < joints.bodies().size(); ++i) {
     Body& body = m_bodies[size_t(first) + i];
     body = {};
     body.inertia = &joints.bodies()[i];
     body.number = int(i);
-    body.joints_at = m_state.size();
-    body.most = most;
+    body.component = m_components.size();
   }
+  m_components.push_back({&joints, m_state.size()});
   m_state.resize(m_state.size() + joints.vectorSize(), 0.);
+}
+
+bool ContactResponse::leaveOutLongPaths(Span<const ContactRow> rows, int longest) {
+  bool any = false;
+  for (const ContactRow& row : rows)
+    for (const int number : row.body) {
+      if (number < 0 || m_bodies[size_t(number)].inertia == nullptr) continue;
+      const Body& body = m_bodies[size_t(number)];
+      Joints& joints = m_components[body.component];
+      if (joints.K->longestPath() <= longest) continue;
+      joints.path_blocks += size_t(joints.K->pathLength(body.number));
+      joints.are_left_out = PathBlock::numbers * joints.path_blocks > joints.K->numbers();
+      any = any || joints.are_left_out;
+    }
+  return !any;
 }
 
 void ContactResponse::takeFactor(int first, JointMatrix& joints) {
   for (size_t i = 0; i < joints.bodies().size(); ++i) {
     Body& body = m_bodies[size_t(first) + i];
+    if (m_components[body.component].are_left_out) return;
     body.joints = &joints;
     body.is_new = true;
   }
@@ -103,7 +119,7 @@ void ContactResponse::setVelocity(int body, const Vector6d& v) {
 }
 
 void ContactResponse::rest(int first, const JointMatrix& joints) {
-  std::fill_n(m_state.begin() + std::ptrdiff_t(m_bodies[size_t(first)].joints_at),
+  std::fill_n(m_state.begin() + std::ptrdiff_t(m_components[m_bodies[size_t(first)].component].at),
               joints.vectorSize(), 0.);
 }
 
@@ -124,9 +140,9 @@ void ContactResponse::addBody(const ContactRow& row, int side, bool is_unknown) 
 
 void ContactResponse::addPath(const Body& of, int a, int b, const RowJacobian& J) {
   const size_t first = m_parts.size();
-  of.joints->findPath({a, b}, J, of.most, m_parts);
+  of.joints->findPath({a, b}, J, m_parts);
   for (PathBlock* part = m_parts.begin() + first; part != m_parts.end(); ++part)
-    part->at += of.joints_at;
+    part->at += m_components[of.component].at;
 }
 
 void ContactResponse::find(ContactRow& row) {

@@ -17,11 +17,15 @@ class ContactResponse {
   /// Of an island with so many bodies: no contact is known, and no joint.
   void begin(size_t bodies) {
     m_parts.clear();
+    m_components.clear();
     m_bodies.assign(bodies, {});
     m_state.assign(body_size * bodies, 0.);
   }
-  /// Joints of the bodies from `first` on: they are left out, until they have a factor. `most`: of JointMatrix::findPath.
-  void addJoints(int first, JointMatrix& joints, int most);
+  /// Joints of the bodies from `first` on: they are left out, until they have a factor.
+  void addJoints(int first, JointMatrix& joints);
+  /// Of the components that these rows are on: leaves out all joints of one where paths may have more than `longest` blocks, and those of
+  /// the rows would take more memory than its matrix. Returns whether none is left out.
+  bool leaveOutLongPaths(Span<const ContactRow> rows, int longest);
   /// They have one, another than before.
   void takeFactor(int first, JointMatrix& joints);
   /// What an impulse does to each body of the row without joints. Returns K of that.
@@ -45,7 +49,7 @@ class ContactResponse {
   /// One pass over rows, each with the velocity that all before it have left. Returns the largest change of one, m/s or rad/s. What is
   /// not known of a row (ContactRow::parts) is found when it is needed: a contact that does not press has no friction.
   double sweep(Span<ContactRow> rows);
-  size_t bytes() const { return bytesOf(m_bodies, m_state) + m_parts.bytes(); }
+  size_t bytes() const { return bytesOf(m_bodies, m_components, m_state) + m_parts.bytes(); }
 
  private:
   static constexpr size_t lanes = block_stride, body_size = 2 * lanes;
@@ -53,9 +57,14 @@ class ContactResponse {
     const InverseInertia* inertia = nullptr;  ///< null: no joint holds it
     JointMatrix* joints = nullptr;            ///< with a factor; null: they are left out
     int number = 0;                           ///< among the bodies of that
-    size_t joints_at = 0;                     ///< in the state
-    int most = 0;                             ///< of their blocks
+    size_t component = 0;                     ///< whose joints hold it
     bool is_new = false;                      ///< rows do not know the factor
+  };
+  struct Joints {
+    const JointMatrix* K;
+    size_t at;               ///< in the state
+    size_t path_blocks = 0;  ///< that all paths have at most
+    bool are_left_out = false;
   };
 
   void find(ContactRow& row);
@@ -63,6 +72,7 @@ class ContactResponse {
   void addPath(const Body& of, int a, int b, const RowJacobian& J);
 
   std::vector<Body> m_bodies;
+  std::vector<Joints> m_components;
   PathBlocks m_parts;  ///< of rows, each side by side
   std::vector<double>
       m_state;  ///< of each body three and a zero, twice, and the unknowns of joints

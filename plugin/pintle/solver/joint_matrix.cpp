@@ -98,7 +98,7 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
           coupled[size_t(k)].push_back(m_node[size_t(other)] + i);
     }
   }
-  const int longest_path = m_factor.analyse(std::move(coupled));
+  m_factor.analyse(std::move(coupled));
   m_rows.assign(2 * size_t(nodes), {});  // of a joint's last node, some rows may stay as they are
   const size_t vector_size = size_t(stride) * size_t(nodes);
   m_root_K.assign(vector_size, 1.);
@@ -120,8 +120,9 @@ void JointMatrix::setSizes(const std::vector<int>& rows) {
         m_acts[at] = 1;
       }
   m_path.assign(vector_size, 0.);
-  const bool any_stays = std::find(m_stays.begin(), m_stays.end(), true) != m_stays.end();
-  m_longest_path = any_stays ? 0 : longest_path;
+  m_longest_path = 0;
+  for (size_t b = 0; b < m_ends.size(); ++b)
+    m_longest_path = std::max(m_longest_path, pathLength(int(b)));
   m_is_in_matrix.assign(size_t(nodes), false);
   m_is_assembled = m_is_factorised = false;
   m_inertia_of.assign(m_stays.size(), Matrix3d::Zero());

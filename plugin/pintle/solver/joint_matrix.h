@@ -38,10 +38,10 @@ class JointMatrix : public RowBlocks {
   bool isUnknown(int body) const { return m_stays[size_t(body)]; }
   /// What joints do to impulses on bodies, and by these to other impulses: -R^T K^-1 R, R the rows' velocities of them without joints.
   /// K^-1 = L^-T D^-1 L^-1: so two impulses see each other by those blocks of L^-1 R that both have. `to`: those of an impulse of 1 along
-  /// `J`, on one or two of the bodies (-1: none), are added. `most`: blocks that lie higher are left out. Their joints do not hold in
-  /// what is found, so that all moves more easily than it does.
-  void findPath(const Joint& bodies, const RowJacobian& J, int most, PathBlocks& to);
-  /// Blocks: the longest path that may be cut. None where bodies are unknowns: joints that do not hold would leave these at rest.
+  /// `J`, on one or two of the bodies (-1: none), are added.
+  void findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to);
+  /// The most blocks that impulses on a body have, and those of all bodies.
+  int pathLength(int body) const;
   int longestPath() const { return m_longest_path; }
   /// Adds to v what holds the rows that act. `x`: memory for the unknowns.
   void hold(Vector6d* v, std::vector<double>& x) const {
@@ -51,6 +51,10 @@ class JointMatrix : public RowBlocks {
     addResponse(x.data(), v);
   }
   size_t bytes() const;
+  /// That its rows, its blocks and their factor have.
+  size_t numbers() const {
+    return m_rows.size() * sizeof(Rows) / sizeof(double) + m_matrix.size() + m_factor.numbers();
+  }
 
  private:
   /// A block of K, of a row and a column. `place`: in the factor.

@@ -33,7 +33,7 @@ PINTLE_TARGET_CLONES int JointMatrix::addVelocities(int body, const Vector6d& an
   return from;
 }
 
-void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, int most, PathBlocks& to) {
+void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, PathBlocks& to) {
   int from[2] = {m_factor.blocks(), m_factor.blocks()};
   for (int side = 0; side < 2; ++side) {
     const int body = bodies[size_t(side)];
@@ -41,7 +41,15 @@ void JointMatrix::findPath(const Joint& bodies, const RowJacobian& J, int most, 
     from[side] =
         addVelocities(body, m_bodies[size_t(body)].answer(J.L(side), J.A(side)), m_path.data());
   }
-  m_factor.followPaths(from[0], from[1], most, m_path.data(), to);
+  m_factor.followPaths(from[0], from[1], m_path.data(), to);
+}
+
+int JointMatrix::pathLength(int body) const {
+  if (m_stays[size_t(body)]) return m_factor.pathLength(nodeOfBody(body));
+  int from = m_factor.blocks();
+  for (const End& end : m_ends[size_t(body)])
+    if (nodesOf(end.joint) > 0) from = std::min(from, m_node[size_t(end.joint)]);
+  return m_factor.pathLength(from);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -35,7 +35,6 @@ void check(const SolverOptions& of) {
   requirePositive("contact_tolerance", of.contact_tolerance);
   requireCount("max_sweeps", of.max_sweeps);
   requireCount("longest_path", of.longest_path);
-  requireCount("cut_path", of.cut_path);
   requirePart("dependent_softness", of.dependent_softness);
   require(of.dependent_margin >= 1 && std::isfinite(of.dependent_margin), "dependent_margin",
           of.dependent_margin, "1 or more");

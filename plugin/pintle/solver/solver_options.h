@@ -51,12 +51,11 @@ struct SolverOptions {
   /// Passes over rows that are solved one by one without contacts. Among contacts there are as many as the world's number of
   /// iterations.
   int max_sweeps = 100;
-  /// Blocks of three rows: the longest path through the factor of the joints, from a body to the root, that contacts follow to its end.
-  /// Paths of rings, of most trees and of chains of a hundred joints are no longer. Those of larger nets are, and of chains of several
-  /// hundred: there it takes longer to follow them than to solve the joints after each pass.
+  /// Blocks of three rows: contacts follow paths of up to so many through the factor of the joints, from a body to the root. Those of
+  /// chains, rings and trees are shorter, for they grow with the logarithm of the joints. Longer ones, of nets of some hundred bodies, are
+  /// followed where all of them take no more memory than the matrix of the joints. Else, as under a net that lies on the ground, it is quicker
+  /// to solve the joints after each pass.
   int longest_path = 64;
-  /// Of a longer one they follow so many: the first ones, the same for all contacts.
-  int cut_path = 8;
   /// Softness of the joints of loops, relative to their own K, while they bear nothing: rows that repeat each other share their
   /// impulse, and those that contradict each other give way.
   double dependent_softness = 1e-8;

@@ -5,17 +5,14 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 #include <memory>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Of a path: none is left out.
-constexpr int all_blocks = std::numeric_limits<int>::max();
-
 /// What is read from a block of a vector, and what is added to it.
 struct PathBlock {
+  static constexpr std::size_t numbers = 2 * FourLanes::count + 1;
   std::size_t at;  ///< of the block, among the vector's numbers
   double reads[FourLanes::count], adds[FourLanes::count];
 };

@@ -88,7 +88,7 @@ PINTLE_TARGET_CLONES void solveAll(const FactorPattern& of, const double* diagon
 }  // namespace
 
 // The rows of a column are its own, and those of the columns of which it is the first one below.
-int SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
+void SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   const size_t n = coupled.size();
   m_row.clear();
   m_first.assign(1, 0);
@@ -135,15 +135,10 @@ int SymmetricFactor::analyse(std::vector<std::vector<int>> coupled) {
   m_parent.clear();
   for (size_t k = 0; k < n; ++k)
     m_parent.push_back(m_first[k] < m_first[k + 1] ? m_row[size_t(m_first[k])] : int(n));
-  m_height.assign(n + 1, 1);
-  for (size_t k = 0; k < n; ++k) {
-    int& after = m_height[size_t(m_parent[k])];
-    after = std::max(after, m_height[k] + 1);
-  }
-  m_height.pop_back();  // that of no column
+  m_path_length.assign(n + 1, 0);  // the last one is of no column
+  for (size_t k = n; k-- > 0;) m_path_length[k] = m_path_length[size_t(m_parent[k])] + 1;
   m_panel.resize(most);
   m_places.resize(most_rows);
-  return n > 0 ? *std::max_element(m_height.begin(), m_height.end()) : 0;
 }
 
 size_t SymmetricFactor::place(int i, int k) const {
@@ -183,28 +178,16 @@ void SymmetricFactor::solve(double* x) const {
   solveAll(pattern, diagonal, diagonal + area * size_t(blocks()), x);
 }
 
-void SymmetricFactor::followPaths(int from, int and_from, int most, double* x,
-                                  PathBlocks& to) const {
+void SymmetricFactor::followPaths(int from, int and_from, double* x, PathBlocks& to) const {
   for (int k = std::min(from, and_from); k < blocks(); k = std::min(from, and_from)) {
-    int next = m_parent[size_t(k)];
-    if (m_height[size_t(k)] > most) {  // the other path may have lower ones yet
-      clear(k, x);
-      next = blocks();
-    } else if (m_idle[size_t(k)]) {
+    const int next = m_parent[size_t(k)];
+    if (m_idle[size_t(k)])
       std::fill_n(x + block_stride * k, block_stride, 0.);
-    } else {
+    else
       follow(k, x, to.add());
-    }
     if (from == k) from = next;
     if (and_from == k) and_from = next;
   }
-}
-
-// All that a path may still lead to: column k has the rows of all those before it.
-void SymmetricFactor::clear(int k, double* x) const {
-  std::fill_n(x + block_stride * k, block_stride, 0.);
-  for (int p = m_first[size_t(k)]; p < m_first[size_t(k) + 1]; ++p)
-    std::fill_n(x + block_stride * m_row[size_t(p)], block_stride, 0.);
 }
 
 PINTLE_TARGET_CLONES void SymmetricFactor::follow(int k, double* x, PathBlock& to) const {

@@ -14,9 +14,8 @@ inline namespace PINTLE_PRECISION {
 
 class SymmetricFactor {
  public:
-  /// Symbolic. `coupled[k]`: the blocks after k, in the order of elimination, that A couples to it. Returns the length of the longest
-  /// path to the root, in blocks. Allocates.
-  int analyse(std::vector<std::vector<int>> coupled);
+  /// Symbolic. `coupled[k]`: the blocks after k, in the order of elimination, that A couples to it. Allocates.
+  void analyse(std::vector<std::vector<int>> coupled);
 
   int blocks() const { return int(m_first.size()) - 1; }
   /// Where the block of row `i` and column `k` <= i is, which A or its factor must have.
@@ -39,23 +38,23 @@ class SymmetricFactor {
   void solve(double* x) const;
   /// Of y = L^-1 x, where x has numbers only at two blocks, and at some of those to which their paths lead: from each block on to the
   /// first one that its column is coupled to, up to the root (Liu 1990). Each block on both reads -D^-1 y, and adds y. x becomes 0.
-  /// Only blocks of a height up to `most` are followed.
-  void followPaths(int from, int and_from, int most, double* x, PathBlocks& to) const;
+  void followPaths(int from, int and_from, double* x, PathBlocks& to) const;
+  /// The blocks of the path from a block on, itself included.
+  int pathLength(int from) const { return m_path_length[size_t(from)]; }
 
   size_t bytes() const {
-    return bytesOf(m_row, m_first, m_parent, m_height, m_last, m_idle, m_numbers, m_panel,
+    return bytesOf(m_row, m_first, m_parent, m_path_length, m_last, m_idle, m_numbers, m_panel,
                    m_places);
   }
 
  private:
   void follow(int k, double* x, PathBlock& to) const;
-  void clear(int k, double* x) const;
 
   std::vector<int> m_row;    ///< of the blocks below the diagonal, column by column
   std::vector<int> m_first;  ///< of each column in m_row
   std::vector<int>
       m_parent;  ///< of each column: the first one that it is coupled to; none: blocks()
-  std::vector<int> m_height;  ///< of each column: the longest path that ends there, in blocks
+  std::vector<int> m_path_length;
   std::vector<int> m_last;  ///< of each column: the last one of those with the same rows below them
   std::vector<char> m_idle;
   /// Of the diagonal, then of those below: A, and then D, each block by its own factor, and L.
