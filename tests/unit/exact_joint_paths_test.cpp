@@ -3,10 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
-#include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <vector>
 
 #include "joint_graphs.h"
 #include "joint_matrix_problem.h"

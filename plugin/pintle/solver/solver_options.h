@@ -52,7 +52,7 @@ struct SolverOptions {
   /// iterations.
   int max_sweeps = 100;
   /// Blocks of three rows: contacts follow paths of up to so many through the factor of the joints, from a body to the root. Those of
-  /// chains, rings and trees are shorter, for they grow with the logarithm of the joints. Longer ones, of nets of some hundred bodies, are
+  /// chains, rings and trees are hardly ever longer: they grow with the logarithm of the joints. Longer ones, of nets of some hundred bodies, are
   /// followed where all of them take no more memory than the matrix of the joints. Else, as under a net that lies on the ground, it is quicker
   /// to solve the joints after each pass.
   int longest_path = 64;
