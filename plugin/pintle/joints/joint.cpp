@@ -146,8 +146,10 @@ struct Joint::Step {
   bool closes(const Row& row) const { return !(row.max_speed < infinity); }
 
   // The velocity that takes away the part erp of C (2.3).
+  Scalar closing(const Row& row) const { return -rate[row.group] * row.position; }
+  // The same within the largest speed of the row.
   Scalar correction(const Row& row) const {
-    const Scalar away = -rate[row.group] * row.position;
+    const Scalar away = closing(row);
     const Scalar speed = btFabs(away) > min_speed ? away : Scalar(0);
     return btMax(-row.max_speed, btMin(speed, row.max_speed));
   }
@@ -235,7 +237,7 @@ inline void Joint::correct(const Step& step) {
   Scalar gap2 = 0, other2 = 0;
   for (int i = 0; i < m_rows.equalities(); ++i) {
     Row& row = m_rows[i];
-    row.target = step.correction(row);
+    row.target = m_solved_at_once ? step.closing(row) : step.correction(row);
     (step.closes(row) ? gap2 : other2) += row.position * row.position;
   }
   if (!m_solved_at_once) limitClosing(step, gap2, other2);
@@ -354,7 +356,9 @@ AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyP
   const Axis& axis = *state.axis;
   AxisMotion motion;
   motion.position = row.position;
-  motion.max_speed = btMin(row.angular ? m_max_correction_speed : infinity, row.max_speed);
+  motion.max_speed = m_solved_at_once
+                         ? infinity
+                         : btMin(row.angular ? m_max_correction_speed : infinity, row.max_speed);
   motion.incoming = state.last_incoming;
   motion.limit = row.limit;
   motion.fps = fps;
@@ -425,8 +429,8 @@ inline void Joint::forgetImpulses() {
 PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   m_last_time_step = m_time_step;
   m_time_step = 1 / info->fps;
-  m_curved_time = curvedTime();
-  if (m_solved_at_once) m_curved_time = lastingTime();
+  // A solver of all joints at once finds the end of the step by itself: it takes J v at the start, not what a motion adds to it.
+  m_curved_time = m_solved_at_once ? Scalar(0) : curvedTime();
   const int n = m_rows.size();
   if (n == 0) return;
   m_solver_rows = solverRows(*info);

@@ -80,15 +80,20 @@ bool isOfPintle(const Joint& joint) {
                  UniversalJoint, WedgeJoint>(typeid(joint));
 }
 
-bool hasOtherRows(Joint& joint, const btContactSolverInfo& info) {
+ClientRows findClientRows(Joint& joint, const btContactSolverInfo& info) {
   const JointAccess::PlainRows plain(joint);
+  const JointAccess::KeptAxes kept(joint);
   Answer its, base;
   ask(joint, info, its);
+  kept.restore();  // the base starts from the same memory
   Base as_base(joint);
   ask(as_base, info, base);
-  return its.count != base.count || its.damping != base.damping ||
-         !std::equal(its.rows, its.rows + std::min(std::max(its.count, 0), most_stock_rows),
-                     base.rows, [](const auto& a, const auto& b) { return isSame(a, b); });
+  const int count = std::min(std::max(base.count, 0), most_stock_rows);
+  const bool same = its.count >= base.count && its.count <= most_stock_rows &&
+                    its.damping == base.damping &&
+                    std::equal(base.rows, base.rows + count, its.rows,
+                               [](const auto& a, const auto& b) { return isSame(a, b); });
+  return {count, its.count > base.count, !same};
 }
 
 }  // namespace PINTLE_PRECISION

@@ -14,8 +14,15 @@ constexpr int most_stock_rows = 24;
 /// Whether the joint is of a type of Pintle's own, which asks for nothing but its rows.
 bool isOfPintle(const Joint& joint);
 
-/// Whether this one's rows in this step are others than those of its base. It is asked for them once, as by Bullet.
-bool hasOtherRows(Joint& joint, const btContactSolverInfo& info);
+/// Rows of a joint in this step, as its virtual methods give them.
+struct ClientRows {
+  int of_base;        ///< so many come first that are those of its base, unchanged
+  bool adds_rows;     ///< others come after them
+  bool changes_base;  ///< of the base's rows some are others, or missing
+};
+
+/// Asks the joint once, as Bullet does. Leaves what it remembers of its axes as it was.
+ClientRows findClientRows(Joint& joint, const btContactSolverInfo& info);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -237,7 +237,7 @@ struct IslandJoint {
   std::array<int, 2> body;  ///< one that nothing moves: below 0 (Island::unmoved)
   int first_row, rows;
   int row_of_component;  ///< where its rows begin among those of its component
-  int equalities;        ///< of its own rows
+  int equalities;        ///< that come first; of a joint of ours those of addRows
 
   // What its rows are: so passes go by those of joints that do not concern them.
   int bounded;         ///< so many are no equalities

@@ -298,13 +298,32 @@ void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const Axis
                         axis.drive != Axis::Drive::servo && axis.drive != Axis::Drive::pose;
 }
 
-void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {
-  btTypedConstraint& joint = *to.constraint;
+/// Rows of a joint as Bullet has them. m_rhs is their target, without what closes them.
+struct IslandBuilder::StockRows {
+  int count = 0;
+  btSolverConstraint rows[most_stock_rows];
+  Scalar closing[most_stock_rows];  ///< m/s or rad/s: a velocity that is to move poses alone
+
+  /// `max_speed`: rad/s, of rows that are angular.
+  void limitClosing(Scalar max_speed) {
+    for (int i = 0; i < count; ++i) {
+      if (!rows[i].m_contactNormal2.isZero()) continue;
+      const Scalar most = max_speed * rows[i].m_relpos2CrossNormal.length();
+      btClamp(closing[i], -most, most);
+    }
+  }
+};
+
+void IslandBuilder::askStock(btTypedConstraint& joint, const btSolverBody& a, const btSolverBody& b,
+                             StockRows& to) const {
   btTypedConstraint::btConstraintInfo1 size;
   joint.getInfo1(&size);
   const int count = size.m_numConstraintRows;  // all of which it writes
   if (count <= 0 || count > most_stock_rows) return;
-  btSolverConstraint rows[most_stock_rows], at_twice_the_rate[most_stock_rows];
+  to.count = count;
+  btSolverConstraint* const rows = to.rows;
+  Scalar* const closing = to.closing;
+  btSolverConstraint at_twice_the_rate[most_stock_rows];
   const Scalar fps = 1 / m_info.m_timeStep;
   const auto ask = [&](Scalar rate, btSolverConstraint* answer) {
     return askRows(
@@ -315,7 +334,6 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
   const Scalar damping = ask(fps, rows);
   // What grows with the rate of the steps closes what is open, with the ERP that the joint has for it. Not of a motor: where it
   // cannot do all, it does what it can. And of a stop that is not reached yet it is the way that is left to it.
-  Scalar closing[most_stock_rows];
   for (int i = 0; i < count; ++i) {
     const bool can_push = rows[i].m_upperLimit >= infinity,
                can_pull = rows[i].m_lowerLimit <= -infinity;
@@ -331,8 +349,13 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     rows[i].m_rhs -= closing[i];
   }
   completeTargets(rows, count, joint, damping, a, b);
-  for (int i = 0; i < count; ++i) {
-    const btSolverConstraint& from = rows[i];
+}
+
+void IslandBuilder::addStock(IslandJoint& to, const StockRows& rows, int first) {
+  const int before = to.rows;
+  const auto fps = double(1 / m_info.m_timeStep);
+  for (int i = first; i < rows.count; ++i) {
+    const btSolverConstraint& from = rows.rows[i];
     IslandRow& row = newRow();
     row.has_position = false;
     row.index = i;
@@ -342,12 +365,12 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
     if (row.J.L_b.isZero(0)) row.shape.kind = RowShape::angle;
     const double lower = bounded(from.m_lowerLimit), upper = bounded(from.m_upperLimit);
     // Bounded both ways, or with a velocity of its own: a motor. What is bounded on one side is a stop.
-    LawPart part{-double(from.m_rhs), double(from.m_cfm) * double(fps), -upper, -lower};
+    LawPart part{-double(from.m_rhs), double(from.m_cfm) * fps, -upper, -lower};
     if (part.isLowerStop() || part.isUpperStop()) part.role = Axis::limit;
     part.drives = !part.isLowerStop() && !part.isUpperStop() &&
                   (from.m_rhs != 0 || (lower > -AxisLaw::unbounded && upper < AxisLaw::unbounded));
     row.law.add(part);
-    row.open = double(closing[i]) * m_island.dt;
+    row.open = double(rows.closing[i]) * m_island.dt;
     // Bullet has a row for a stop while it is passed alone: one that closed all of it would fall in the next step.
     if (part.role == Axis::limit)
       row.open = std::copysign(std::max(std::abs(row.open) - m_options.loose_pose_tolerance, 0.),
@@ -356,17 +379,41 @@ void IslandBuilder::addStock(IslandJoint& to, const btSolverBody& a, const btSol
       m_island.giveExtras(row).spring = {double(m_info.m_erp), row.open, 0};
   }
   // A point is found before rows that factors lock are left out. Rows of angles may come before it.
-  IslandRow* const all = &m_island.rows[size_t(to.first_row)];
-  for (int i = 0; i + 3 <= count; ++i)
-    if (findPoint(all + i)) break;
-  for (IslandRow* row = all; row < all + count; ++row) {
+  IslandRow* const all = m_island.rows.data() + to.first_row;
+  IslandRow *const begin = all + before, *const end = m_island.rows.data() + m_island.rows.size();
+  for (IslandRow* row = begin; row + 3 <= end; ++row)
+    if (findPoint(row)) break;
+  for (IslandRow* row = begin; row < end; ++row) {
     row->K = m_island.inverseMass(to, row->J, row->J);
     if (!keepRow(to, *row)) continue;
     all[to.rows - 1] = *row;
-    // Those that come first stay where stops come and go.
-    if (row->law.isEquality() && to.equalities == to.rows - 1) ++to.equalities;
+    // Those that come first stay where stops come and go. (Of a joint of ours they are those of its base.)
+    if (to.ours == nullptr && row->law.isEquality() && to.equalities == to.rows - 1)
+      ++to.equalities;
   }
   m_island.rows.resize(size_t(to.first_row + to.rows));
+}
+
+// Rows that a client's type adds come after those of its base. Where it changes these, all are as Bullet has them.
+void IslandBuilder::addClients(IslandJoint& to, const btSolverBody& a, const btSolverBody& b) {
+  Joint& joint = *to.ours;
+  const ClientRows its = findClientRows(joint, m_info);
+  if (!its.changes_base && !its.adds_rows) return addOurs(to);
+  StockRows rows;
+  if (its.changes_base) {
+    const JointAccess::PlainRows plain(joint);
+    askStock(joint, a, b, rows);
+    rows.limitClosing(joint.getMaxCorrectionSpeed());
+    to.ours = nullptr;
+    return addStock(to, rows, 0);
+  }
+  {
+    const JointAccess::PlainRows plain(joint);
+    const JointAccess::KeptAxes kept(joint);
+    askStock(joint, a, b, rows);
+  }
+  addOurs(to);  // and then its memory holds the rows of its base
+  addStock(to, rows, its.of_base);
 }
 
 void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
@@ -379,12 +426,11 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
   to.ours = JointAccess::ours(joint);
   const btSolverBody &a = bodies[solver_body_a], &b = bodies[solver_body_b];
   if (to.ours == nullptr) {
-    addStock(to, a, b);
-  } else if (JointAccess::mayHaveOtherRows(*to.ours, isOfPintle) &&
-             hasOtherRows(*to.ours, m_info)) {
-    const JointAccess::PlainRows plain(*to.ours);
-    to.ours = nullptr;
-    addStock(to, a, b);
+    StockRows rows;
+    askStock(joint, a, b, rows);
+    addStock(to, rows, 0);
+  } else if (JointAccess::mayHaveOtherRows(*to.ours, isOfPintle)) {
+    addClients(to, a, b);
   } else {
     addOurs(to);
   }

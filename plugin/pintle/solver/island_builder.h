@@ -48,7 +48,14 @@ class IslandBuilder {
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
   void addLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion, AxisState& state,
                 IslandRow& row) const;
-  void addStock(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
+  struct StockRows;
+  /// Asks a joint for its rows by its virtual methods, as Bullet does.
+  void askStock(btTypedConstraint& joint, const btSolverBody& a, const btSolverBody& b,
+                StockRows& to) const;
+  /// Those from `first` on.
+  void addStock(IslandJoint& to, const StockRows& rows, int first);
+  /// A joint of a type that is derived from one of ours.
+  void addClients(IslandJoint& to, const btSolverBody& a, const btSolverBody& b);
   /// A row of the joint, which is to be filled, and then kept or not.
   IslandRow& newRow() { return m_island.rows.emplace_back(); }
   /// Whether it is a row: then it counts.

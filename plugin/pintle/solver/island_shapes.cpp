@@ -24,7 +24,7 @@ bool IslandBuilder::isClosed(const IslandRow& row) const {
 void IslandBuilder::findAngles(const IslandJoint& joint) {
   IslandRow* const rows = m_island.rows.data() + joint.first_row;
   const auto holdsAxis = [&](const IslandRow& row) {
-    return !row.isOfAxis() && row.start->angular && row.law.isEquality() &&
+    return row.start != nullptr && !row.isOfAxis() && row.start->angular && row.law.isEquality() &&
            !(row.law.part(0).softness > 0) && isClosed(row);
   };
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
@@ -41,7 +41,10 @@ void IslandBuilder::findTurns(const IslandJoint& joint) {
   IslandRow* turns[3];
   int count = 0;
   for (IslandRow* row = rows; row < rows + joint.rows; ++row) {
-    if (row->shape.kind != RowShape::angle || !row->law.isEquality() || row->isOfAxis()) continue;
+    // Rows that a client adds to those of a joint of ours are no part of its turn.
+    const bool is_added = joint.ours != nullptr && row->start == nullptr;
+    if (row->shape.kind != RowShape::angle || !row->law.isEquality() || row->isOfAxis() || is_added)
+      continue;
     if (count == 3 || !isClosed(*row)) return;
     turns[count++] = row;
   }

@@ -8,6 +8,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <typeinfo>
@@ -42,7 +43,8 @@ struct JointAccess {
   }
   /// Of its memory.
   static const Row& firstRow(const Joint& joint) { return joint.m_rows[0]; }
-  /// While it lives, Bullet's rows of the joint are those of addRows: none is made orthogonal to others.
+  /// While it lives, Bullet's rows of the joint are those of addRows: none is made orthogonal to others, none predicts by how much its
+  /// motion is curved, and what closes it grows with the rate of the steps, without a largest speed.
   class PlainRows {
    public:
     explicit PlainRows(Joint& joint) : m_joint(joint), m_before(joint.m_solved_at_once) {
@@ -55,6 +57,26 @@ struct JointAccess {
    private:
     Joint& m_joint;
     const bool m_before;
+  };
+  /// What the joint remembers of its axes, which getInfo2 changes: restored at the end of its life, and before that when asked.
+  class KeptAxes {
+   public:
+    explicit KeptAxes(Joint& joint)
+        : m_rows(joint.m_rows), m_count(std::min(m_rows.axisCount(), max_joint_rows)) {
+      for (int i = 0; i < m_count; ++i) m_axes[size_t(i)] = m_rows.axis(i);
+    }
+    ~KeptAxes() { restore(); }
+    KeptAxes(const KeptAxes&) = delete;
+    KeptAxes& operator=(const KeptAxes&) = delete;
+    void restore() const {
+      const int count = std::min(m_count, m_rows.axisCount());  // setters may take other memory
+      for (int i = 0; i < count; ++i) m_rows.axis(i) = m_axes[size_t(i)];
+    }
+
+   private:
+    RowList& m_rows;
+    const int m_count;
+    std::array<AxisState, max_joint_rows> m_axes;
   };
   /// Whether a client's type may answer otherwise than its base. It is looked up once.
   static bool mayHaveOtherRows(Joint& joint, bool (*is_of_pintle)(const Joint&)) {

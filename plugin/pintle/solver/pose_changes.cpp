@@ -49,7 +49,6 @@ double bendOfRows(const Island& island, const Component& component, const std::v
   double most = 0;
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (joint.ours != nullptr) continue;
     double turn[2];  // rad: as far as the body has come, which may be several times round
     for (int side = 0; side < 2; ++side) {
       const auto i = size_t(joint.body[size_t(side)] - component.first_body);
@@ -58,7 +57,8 @@ double bendOfRows(const Island& island, const Component& component, const std::v
     }
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
-      if (row.has_position || !which[size_t(joint.row_of_component + i)]) continue;
+      if (row.has_position || row.start != nullptr || !which[size_t(joint.row_of_component + i)])
+        continue;
       // An angle changes by how both turn; a point or a length by where both levers end.
       const double a = row.J.A_a.norm(), b = row.J.A_b.norm();
       const double bend = row.J.L_b.isZero(0)
