@@ -253,9 +253,11 @@ void ComponentMemory::keep(const Island& island, const Component& component) {
   }
 }
 
-void ComponentMemory::forget() {
-  forecast.clear();
-  m_rows.clear();
+void ComponentMemory::reset() {
+  constraints.clear();  // those of no component
+  ledger = {};
+  residual = work_done = 0;
+  converged = false;
 }
 
 }  // namespace PINTLE_PRECISION

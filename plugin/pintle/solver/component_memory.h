@@ -31,6 +31,7 @@ struct ComponentMemory {
   double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
   double residual = 0;     ///< m and rad: how far they miss their goals there
   bool converged = false;  ///< its contacts and bounded rows have settled
+  bool overflows = false;  ///< its velocities are not finite in this step
   Workspace work;
   VelocityForecast forecast;
   EnergyLedger ledger;
@@ -47,8 +48,8 @@ struct ComponentMemory {
   void followVelocities(const Island& island, const Component& component, double least_pivot);
   /// The step as it has ended.
   void keep(const Island& island, const Component& component);
-  /// The next step begins anew.
-  void forget();
+  /// The next step begins anew, with memory of its own.
+  void reset();
 
   size_t bytes() const {
     return sizeof(*this) + K.bytes() + work.bytes() +

@@ -4,6 +4,7 @@
 #include <pintle/solver/chord.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/overflow.h>
 #include <pintle/solver/row_velocities.h>
 #include <pintle/solver/softness.h>
 
@@ -77,7 +78,7 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
   do {
     solveInTurns(bodies, others);
   } while (breakOverloaded());
-  finishComponents();
+  finishComponents(bodies);
   writeVelocities(bodies);
   for (const ContactRow& row : m_contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
   memory.add(m_report);
@@ -85,8 +86,11 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
 
 void IslandSolver::writeVelocities(SolverBodies& bodies) const {
   for (size_t i = 0; i < m_island.bodies.size(); ++i) {
-    btSolverBody& to = bodies[m_island.bodies[i].solver_body];
-    const Vector6d &v = m_velocities[i], change = v - freeVelocity(to);
+    const IslandBody& of = m_island.bodies[i];
+    btSolverBody& to = bodies[of.solver_body];
+    // Passes over other rows come before those that overflow are left out.
+    const bool is_of_bullet = !overflows(of, to, m_velocities[i], PoseChange::Zero(), m_island.dt);
+    const Vector6d &v = is_of_bullet ? m_velocities[i] : of.v_free, change = v - freeVelocity(to);
     to.m_deltaLinearVelocity = toBullet(rounded(change.head<3>(), v.head<3>().norm()));
     to.m_deltaAngularVelocity = toBullet(rounded(change.tail<3>(), v.tail<3>().norm()));
   }
@@ -260,14 +264,9 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
 void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
   kept.arrives = true;
-  double sum = 0;
-  for (const Vector6d& v : work.v) sum += v.sum();
-  if (!std::isfinite(sum)) {  // overflow: nothing acts in this step
-    kept.forget();
-    kept.begin(m_island, component);
-    kept.converged = false;
-    return;
-  }
+  kept.overflows =
+      !std::all_of(work.v.begin(), work.v.end(), [](const Vector6d& v) { return v.allFinite(); });
+  if (kept.overflows) return;  // leaveOverflows
   kept.keepImpulses(m_island, component, m_groups.has(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   // What is left and what is open already are a tolerance together.
@@ -358,16 +357,54 @@ void IslandSolver::holdJoints(std::vector<Vector6d>& velocities) {
   }
 }
 
-void IslandSolver::finishComponents() {
+void IslandSolver::finishComponents(const SolverBodies& bodies) {
   m_are_pushed = pushApart(
       m_island, m_contacts, m_velocities, m_sweeps, m_turn_share, m_pass_memory.response,
       [this](std::vector<Vector6d>& v) { holdJoints(v); }, m_poses_memory);
   for (const Component& component : m_components) {
     finish(component, memoryOf(component));
-    report(component, memoryOf(component));
     gatherVelocities(component);
   }
   followPoses();
+  leaveOverflows(bodies);
+  for (const Component& component : m_components) report(component, memoryOf(component));
+}
+
+void IslandSolver::leaveOverflows(const SolverBodies& bodies) {
+  for (const Component& component : m_components) {
+    const Component* const alone = &component;
+    if (!m_groups.has(component)) leaveOverflow({{&alone, 1}, bodiesOf(component), {}}, bodies);
+  }
+  for (size_t group = 0; group < m_groups.count(); ++group) leaveOverflow(m_groups[group], bodies);
+}
+
+// Where impulses lead to numbers that Bullet cannot hold, none acts in this step, and nothing of it is kept for the next one.
+void IslandSolver::leaveOverflow(const ContactGroup& group, const SolverBodies& bodies) {
+  const auto ofComponent = [&](const Component* of) {
+    const ComponentMemory& kept = memoryOf(*of);
+    return kept.overflows || overflows(kept.work.lambda, m_island.dt);
+  };
+  const auto ofBody = [&](int i) {
+    const IslandBody& of = m_island.bodies[size_t(i)];
+    return overflows(of, bodies[of.solver_body], m_velocities[size_t(i)], m_pose_changes[size_t(i)],
+                     m_island.dt);
+  };
+  const auto ofRow = [](const ContactRow& row) { return !isRepresentable(row.impulse); };
+  if (std::none_of(group.components.begin(), group.components.end(), ofComponent) &&
+      std::none_of(group.bodies.begin(), group.bodies.end(), ofBody) &&
+      std::none_of(group.rows.begin(), group.rows.end(), ofRow))
+    return;
+  for (const int i : group.bodies) {
+    m_velocities[size_t(i)] = m_island.bodies[size_t(i)].v_free;
+    m_island.bodies[size_t(i)].push.setZero();
+    m_pose_changes[size_t(i)].setZero();
+  }
+  for (ContactRow& row : group.rows) row.impulse = 0;
+  for (const Component* of : group.components) {
+    reportNothing(m_island, *of);
+    memoryOf(*of).reset();
+    ++m_report.overflowed;
+  }
 }
 
 Span<const int> IslandSolver::bodiesOf(const Component& component) {

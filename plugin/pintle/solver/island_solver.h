@@ -44,7 +44,9 @@ class IslandSolver {
   void solveInTurns(SolverBodies& bodies, const PassOverOthers& others);
   void solveJoints();
   bool breakOverloaded();
-  void finishComponents();
+  void finishComponents(const SolverBodies& bodies);
+  void leaveOverflows(const SolverBodies& bodies);
+  void leaveOverflow(const ContactGroup& group, const SolverBodies& bodies);
   void holdJoints(std::vector<Vector6d>& velocities);
   void followPoses();
   Span<const int> bodiesOf(const Component& component);

@@ -13,5 +13,8 @@ bool breakOverloaded(Island& island, const Component& component, const Workspace
 /// Impulses as Bullet and Pintle's joints hand them out.
 void report(const Island& island, const Component& component, const Workspace& end);
 
+/// Tells them that nothing has acted.
+void reportNothing(const Island& island, const Component& component);
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -21,6 +21,9 @@ struct StepReport {
   int one_by_one = 0;   ///< and of tier 3
   int not_converged =
       0;  ///< components of which joints, contacts or bounds were not met to their tolerances
+  /// Components that are left to forces alone, for all that contacts join: impulses lead to numbers that Bullet's precision does not
+  /// hold. They are not converged, either.
+  int overflowed = 0;
   double residual =
       0;  ///< m or rad: the most by which a joint missed what it was to reach in this step
   double open = 0;  ///< m or rad: the most that a joint of Pintle's was open before the step
@@ -40,6 +43,7 @@ struct StepReport {
     second_tier += of.second_tier;
     one_by_one += of.one_by_one;
     not_converged += of.not_converged;
+    overflowed += of.overflowed;
     residual = std::max(residual, of.residual);
     open = std::max(open, of.open);
     work += of.work;

@@ -18,11 +18,6 @@ class VelocityForecast {
  public:
   /// Of so many bodies.
   size_t size() const { return m_difference[0].size(); }
-  void clear() {
-    for (auto& of : m_difference) of.clear();
-    m_known = 1;
-    m_last = 0;
-  }
   void reserve(size_t bodies) {
     for (auto& of : m_difference) of.reserve(bodies);
     m_best.reserve(bodies);
