@@ -158,20 +158,18 @@ TEST_F(Chain, NoPassGivesEnergy) {
     m_velocities.clear();
     for (const pintle::IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
     const double start = kinetic();
-    for (const auto sweep : {pintle::Sweep::one_by_one, pintle::Sweep::bounds_one_by_one}) {
-      double last = 0;
-      for (const int passes : {1, 2, 3, 5, 10, 30}) {
-        solve(sweep, passes);
-        double dual = kinetic() - start;
-        for (size_t r = 0; r < m_island.rows.size(); ++r)
-          dual -= m_work.lambda[r] * m_island.rows[r].law.part(0).target;
-        EXPECT_LE(kinetic(), start) << passes;
-        EXPECT_LE(dual, last + 1e-9 * start) << passes;
-        last = dual;
-      }
+    double last = 0;
+    for (const int passes : {1, 2, 3, 5, 10, 30}) {
+      solve(pintle::Sweep::one_by_one, passes);
+      double dual = kinetic() - start;
+      for (size_t r = 0; r < m_island.rows.size(); ++r)
+        dual -= m_work.lambda[r] * m_island.rows[r].law.part(0).target;
+      EXPECT_LE(kinetic(), start) << passes;
+      EXPECT_LE(dual, last + 1e-9 * start) << passes;
+      last = dual;
     }
     for (const int passes : {1, 2, 3, 5, 10, 30}) {
-      solve(pintle::Sweep::all_at_once, passes);
+      solve(pintle::Sweep::passes, passes);
       EXPECT_LE(kinetic(), (1 + 1e-9) * start) << passes;
       among_contacts += !m_memory.bounds.empty();
     }
@@ -183,7 +181,7 @@ TEST_F(Chain, WithoutContactsEveryRowIsOnItsLaw) {
   int found = 0, acts = 0;
   for (int trial = 0; trial < support::trials(300); ++trial) {
     make(0);
-    const pintle::SolveReport done = solve(pintle::Sweep::all_at_once, 1);
+    const pintle::SolveReport done = solve(pintle::Sweep::direct, 1);
     if (!done.is_solvable) continue;  // no set of limits was found
     EXPECT_TRUE(done.converged);
     ++found;
@@ -212,7 +210,7 @@ TEST_F(Chain, LimitsOnlyPush) {
     for (int trial = 0; trial < support::trials(200); ++trial) {
       make(8, false, with_two_stops);
       for (const int passes : {1, 2, 5}) {
-        solve(pintle::Sweep::all_at_once, passes);
+        solve(pintle::Sweep::passes, passes);
         for (size_t r = 3; r < m_island.rows.size(); r += rows_of_joint) {
           const AxisLaw& law = m_island.rows[r].law;
           const double lambda = m_work.lambda[r];
@@ -239,11 +237,7 @@ TEST_F(Chain, AllWaysLeadToTheSameVelocities) {
     make(3);
     solve(pintle::Sweep::one_by_one, 20000);
     const std::vector<Vector6d> slowly = m_velocities;
-    solve(pintle::Sweep::bounds_one_by_one, 5000);
-    for (size_t i = 0; i < slowly.size(); ++i)
-      EXPECT_LT((m_velocities[i] - slowly[i]).norm(), 1e-5) << i;
-    // Limits that contacts change go on as contacts do: so there is no set that is not found.
-    EXPECT_TRUE(solve(pintle::Sweep::all_at_once, 1000).is_solvable);
+    EXPECT_TRUE(solve(pintle::Sweep::passes, 1000).is_solvable);
     for (size_t i = 0; i < slowly.size(); ++i)
       EXPECT_LT((m_velocities[i] - slowly[i]).norm(), 1e-5) << i;
   }
@@ -255,7 +249,7 @@ TEST_F(Chain, EachPartOfALawKeepsItsOwnImpulse) {
   for (int trial = 0; trial < support::trials(60); ++trial) {
     make(4, true);
     for (const int passes : {1, 3, 2000}) {
-      solve(pintle::Sweep::all_at_once, passes);
+      solve(pintle::Sweep::passes, passes);
       if (m_memory.bounds.empty()) continue;
       ++among_contacts;
       size_t next = 0;
@@ -282,22 +276,18 @@ TEST_F(Chain, EachPartOfALawKeepsItsOwnImpulse) {
   EXPECT_GT(among_contacts, support::trials(60));
 }
 
-// What contacts begin with may be far too much. The part of it that leaves least energy gives none, and no pass from there does.
-TEST_F(Chain, NoStartGivesEnergy) {
-  int given = 0;
+// A warm start of far too much impulse adds no energy: the fraction of it that is best is no worse than none, and no pass raises it.
+TEST_F(Chain, NoWarmStartAddsEnergy) {
   for (int trial = 0; trial < support::trials(100); ++trial) {
     make(8);
     m_velocities.clear();
     for (const pintle::IslandBody& body : m_island.bodies) m_velocities.push_back(body.v_free);
     const double start = kinetic();
     for (const int passes : {1, 2, 10}) {
-      solve(pintle::Sweep::all_at_once, passes, 100);
-      given += kinetic() > start;
-      EXPECT_TRUE(solve(pintle::Sweep::all_at_once_from_less, passes, 100).is_solvable);
+      EXPECT_TRUE(solve(pintle::Sweep::passes, passes, 100).is_solvable);
       EXPECT_LE(kinetic(), (1 + 1e-9) * start) << passes;
     }
   }
-  EXPECT_GT(given, support::trials(30)) << "from all of it";
 }
 
 // Contacts that see only their own bodies find in many passes what joints bear with these.
@@ -307,9 +297,9 @@ TEST_F(Chain, ContactsThatSeeTheirJointsAreFoundInFewPasses) {
     make(8);
     solve(pintle::Sweep::one_by_one, 20000);
     const double least = kinetic();
-    EXPECT_TRUE(solve(pintle::Sweep::all_at_once, 5).is_solvable);
+    EXPECT_TRUE(solve(pintle::Sweep::passes, 5).is_solvable);
     seeing += kinetic() - least;
-    solve(pintle::Sweep::bounds_one_by_one, 5);
+    solve(pintle::Sweep::one_by_one, 5);
     blind += kinetic() - least;
   }
   EXPECT_GT(blind, 0);

@@ -27,6 +27,8 @@ struct LawPart {
   bool isRigidStop() const {
     return (isLowerStop() || isUpperStop()) && !drives && !(softness > 0);
   }
+  /// A drive at a velocity. It yields to walls, whatever its bound: so it is no equality.
+  bool isMotor() const { return drives && role == Axis::motor && !(softness > 0); }
   /// Friction, or a motor that holds still: it takes alone.
   bool brakes() const {
     return drives && role != Axis::parts && target == 0 && lower < upper && !(spring_share > 0);
@@ -84,7 +86,7 @@ class AxisLaw {
 
   void add(const LawPart& part) {
     btAssert(m_parts < (m_room != nullptr ? max_parts : 1));
-    m_is_equality = m_parts == 0 && isUnbounded(part);
+    m_is_equality = m_parts == 0 && isUnbounded(part) && !part.isMotor();
     m_has_drives = m_has_drives || part.drives;
     own(m_parts++) = part;
   }

@@ -57,13 +57,6 @@ class AsOne {
   Vector3d m_center = Vector3d::Zero(), m_velocity = m_center, m_spin = m_center;
 };
 
-bool isAnchored(const Island& island, const Component& component) {
-  for (int c = component.first_joint; c < component.first_joint + component.joints; ++c)
-    for (const int body : island.joints[size_t(c)].body)
-      if (body < 0) return true;
-  return false;
-}
-
 // Whether nothing holds one of its bodies but its joints.
 bool isFree(const Island& island, const Component& component) {
   for (int i = component.first_body; i < component.first_body + component.bodies; ++i)
@@ -210,7 +203,7 @@ bool isOfArcs(double energy, const Island& island, const Component& component,
   const double gaps = workOfGaps(kept.work, options.newton_tolerance, island.dt);
   return std::abs(energy) > gaps &&
          std::abs(energy) <= energyOfArcs(island, component, kept.work) &&
-         (isAnchored(island, component) || isFree(island, component)) &&
+         (component.is_anchored || isFree(island, component)) &&
          mayWhirl(island, component, gaps, kept.work) &&
          std::abs(energy) <= whirls(island, component, options, kept);
 }
@@ -239,7 +232,7 @@ double balance(const Island& island, const Component& component, const SolverOpt
   const bool by_arcs = kept.holds_end && isOfArcs(of_arcs, island, component, options, kept);
   const double energy = by_arcs ? of_arcs : too_much;
   if (energy == 0) return 0;
-  const bool is_free = !isAnchored(island, component);
+  const bool is_free = !component.is_anchored;
   if (is_free && !isFree(island, component)) return 0;
   const double for_rebounds = keptForRebounds(island, component, kept.work),
                work = scale(island, component, is_free, energy, kept.work, changes);

@@ -50,57 +50,53 @@ class Passes {
         m_memory(memory) {
     for (const int i : bodies) velocities[size_t(i)] = island.bodies[size_t(i)].v_free;
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
-    if (!isAtOnce(sweep))
-      for (ContactRow& row : contacts) row.impulse = 0;
+    memory.base.resize(velocities.size());
+    for (const int i : bodies) memory.base[size_t(i)] = velocities[size_t(i)];
     memory.bounds.clear();
-    if (!contacts.empty()) {
-      for (const BlockOfJoints& part : of)
-        memory.response.addJoints(part.component->first_body, *part.K);
-      m_see_joints = memory.response.leaveOutLongPaths(contacts, options.longest_path);
-    }
-    for (ContactRow& row : contacts) {
-      row.K = memory.response.findAnswers(island, row);
-      row.before = 0;
-      row.parts = 0;
-      row.push(velocities);
-    }
     blocks().clear();
     blocks().reserve(of.size());
     for (const BlockOfJoints& part : of) {
-      blocks().emplace_back(island, part, options, contacts.empty());
-      blocks().back().begin(sweep, velocities);
+      blocks().emplace_back(island, part, options);
+      blocks().back().begin(sweep, velocities, memory.bounds);
     }
-    if (contacts.empty() || !isSolvable()) return;
-    if (isAtOnce(sweep)) {
-      for (size_t i = 0; i < of.size(); ++i) {
-        blocks()[i].sweep(velocities);
-        if (!blocks()[i].isUnsettled()) takeFactor(i);
-      }
-      settle();
-      addLimits();
+    if (sweep == Sweep::direct) return;
+    for (const BlockOfJoints& part : of) memory.response.addJoints(*part.component, *part.K);
+    for (ContactRow& row : contacts) {
+      memory.response.begin(island, row);
+      if (sweep == Sweep::one_by_one) row.impulse = 0;
+      row.before = 0;
+      row.push(velocities);
     }
+    if (sweep == Sweep::one_by_one || !isSolvable()) return;
+    m_see_joints = memory.response.leaveOutLongPaths(contacts, options.longest_path);
+    beginBounds(0);
+    sweepBlocks();
+    if (scaleWarmStart()) sweepBlocks();
+    for (size_t i = 0; i < of.size(); ++i) takeFactor(i);
+    addLimits();
     startResponse();
-    if (sweep == Sweep::all_at_once_from_less) beginWithLess();
   }
   bool isSolvable() const {
     for (const BlockSolver& block : blocks())
       if (!block.isSolvable()) return false;
     return true;
   }
-  bool isSwept() const {
-    for (const BlockSolver& block : blocks())
-      if (block.isSwept()) return true;
-    return !m_contacts.empty();
-  }
   double pass(bool is_last) {
-    if (isAtOnce(m_sweep) && !m_contacts.empty()) return passAtOnce(is_last);
-    const double largest = sweepContacts(m_contacts, m_velocities);
-    return std::fmax(largest, sweepBlocks());
+    if (m_sweep == Sweep::passes) return passWithFactor(is_last);
+    const double largest = sweepBlocks();
+    return std::fmax(largest, sweepContacts(m_contacts, m_velocities));
+  }
+  /// The active set of a component without contacts.
+  bool findActiveSet() {
+    for (BlockSolver& block : blocks())
+      if (!block.findActiveSet(m_velocities)) return false;
+    return true;
   }
   void finish() {
-    if (isAtOnce(m_sweep)) forEachRow([&](ContactRow& row) { row.push(m_velocities); });
+    if (m_sweep == Sweep::passes) forEachRow([&](ContactRow& row) { row.push(m_velocities); });
     for (size_t i = 0; i < blocks().size(); ++i)
-      if (blocks()[i].finish(m_velocities, m_memory.bounds) && !m_contacts.empty()) takeFactor(i);
+      if (blocks()[i].finish(m_velocities, m_memory.bounds) && m_sweep == Sweep::passes)
+        takeFactor(i);
   }
 
  private:
@@ -111,9 +107,9 @@ class Passes {
     for (BlockSolver& block : blocks()) largest = std::fmax(largest, block.sweep(m_velocities));
     return largest;
   }
-  bool mayChangeSet() const {
+  bool hasLimits() const {
     for (const BlockSolver& block : blocks())
-      if (block.mayChangeSet() || block.hasLimits()) return true;
+      if (block.hasLimits()) return true;
     return false;
   }
   // Of a block with a factor.
@@ -121,25 +117,10 @@ class Passes {
     if (blocks()[of].isSolvable())
       m_memory.response.takeFactor(m_of[of].component->first_body, *m_of[of].K);
   }
-  // Where contacts change which rows act, those with bounds go on as contacts do. Returns whether any do.
-  bool settle() {
-    bool any = false;
-    for (size_t i = 0; i < blocks().size(); ++i) {
-      if (!blocks()[i].isUnsettled()) continue;
-      any = true;
-      const size_t first = m_memory.bounds.size();
-      blocks()[i].addBounds(m_memory.bounds, m_velocities);
-      blocks()[i].sweep(m_velocities);
-      beginBounds(first);
-      takeFactor(i);
-    }
-    if (any) forEachRow([&](ContactRow& row) { m_memory.response.forgetOld(row); });
-    return any;
-  }
   void beginBounds(size_t from) {
     for (size_t k = from; k < m_memory.bounds.size(); ++k) {
       ContactRow& row = m_memory.bounds[k];
-      m_memory.response.findAnswers(m_island, row);
+      m_memory.response.begin(m_island, row);
       row.before = row.impulse;
     }
   }
@@ -151,23 +132,7 @@ class Passes {
     beginBounds(first);
     return any;
   }
-  // The dual function (block_gauss_seidel.h) is a parabola in the part with which the contacts begin.
-  void beginWithLess() {
-    ContactResponse& response = m_memory.response;
-    const auto slopeAt = [&](double part) {
-      return response.slope(m_contacts, part) + response.slope(m_memory.bounds, part);
-    };
-    const auto push = [&](double part) {
-      response.push(m_contacts, part);
-      response.push(m_memory.bounds, part);
-    };
-    const double at_all = slopeAt(1);
-    if (!(at_all > 0)) return;
-    push(-1);
-    const double at_none = slopeAt(0), part = at_none < 0 ? at_none / (at_none - at_all) : 0;
-    push(part);
-    forEachRow([&](ContactRow& row) { row.impulse *= part; });
-  }
+  bool scaleWarmStart();
   bool hasNews();
   void startResponse() {
     for (const int i : m_bodies) m_memory.response.setVelocity(i, m_velocities[size_t(i)]);
@@ -176,10 +141,10 @@ class Passes {
   }
   template <class Visit>
   void forEachRow(const Visit& visit) {
-    for (ContactRow& row : m_contacts) visit(row);
     for (ContactRow& row : m_memory.bounds) visit(row);
+    for (ContactRow& row : m_contacts) visit(row);
   }
-  double passAtOnce(bool is_last);
+  double passWithFactor(bool is_last);
 
   const Island& m_island;
   std::vector<BlockOfJoints>& m_of;
@@ -194,19 +159,59 @@ class Passes {
   bool m_see_joints = true;
 };
 
-// Contacts see each other through the joints. These are solved when the passes are over, and before after 1, 2, 4, ... of them, only
-// to see which limits are met, and whether rows with bounds still act as they did.
-double Passes::passAtOnce(bool is_last) {
+// From none on, passes never raise the dual function. From the impulses of the last step they do not where these are no worse than none;
+// else the fraction of them is taken that is best. Where twice as much would still be too little, as of a motor that presses on a wall, it
+// is doubled, up to the bounds of drives. Returns whether it is not just all.
+bool Passes::scaleWarmStart() {
+  DualFunction of;
+  for (const int i : m_bodies) {
+    const Vector6d &base = m_memory.base[size_t(i)], change = m_velocities[size_t(i)] - base;
+    const IslandBody& body = m_island.bodies[size_t(i)];
+    of.slope += body.product(change, base);
+    of.curvature += body.product(change, change);
+  }
+  for (const BlockOfJoints& part : m_of) {
+    if (part.work->is_resolved) continue;
+    for (int i = 0; i < part.component->bodies; ++i) {
+      const auto b = size_t(part.component->first_body + i);
+      const Vector3d base = m_memory.base[b].tail<3>(), change = m_velocities[b].tail<3>() - base,
+                     stiff = part.work->stiffness[size_t(i)] * change;
+      of.slope += stiff.dot(base);
+      of.curvature += stiff.dot(change);
+    }
+  }
+  for (const BlockSolver& block : blocks()) block.addTo(of);
+  forEachRow(
+      [&](const ContactRow& row) { of.add(row.impulse, row.target - row.recovery, row.softness); });
+  double most = 2;
+  for (const ContactRow& row : m_memory.bounds) most = std::fmin(most, row.timesToBound());
+  const double fraction = of.fraction(most);
+  if (fraction == 1) return false;
+  for (const int i : m_bodies) {
+    const Vector6d& base = m_memory.base[size_t(i)];
+    Vector6d& v = m_velocities[size_t(i)];
+    v = base + fraction * (v - base);
+  }
+  for (BlockSolver& block : blocks()) block.scaleImpulses(fraction);
+  forEachRow([&](ContactRow& row) { row.before = row.impulse *= fraction; });
+  return true;
+}
+
+// Motors, friction and limits of joints come first, and contacts last: where they contradict each other, contacts win. Equalities are
+// solved when the passes are over, and before after 1, 2, 4, ... of them, only to see which limits are reached.
+double Passes::passWithFactor(bool is_last) {
   ++m_passes;
   for (;;) {
     ContactResponse& response = m_memory.response;
-    const double of_contacts = response.sweep(m_contacts),
-                 of_bounds = response.sweep(m_memory.bounds),
+    // Twice: motors of a chain are coupled more strongly than contacts, and they are few.
+    const double of_bounds =
+                     std::fmax(response.sweep(m_memory.bounds), response.sweep(m_memory.bounds)),
+                 of_contacts = response.sweep(m_contacts),
                  largest = std::fmax(of_contacts, of_bounds);
     const bool is_converged = largest * m_island.dt <= m_options.contact_tolerance;
     if (m_see_joints && !is_last && !is_converged && m_passes < m_next_look) return largest;
     if (m_passes >= m_next_look) m_next_look *= 2;
-    if ((m_see_joints && !mayChangeSet()) || !hasNews()) return largest;
+    if ((m_see_joints && !hasLimits()) || !hasNews()) return largest;
     if (!is_last) return infinity;
   }
 }
@@ -214,9 +219,9 @@ double Passes::passAtOnce(bool is_last) {
 bool Passes::hasNews() {
   forEachRow([&](ContactRow& row) { row.push(m_velocities); });
   sweepBlocks();
-  const bool settles = settle(), meets = addLimits();
+  const bool any = addLimits();
   startResponse();
-  return settles || meets;
+  return any;
 }
 
 }  // namespace
@@ -238,15 +243,20 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
   SolveReport report;
   Passes passes(island, of, bodies, contacts, options, sweep, velocities, memory);
   report.is_solvable = passes.isSolvable();
-  for (bool go_on = report.is_solvable; go_on;) {
+  if (sweep == Sweep::direct) {
+    ++report.steps;
+    report.converged = report.is_solvable = report.is_solvable && passes.findActiveSet();
+  }
+  for (bool go_on = report.is_solvable && sweep != Sweep::direct; go_on;) {
     report.error = passes.pass(report.steps + 1 >= most) * island.dt;
     ++report.steps;
-    report.converged = !passes.isSwept() || report.error <= options.contact_tolerance;
+    report.converged = report.error <= options.contact_tolerance;
     report.is_solvable = report.is_solvable && passes.isSolvable();
-    go_on = passes.isSwept() && report.is_solvable && !report.converged && report.steps < most;
+    go_on = report.is_solvable && !report.converged && report.steps < most;
   }
+  if (!report.is_solvable) return report;
   passes.finish();
-  report.is_solvable = report.is_solvable && passes.isSolvable();
+  report.is_solvable = passes.isSolvable();
   return report;
 }
 

@@ -1,12 +1,12 @@
 // Purpose: joints and contacts together, in velocity. Rows are those of the start of the step,
 //   M (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h)
-// The joints of a component are a block: its rows are solved all at once, by the factor of their K. Contacts are solved one by one, each
-// with what all others do through the joints (contact_response.h). Limits are among them, and so are other rows with bounds, as soon as
-// contacts change which of these act. In the end limits that press are rows of the block again, and hold as joints do.
+// Equalities hold whatever happens: they are eliminated by one factor. Rows that can yield, contacts and their friction, limits, motors,
+// servos and friction of joints, are solved by projected Gauss-Seidel on the Schur complement of the equalities (contact_response.h). In
+// the end limits that press are rows of the factor, and hold as joints do.
 //
-// Each step minimises the dual function KE(v) - KE(v*) - lambda . target over some of the impulses. From none on, it never rises: so
-// KE(v) is never above KE(v*), converged or not, but for what targets ask for. What such a step leaves open is closed by moving
-// poses (pose_correction.h).
+// Each step minimises the dual function KE(v) - KE(v*) - lambda . target over some of the impulses. From none on, or from a warm start
+// that is no worse, it never rises: so KE(v) is never above KE(v*), converged or not, but for what targets ask for. What such a
+// step leaves open is closed by moving poses (pose_correction.h).
 #pragma once
 
 #include <pintle/solver/block_solver.h>
@@ -17,12 +17,13 @@ inline namespace PINTLE_PRECISION {
 
 /// Memory of the passes.
 struct PassMemory {
-  size_t bytes() const { return bytesOf(bounds, blocks) + response.bytes(); }
+  size_t bytes() const { return bytesOf(base, bounds, blocks) + response.bytes(); }
   void reserve(size_t components, size_t of_bounds) {
     pintle::reserve(of_bounds, bounds);
     pintle::reserve(components, blocks);
   }
 
+  std::vector<Vector6d> base;      ///< of each body: its velocity without impulses
   std::vector<ContactRow> bounds;  ///< rows of joints that are solved as contacts are, part by part
   std::vector<BlockSolver> blocks;
   ContactResponse response;

@@ -35,23 +35,43 @@ void BlockSolver::factorise() {
   aimRows(m_island, *m_of.component, *m_of.K, m_work);
 }
 
-void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities) {
+void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
+                        std::vector<ContactRow>& bounds) {
+  m_is_direct = sweep == Sweep::direct;
   m_work.limits.clear();
   m_work.as_contacts.clear();
-  if (!isAtOnce(sweep)) {
+  if (sweep == Sweep::one_by_one) {
     std::fill(m_work.y.begin(), m_work.y.end(), 0.);
-    m_swept = sweep == Sweep::one_by_one ? &m_set.all() : &m_set.bounded();
+    m_swept = &m_set.all();
     m_set.release(*m_swept);
-    if (sweep == Sweep::bounds_one_by_one) factorise();
     return;
   }
   respond(m_work.y, velocities);
   measure(velocities);
   changeImpulses(velocities, [&] {
     m_set.choose(m_set.bounded());
-    if (!m_alone) beginLimits();
+    if (sweep == Sweep::direct) return;
+    m_set.takeLimits();
+    for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, bounds);
+    m_set.release(m_set.bounded());
+    for (const ActiveSet::Place& of : m_work.limits)
+      m_work.y[of.at] = sumOf(partsOf(of)) * of.row->root_K;
+    m_set.release(m_work.limits);
+    addLimitsThat(&BlockSolver::isLoaded, bounds);
   });
   factorise();
+}
+
+void BlockSolver::addTo(DualFunction& of) const {
+  for (size_t r = 0; r < m_work.scales.size(); ++r) {
+    if (!m_work.pieces[r].acts) continue;
+    const size_t at = m_work.scales[r].at;
+    of.add(m_work.y[at], m_work.aim[at], m_work.softness[r]);
+  }
+}
+
+void BlockSolver::scaleImpulses(double fraction) {
+  for (double& y : m_work.y) y *= fraction;
 }
 
 // Bodies answer to what `change` does to the impulses.
@@ -65,50 +85,31 @@ void BlockSolver::changeImpulses(std::vector<Vector6d>& velocities, const Change
   respond(x, velocities);
 }
 
-// Limits are no rows of the block: contacts turn them on and off.
-void BlockSolver::beginLimits() {
-  m_set.takeLimits();
-  for (const ActiveSet::Place& of : m_work.limits)
-    m_work.y[of.at] = sumOf(partsOf(of)) * of.row->root_K;
-  m_set.release(m_work.limits);
-}
-
 // What the parts of its law have of its impulse.
 AxisLaw::Parts BlockSolver::partsOf(const ActiveSet::Place& of) const {
   const double impulse = m_work.y[of.at] * of.row->by_root_K;
   return of.row->law.split(m_work.pieces[of.r].velocityAt(m_work.u[of.r], impulse), impulse);
 }
 
-// Which rows act is found before the first pass over contacts. Where these are to change that, rows with bounds go on as contacts do
-// (Passes::settle).
 double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   const double change = m_swept != nullptr ? sweepRows(velocities) : 0;
   if (!m_has_factor) return change;
-  const double error = solveOnce(velocities, m_options.newton_tolerance);
-  if (mayChangeSet() && !findOrCheckSet(velocities)) {
-    if (m_alone)
-      m_solvable = m_has_factor = false;
-    else
-      m_is_unsettled = true;
-  }
-  m_is_settled = true;
-  return std::fmax(change, error / m_island.dt);
+  return std::fmax(change, solveOnce(velocities, m_options.newton_tolerance) / m_island.dt);
 }
 
-// The first pass finds the set, and later ones see whether it still is the right one.
-bool BlockSolver::findOrCheckSet(std::vector<Vector6d>& velocities) {
-  if (!m_is_settled) return findWhichAct(m_set.bounded(), m_alone, velocities);
-  m_set.measure(m_set.bounded(), own(velocities));
-  return m_set.countSteps(m_set.bounded()) == 0;
+bool BlockSolver::findActiveSet(std::vector<Vector6d>& velocities) {
+  if (!m_has_factor) return false;
+  solveOnce(velocities, m_options.newton_tolerance);
+  return findWhichAct(m_set.bounded(), velocities);
 }
 
-// A set of rows that act is the right one where it leads to velocities at which just these act: so each one is solved for. All rows that
-// come to another piece of their laws take a step there at once, while these steps become fewer, or else, where `or_one`, that one whose
-// impulse changes most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns whether a set
-// is found.
-bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows, bool or_one,
+// A set of active rows is the right one where it leads to velocities at which just these are active: so each one is solved for. All
+// rows that come to another piece of their laws take a step there at once, while these steps become fewer, or else that one
+// whose impulse changes most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns
+// whether a set is found.
+bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows,
                                std::vector<Vector6d>& velocities) {
-  int fewest = std::numeric_limits<int>::max(), ones = or_one ? countEnds(rows) : 0;
+  int fewest = std::numeric_limits<int>::max(), ones = countEnds(rows);
   for (;;) {
     m_set.measure(rows, own(velocities));
     const int changes = m_set.countSteps(rows);
@@ -139,17 +140,14 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   const int factors = m_factors;
   if (m_has_factor && !holdLimits(velocities) && !m_work.limits.empty()) {
     releaseLimits(velocities);
-    m_solvable = m_has_factor;
-    if (m_solvable && mayChangeSet()) {
-      solveOnce(velocities, m_options.newton_tolerance);
-      m_solvable = findWhichAct(m_set.bounded(), true, velocities);
-    }
-    m_solvable = m_solvable && solveToTheEnd(velocities);
+    m_solvable = m_has_factor && solveToTheEnd(velocities);
   }
+  // Rows one by one would be met less still.
+  if (!m_is_direct) m_solvable = m_has_factor || m_swept != nullptr;
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
-  splitBounds();
+  splitLimits();
   unscaleImpulses(m_work);
   return m_has_factor && m_factors > factors;
 }
@@ -167,22 +165,20 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// Limits that press are rows of the block in the end, so that they hold as joints do. Which of them do so, and which other rows with
-// bounds act then, is found while contacts stay as they are. Returns whether these and equalities are met.
+// Limits that press are rows of the factor in the end, so that they hold as joints do. Which of them do so is found while the other
+// rows of the passes stay as they are. Returns whether these and equalities are met.
 bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
-  std::vector<ActiveSet::Place>&limits = m_work.limits, &rows = m_work.pivots;
+  std::vector<ActiveSet::Place>& limits = m_work.limits;
   for (const Workspace::AsContact& as : m_work.as_contacts)
     if (isLimit(as.of.row->law)) limits.push_back(as.of);
   if (!limits.empty()) {
-    rows = limits;
-    if (mayChangeSet()) rows.insert(rows.end(), m_set.bounded().begin(), m_set.bounded().end());
     m_set.measure(limits, own(velocities));
     bool any = false;
     changeImpulses(velocities, [&] { any = m_set.choose(limits); });
     if (any) factorise();
     if (!m_has_factor) return false;
     solveOnce(velocities, m_options.newton_tolerance);
-    if (!findWhichAct(rows, true, velocities)) return false;
+    if (!findWhichAct(limits, velocities)) return false;
   }
   m_solvable = solveToTheEnd(velocities);
   return m_solvable;
@@ -219,35 +215,27 @@ void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactR
   }
 }
 
-void BlockSolver::addBounds(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
-  m_set.measure(m_set.bounded(), own(velocities));
-  changeImpulses(velocities, [&] {
-    for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, to);
-  });
-  m_set.release(m_set.bounded());
-  m_is_unsettled = false;
-  m_has_bounds = true;
-  factorise();
+bool BlockSolver::isReached(const ActiveSet::Place& of) const {
+  const LawPiece piece = of.row->law.meet(m_work.u[of.r], of.row->K);
+  return piece.acts || piece.impulse != 0;
+}
+
+void BlockSolver::addLimitsThat(bool (BlockSolver::*are)(const ActiveSet::Place& of) const,
+                                std::vector<ContactRow>& to) {
+  std::vector<ActiveSet::Place>& limits = m_work.limits;
+  limits.erase(std::remove_if(limits.begin(), limits.end(),
+                              [&](const ActiveSet::Place& of) {
+                                if (!(this->*are)(of)) return false;
+                                goOnAsContact(of, to);
+                                return true;
+                              }),
+               limits.end());
 }
 
 bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
-  m_set.measure(m_work.limits, own(velocities));
   const size_t before = m_work.as_contacts.size();
-  const auto isMet = [&](const ActiveSet::Place& of) {
-    if (m_work.y[of.at] != 0) return true;
-    const LawPiece piece = of.row->law.meet(m_work.u[of.r], of.row->K);
-    return piece.acts || piece.impulse != 0;
-  };
-  changeImpulses(velocities, [&] {
-    std::vector<ActiveSet::Place>& limits = m_work.limits;
-    limits.erase(std::remove_if(limits.begin(), limits.end(),
-                                [&](const ActiveSet::Place& of) {
-                                  if (!isMet(of)) return false;
-                                  goOnAsContact(of, to);
-                                  return true;
-                                }),
-                 limits.end());
-  });
+  m_set.measure(m_work.limits, own(velocities));
+  addLimitsThat(&BlockSolver::isReached, to);
   return m_work.as_contacts.size() != before;
 }
 
@@ -265,13 +253,10 @@ void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
   }
 }
 
-// Of rows that are of the block.
-void BlockSolver::splitBounds() {
+void BlockSolver::splitLimits() {
   if (m_work.parts.empty()) return;
   for (const ActiveSet::Place& of : m_work.limits)
     if (m_work.pieces[of.r].acts || m_work.y[of.at] == 0) m_work.parts[of.r] = partsOf(of);
-  if (!m_has_bounds)
-    for (const ActiveSet::Place& of : m_set.bounded()) m_work.parts[of.r] = partsOf(of);
 }
 
 double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {

@@ -166,7 +166,7 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
   most.finish();
   bool is_allowed = true;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    is_allowed = is_allowed && most.of(row, m_lambda[r]) == m_lambda[r];
+    is_allowed = is_allowed && (row.law.hasDrives() || most.of(row, m_lambda[r]) == m_lambda[r]);
   });
   if (is_allowed) return;
   const bool knows_forces = has_factor && K.factorise(least_pivot);
@@ -174,6 +174,7 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
     impulses = work.lambda;
     if (knows_forces) findWhatOthersAsk(island, component, with_contacts);
     forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
+      if (row.law.hasDrives()) return;
       const double by_others =
           knows_forces && work.pieces[r].acts ? work.x[K.row(c, i)] * row.by_root_K : 0;
       impulses[r] = by_others + most.of(row, impulses[r] - by_others);

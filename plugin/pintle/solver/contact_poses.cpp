@@ -22,11 +22,11 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
   std::vector<ContactRow>& rows = memory.rows;
   rows.clear();
   for (const ContactRow& row : contacts) {
-    if (row.isFriction() || !(row.K > 0) || !(speedOut(row) > 0)) continue;
-    rows.push_back(row);
-    rows.back().target = speedOut(row);
-    rows.back().softness = rows.back().impulse = rows.back().before = 0;
-    response.forgetOld(rows.back());
+    if (row.isFriction() || row.is_held || !(row.K > 0) || !(speedOut(row) > 0)) continue;
+    ContactRow& out = rows.emplace_back(row);
+    out.target = out.aim = speedOut(row);
+    out.softness = out.compliance = out.recovery = out.impulse = out.before = 0;
+    response.forgetOld(out);
   }
   if (rows.empty()) return false;
   std::vector<Vector6d>& push = memory.push;
@@ -35,7 +35,7 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
   most.assign(island.bodies.size(), 0.);
   for (const ContactRow& row : rows)
     for (const int body : row.body)
-      if (body >= 0) most[size_t(body)] += row.target;
+      if (body >= 0) most[size_t(body)] += row.aim;
   response.rest();
   for (int pass = 0; pass < passes; ++pass) response.sweep(rows);
   for (ContactRow& row : rows) row.push(push);
@@ -62,8 +62,12 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
 
 void followPoses(const Island& island, Span<const int> bodies, std::vector<Vector6d>& velocities,
                  std::vector<PoseChange>& changes) {
+  // Rotations about two free axes may have a part about a locked one, which is no velocity.
   const auto by = [&](size_t i) {
-    return Vector6d(changes[i] / island.dt + island.bodies[i].push);
+    Vector6d change = changes[i] / island.dt + island.bodies[i].push;
+    for (int k = 0; k < 6; ++k)
+      if (island.bodies[i].locked[size_t(k)]) change[k] = 0;
+    return change;
   };
   double slope = 0, bend = 0;
   for (const int body : bodies) {

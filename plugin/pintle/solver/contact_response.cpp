@@ -23,15 +23,6 @@ PINTLE_INLINE void add(double* state, double impulse, const PathBlock* part, con
   }
 }
 
-PINTLE_TARGET_CLONES double readFrom(const double* state, const PathBlock* part,
-                                     const PathBlock* end) {
-  return read(state, part, end);
-}
-PINTLE_TARGET_CLONES void addTo(double* state, double impulse, const PathBlock* part,
-                                const PathBlock* end) {
-  add(state, impulse, part, end);
-}
-
 // What the parts give to themselves by an impulse of 1.
 PINTLE_TARGET_CLONES double findK(const PathBlock* part, const PathBlock* end) {
   FourLanes sum;
@@ -47,29 +38,29 @@ PINTLE_TARGET_CLONES size_t sweepRows(size_t i, ContactRow* rows, size_t count,
     boundFriction({rows, count}, row);
     if (row.isFriction() && row.upper == 0 && row.impulse == 0) continue;
     if (row.parts == 0) return i;
-    if (!(row.K > 0)) continue;
+    if (!(row.K + row.compliance > 0)) continue;
     const PathBlock* const first = parts + row.first_part;
     const PathBlock* const end = first + row.parts;
     const double next = row.meet(read(state, first, end)), by = next - row.impulse;
     if (by == 0) continue;
     row.impulse = next;
     add(state, by, first, end);
-    largest = std::fmax(largest, std::abs(row.K * by));
+    largest = std::fmax(largest, std::abs((row.K + row.compliance) * by));
   }
   return count;
 }
 
 }  // namespace
 
-void ContactResponse::addJoints(int first, JointMatrix& joints) {
+void ContactResponse::addJoints(const Component& component, JointMatrix& joints) {
   for (size_t i = 0; i < joints.bodies().size(); ++i) {
-    Body& body = m_bodies[size_t(first) + i];
+    Body& body = m_bodies[size_t(component.first_body) + i];
     body = {};
     body.inertia = &joints.bodies()[i];
     body.number = int(i);
     body.component = m_components.size();
   }
-  m_components.push_back({&joints, m_state.size()});
+  m_components.push_back({&joints, m_state.size(), component.is_anchored});
   m_state.resize(m_state.size() + joints.vectorSize(), 0.);
 }
 
@@ -97,7 +88,7 @@ void ContactResponse::takeFactor(int first, JointMatrix& joints) {
   }
 }
 
-double ContactResponse::findAnswers(const Island& island, ContactRow& row) const {
+void ContactResponse::begin(const Island& island, ContactRow& row) const {
   double K = 0;
   for (int side = 0; side < 2; ++side) {
     const int body = row.body[size_t(side)];
@@ -108,7 +99,7 @@ double ContactResponse::findAnswers(const Island& island, ContactRow& row) const
     answer = by != nullptr ? by->answer(L, A) : island.bodies[size_t(body)].answer(L, A);
     K += row.J.along(side, answer);
   }
-  return K;
+  row.begin(K);
 }
 
 void ContactResponse::setVelocity(int body, const Vector6d& v) {
@@ -145,6 +136,24 @@ void ContactResponse::addPath(const Body& of, int a, int b, const RowJacobian& J
     part->at += m_components[of.component].at;
 }
 
+// Whether none of its bodies can get away without its joints: both are of one component, or all that move hang on what does not.
+bool ContactResponse::isConfined(const ContactRow& row) const {
+  const Joints* joints[2] = {nullptr, nullptr};
+  for (size_t side = 0; side < 2; ++side) {
+    if (row.body[side] < 0) continue;
+    const Body& body = m_bodies[size_t(row.body[side])];
+    if (body.joints == nullptr) return false;
+    joints[side] = &m_components[body.component];
+  }
+  if (joints[0] == joints[1]) return true;
+  for (const Joints* of : joints)
+    if (of != nullptr && !of->is_anchored) return false;
+  return true;
+}
+
+// Bullet leads bodies out of each other by a velocity that no motion has. Where both are confined and K is small, a lever would
+// make much of it: they get no more energy by it than they would get alone. A contact that equalities hold cannot move anything.
+// Its compliance bounds its impulse.
 void ContactResponse::find(ContactRow& row) {
   row.first_part = m_parts.size();
   double K_alone = 0;
@@ -165,38 +174,32 @@ void ContactResponse::find(ContactRow& row) {
   }
   row.parts = unsigned(m_parts.size() - row.first_part);
   btAssert(row.parts > 0);  // else it would be asked for again
-  row.K = findK(m_parts.begin() + row.first_part, m_parts.end());
-  if (!(row.K > rounding_share * K_alone)) row.K = 0;  // joints hold it
+  row.K = std::fmax(0, findK(m_parts.begin() + row.first_part, m_parts.end()));
+  const bool is_confined = row.from != nullptr && row.K < K_alone && isConfined(row);
+  const double least = (is_confined ? held_share : rounding_share) * K_alone;
+  row.is_held = row.K < least;
+  if (row.is_held) row.compliance = std::fmax(row.softness, least - row.K);
+  if (is_confined && row.K > 0)
+    row.aim -=
+        row.recovery * std::fmax(0, 1 - (row.K + row.compliance) / std::sqrt(row.K * K_alone));
 }
 
-void ContactResponse::push(Span<ContactRow> rows, double part) {
-  for (ContactRow& row : rows) {
-    if (row.impulse == 0) continue;
-    if (row.parts == 0) find(row);
-    const PathBlock* const first = m_parts.begin() + row.first_part;
-    addTo(m_state.data(), part * row.impulse, first, first + row.parts);
-  }
-}
-
-double ContactResponse::slope(Span<ContactRow> rows, double part) {
-  double sum = 0;
-  for (ContactRow& row : rows) {
-    if (row.impulse == 0) continue;
-    if (row.parts == 0) find(row);
-    const PathBlock* const first = m_parts.begin() + row.first_part;
-    const double u = readFrom(m_state.data(), first, first + row.parts);
-    sum += row.impulse * (u + part * row.softness * row.impulse - row.target);
-  }
-  return sum;
-}
-
+// Bullet's order, contacts and then their friction, lets friction lead bodies into each other where both act on one way to move. So
+// contacts come once more.
 double ContactResponse::sweep(Span<ContactRow> rows) {
   double largest = 0;
-  for (size_t i = 0;;) {
-    i = sweepRows(i, rows.begin(), rows.size(), m_parts.begin(), m_state.data(), largest);
-    if (i == rows.size()) return largest;
-    find(rows[i]);
-  }
+  const auto sweepTo = [&](size_t end) {
+    for (size_t i = 0;;) {
+      i = sweepRows(i, rows.begin(), end, m_parts.begin(), m_state.data(), largest);
+      if (i == end) return;
+      find(rows[i]);
+    }
+  };
+  sweepTo(rows.size());
+  const auto first_friction = std::partition_point(
+      rows.begin(), rows.end(), [](const ContactRow& row) { return !row.isFriction(); });
+  if (first_friction != rows.end()) sweepTo(size_t(first_friction - rows.begin()));
+  return largest;
 }
 
 }  // namespace PINTLE_PRECISION

@@ -1,5 +1,6 @@
-// Purpose: what impulses of contacts do to the velocities of contacts, while joints hold:
-//   u = (J M^-1 J^T - R^T K^-1 R) p,   K = L D L^T of the joints, R: what impulses of 1 do to their rows
+// Purpose: what impulses of contacts, and of other rows that can yield, do to their velocities, while equalities of joints hold: their
+// Schur complement
+//   u = S p,   S = J A^-1 J^T - R^T K^-1 R,   K = L D L^T of the joints, R: what impulses of 1 do to their rows
 // Of Y = L^-1 R a contact has numbers only on the paths of its bodies' joints to the root of the factor. So an impulse adds to a state of
 // bodies and joints, and a contact reads its velocity from it, at those few places. Each contact sees what all others have done, through
 // any joints, as in Gauss and Seidel's method with the whole matrix.
@@ -14,7 +15,7 @@ inline namespace PINTLE_PRECISION {
 
 class ContactResponse {
  public:
-  /// Of an island with so many bodies: no contact is known, and no joint.
+  /// An island with so many bodies: no contact is known, and no joint.
   void begin(size_t bodies) {
     m_parts.clear();
     m_components.clear();
@@ -22,14 +23,14 @@ class ContactResponse {
     m_state.assign(body_size * bodies, 0.);
   }
   /// Joints of the bodies from `first` on: they are left out, until they have a factor.
-  void addJoints(int first, JointMatrix& joints);
+  void addJoints(const Component& component, JointMatrix& joints);
   /// Of the components that these rows are on: leaves out all joints of one where paths may have more than `longest` blocks, and those of
   /// the rows would take more memory than its matrix. Returns whether none is left out.
   bool leaveOutLongPaths(Span<const ContactRow> rows, int longest);
   /// They have one, another than before.
   void takeFactor(int first, JointMatrix& joints);
-  /// What an impulse does to each body of the row without joints. Returns K of that.
-  double findAnswers(const Island& island, ContactRow& row) const;
+  /// What an impulse does to each body of the row without joints, and K of that.
+  void begin(const Island& island, ContactRow& row) const;
   /// The response of a row is found anew, if a body of it has another factor.
   void forgetOld(ContactRow& row) const {
     for (const int body : row.body)
@@ -42,10 +43,6 @@ class ContactResponse {
   void rest(int first, const JointMatrix& joints);
   /// All of them, and all bodies.
   void rest() { std::fill(m_state.begin(), m_state.end(), 0.); }
-  /// The state, as if rows had this part more of their impulses.
-  void push(Span<ContactRow> rows, double part);
-  /// d/d(part) of what they make of the dual function (block_gauss_seidel.h), where they have this part of their impulses.
-  double slope(Span<ContactRow> rows, double part);
   /// One pass over rows, each with the velocity that all before it have left. Returns the largest change of one, m/s or rad/s. What is
   /// not known of a row (ContactRow::parts) is found when it is needed: a contact that does not press has no friction.
   double sweep(Span<ContactRow> rows);
@@ -62,12 +59,14 @@ class ContactResponse {
   };
   struct Joints {
     const JointMatrix* K;
-    size_t at;               ///< in the state
+    size_t at;  ///< in the state
+    bool is_anchored;
     size_t path_blocks = 0;  ///< that all paths have at most
     bool are_left_out = false;
   };
 
   void find(ContactRow& row);
+  bool isConfined(const ContactRow& row) const;
   void addBody(const ContactRow& row, int side, bool is_unknown);
   void addPath(const Body& of, int a, int b, const RowJacobian& J);
 

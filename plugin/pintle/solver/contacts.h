@@ -15,10 +15,14 @@ inline namespace PINTLE_PRECISION {
 /// A row of Bullet's, or a part of a joint's with bounds: u = J v, u + softness p = target, lower <= p <= upper.
 struct ContactRow {
   double target, softness, lower, upper;
+  double recovery = 0;  ///< m/s: the part of its target that leads bodies out of each other
   double impulse;       ///< N s
   double K = 0;         ///< of its velocity
-  double before = 0;    ///< N s: that which `velocities` know of (ContactResponse)
-  double friction = 0;  ///< of friction: its coefficient
+  // With K (ContactResponse::find):
+  double aim = 0, compliance = 0;  ///< its target and its softness
+  bool is_held = false;            ///< by equalities
+  double before = 0;               ///< N s: that which `velocities` know of (ContactResponse)
+  double friction = 0;             ///< of friction: its coefficient
   int normal = -1;     ///< of friction: the row whose impulse bounds it; -1: its bounds are its own
   unsigned parts = 0;  ///< of its response (ContactResponse): so many
   size_t first_part = 0;    ///< and where they begin
@@ -31,8 +35,20 @@ struct ContactRow {
   bool isFriction() const { return normal >= 0; }
   /// Its impulse at which it is satisfied, where it has the velocity u now.
   double meet(double u) const {
-    return std::min(std::max(impulse - (u + softness * impulse - target) / (K + softness), lower),
+    return std::min(std::max(impulse - (u + compliance * impulse - aim) / (K + compliance), lower),
                     upper);
+  }
+  /// For the next solve, with K of its bodies alone.
+  void begin(double K_alone) {
+    K = K_alone;
+    aim = target;
+    compliance = softness;
+    is_held = false;
+    parts = 0;
+  }
+  /// How many times its impulse it can have.
+  double timesToBound() const {
+    return impulse > 0 ? upper / impulse : impulse < 0 ? lower / impulse : infinity;
   }
   double velocity(const std::vector<Vector6d>& v) const {
     double u = 0;
@@ -50,6 +66,22 @@ struct ContactRow {
     before = impulse;
   }
 };
+/// Dual function D of impulses t lambda, from none to those of the warm start: D(t) - D(0) = slope t + curvature t^2 / 2.
+struct DualFunction {
+  double slope = 0, curvature = 0;
+
+  /// A row.
+  void add(double impulse, double target, double softness) {
+    slope -= impulse * target;
+    curvature += softness * impulse * impulse;
+  }
+  /// What is best of them where all are worse than none, up to `most` where that is still too little, else all.
+  double fraction(double most) const {
+    if (slope + curvature / 2 > 0) return slope < 0 ? -slope / curvature : 0;
+    return most > 1 && slope + most * curvature <= 0 ? most : 1;
+  }
+};
+
 /// Friction by its contact's impulse.
 inline void boundFriction(Span<const ContactRow> rows, ContactRow& row) {
   if (!row.isFriction()) return;

@@ -353,6 +353,7 @@ struct Component {
   int rows = 0;
   double lever = 0;           ///< m: the longest
   bool bends_as_arms = true;  ///< each does
+  bool is_anchored = false;  ///< one holds on to a body that does not move, or that its owner moves
 };
 
 /// visit(number of the joint in the component, number of the row in the joint, row, its number in the component)

@@ -1,10 +1,24 @@
 // Contacts and friction, from Bullet's rows.
 #include <pintle/solver/island_builder.h>
 
+#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
+
 #include <algorithm>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+
+namespace {
+
+// m/s: the part of a contact's target that leads its bodies out of each other, and is no rebound.
+double recoveryOf(const btSolverConstraint& from, double target, const btContactSolverInfo& info) {
+  const auto* const point = static_cast<const btManifoldPoint*>(from.m_originalContactPoint);
+  if (point == nullptr || !(target > 0)) return 0;
+  const double depth = -double(point->getDistance() + info.m_linearSlop);
+  return std::min(target, std::max(0., depth) * double(info.m_erp2) / double(info.m_timeStep));
+}
+
+}  // namespace
 
 void IslandBuilder::addContacts(btConstraintArray& rows, const SolverBodies& bodies,
                                 bool are_friction, std::vector<ContactRow>& to) {
@@ -25,6 +39,7 @@ void IslandBuilder::addContacts(btConstraintArray& rows, const SolverBodies& bod
     row.target = inverse_K > 0 ? double(from.m_rhs) / inverse_K +
                                      row.J.along(free(row.body[0]), free(row.body[1]))
                                : 0;
+    if (!are_friction) row.recovery = recoveryOf(from, row.target, m_info);
     row.softness = inverse_K > 0 ? double(from.m_cfm) / inverse_K : 0;
     row.lower = double(from.m_lowerLimit);
     row.upper = double(from.m_upperLimit);

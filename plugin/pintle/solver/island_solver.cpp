@@ -45,7 +45,7 @@ size_t IslandSolver::bytes() const {
   return m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() + m_groups.bytes() +
          m_island.bytes() +
          bytesOf(m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
-                 m_counted, m_bodies_alone, m_blocks);
+                 m_bodies_alone, m_blocks);
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -80,7 +80,9 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
   } while (breakOverloaded());
   finishComponents(bodies);
   writeVelocities(bodies);
-  for (const ContactRow& row : m_contacts) row.from->m_appliedImpulse = Scalar(row.impulse);
+  // The impulse of what equalities hold says nothing of the next step.
+  for (const ContactRow& row : m_contacts)
+    row.from->m_appliedImpulse = row.is_held ? 0 : Scalar(row.impulse);
   memory.add(m_report);
 }
 
@@ -223,26 +225,27 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     done = pintle::solveInVelocity(m_island, m_blocks, group.bodies, rows, m_options, sweep, most,
                                    m_velocities, m_pass_memory);
     m_report.newton_steps += done.steps * int(those.size());
+    return done.is_solvable;
   };
-  // Again, where bodies swing fast, and under another load than was foreseen.
+  // Again, where bodies swing fast under another load than was predicted.
   const auto attempt = [&](Sweep sweep) {
     for (const Component* of : those) begin(*of);
-    solve(sweep);
+    if (!solve(sweep)) return false;
     bool again = false;
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
-    if (again && m_options.max_new_factors > 1) solve(sweep);  // a single one is for poses
-    return done.is_solvable && gainInVelocity(group) <= rounding_share * largest;
+    if (again && m_options.max_new_factors > 1 && !solve(sweep)) return false;  // one is for poses
+    return gainInVelocity(group) <= rounding_share * largest;
   };
-  // Stops that many bodies meet at once may give back more than they took (Kane 1984): then they give back nothing.
-  const auto attemptWithoutRebounds = [&](Sweep sweep) {
+  // Limits that many bodies meet at once, or whose rows become short, may give back more than they took (Kane 1984): then they give
+  // back nothing.
+  const auto attemptWithoutRebounds = [&] {
     bool any = false;
     for (const Component* of : those) any = stopRebounds(m_island, *of) || any;
-    return any && attempt(sweep);
+    return any && attempt(Sweep::passes);
   };
-  const bool is_sound =
-      attempt(Sweep::all_at_once) || (!rows.empty() && attempt(Sweep::all_at_once_from_less)) ||
-      attempt(Sweep::bounds_one_by_one) || attemptWithoutRebounds(Sweep::bounds_one_by_one);
+  const bool is_sound = (rows.empty() && attempt(Sweep::direct)) || attempt(Sweep::passes) ||
+                        attemptWithoutRebounds();
   if (!is_sound) {
     m_report.one_by_one += int(those.size());
     m_report.tier = 3;
@@ -308,7 +311,7 @@ void IslandSolver::beginComponents(WorldMemory& memory) {
       bounds += size_t(AxisLaw::max_parts * joint.bounded);
   m_pass_memory.reserve(components, bounds);
   reserve(components, m_blocks);
-  reserve(bodies, m_counted, m_bodies_alone, m_velocities);
+  reserve(bodies, m_bodies_alone, m_velocities);
   m_groups.reserve(bodies, components);
   m_groups.find(m_components, bodies, m_contacts);
   m_kept.clear();

@@ -79,8 +79,8 @@ class IslandSolver {
 
   // Memory of the solve.
   std::vector<Vector6d> m_before_others;  ///< of each body: its change of velocity
-  std::vector<char> m_counted;            ///< of each body
   std::vector<int> m_bodies_alone;        ///< of a component
+  std::vector<char> m_counted;            ///< of each body
   ContactGroups m_groups;
   std::vector<BlockOfJoints> m_blocks;
   PassMemory m_pass_memory;

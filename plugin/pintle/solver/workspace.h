@@ -84,7 +84,7 @@ struct Workspace {
     int joint;
     size_t r, at;  ///< among the rows of the component, and among the unknowns of K
   };
-  std::vector<Place> bounded, limits, all, pivots;  ///< rows
+  std::vector<Place> bounded, limits, all;  ///< rows
   /// Rows that go on as contacts do, and where these are.
   struct AsContact {
     Place of;
@@ -106,8 +106,8 @@ struct Workspace {
                     most_stiffness, other.v);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
-                    bends, may_pass, bounded, limits, pivots, parts, as_contacts, last_load,
-                    other.u, other.lambda, other.pieces);
+                    bends, may_pass, bounded, limits, parts, as_contacts, last_load, other.u,
+                    other.lambda, other.pieces);
     pintle::reserve(unknowns, y, x, aim, by_forces, by_joints, open);
     broyden.reserve(unknowns);
   }
@@ -115,8 +115,8 @@ struct Workspace {
   size_t bytes() const {
     return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
                    scales, by_forces, by_joints, base, moved, straight, goal, J, closes, bends,
-                   may_pass, bounded, limits, pivots, as_contacts, all, stays, open, start, nearest,
-                   first, last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
+                   may_pass, bounded, limits, as_contacts, all, stays, open, start, nearest, first,
+                   last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
                    other.pieces) +
            broyden.bytes();
   }
