@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "../unit/contact_depth.h"
 #include "../unit/support.h"
 #include "draws.h"
 #include "energy_book.h"
@@ -67,7 +68,7 @@ class World {
   }
   double mass() { return power(m_random, -m_scene.mass_decades, m_scene.mass_decades); }
   double open() const;
-  double depth() const;
+  double depth();
 
   const Scene& m_scene;
   Random m_random, m_of_variant;
@@ -273,16 +274,10 @@ double World::open() const {
 }
 
 // m: the sum of how deep bodies were in each other when the step began.
-double World::depth() const {
+double World::depth() {
   double sum = 0;
-  for (int i = 0; i < m_dispatcher.getNumManifolds(); ++i) {
-    const btPersistentManifold& touch =
-        *const_cast<btCollisionDispatcher&>(m_dispatcher).getManifoldByIndexInternal(i);
-    double deepest = 0;
-    for (int k = 0; k < touch.getNumContacts(); ++k)
-      deepest = std::max(deepest, -double(touch.getContactPoint(k).getDistance()));
-    sum += deepest;
-  }
+  for (int i = 0; i < m_dispatcher.getNumManifolds(); ++i)
+    sum += support::depthOf(*m_dispatcher.getManifoldByIndexInternal(i));
   return sum;
 }
 

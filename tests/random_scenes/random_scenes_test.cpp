@@ -6,6 +6,8 @@
 #include <string>
 
 #include "../unit/books.h"
+#include "../unit/either_world.h"
+#include "driven_scene.h"
 #include "energy_book.h"
 #include "random_joints.h"
 #include "random_scene.h"
@@ -91,6 +93,43 @@ TEST(RandomScenes, OfEachKindGainNothing) {
       EXPECT_LE(out.jump, Outcome::most_jump) << describe(scene);
     }
 }
+
+// Machines among contacts, against Bullet's solver. (Those of restitution 1 are played by `driven` alone: they gain more than on Bullet's
+// solver.) One that fails is played alone by `show SEED driven`.
+class RandomMachines : public testing::TestWithParam<Family> {
+ protected:
+  static constexpr unsigned count = 200;  ///< of each family
+  static constexpr unsigned one_in = 16;  ///< driven scenes may be an exception
+  static unsigned seedOf(unsigned i) { return family_count * i + unsigned(GetParam()); }
+};
+
+// Bodies that bounce off each other with chance phases have a deeper contact than twice Bullet's now and then: Pintle's joints on Bullet's
+// solver in one scene of 25, links that overlap on the exact one in one of 18.
+TEST_P(RandomMachines, AreAsSoundAsOnBulletsSolver) {
+  for (const support::Contender& contender : support::on_exact) {
+    unsigned driven = 0, exceptions = 0;
+    std::string list;
+    for (unsigned i = 1; i <= count; ++i) {
+      const DrivenScene scene = makeDriven(seedOf(i));
+      const DrivenOutcome of_stock =
+          scene.isDriven() ? play(scene, support::stock) : DrivenOutcome();
+      const DrivenOutcome out = play(scene, contender);
+      EXPECT_TRUE(out.finite) << describe(scene);
+      driven += scene.isDriven();
+      const std::string fault = faultOf(scene, of_stock, out);
+      if (fault.empty()) continue;
+      if (!scene.isDriven()) ADD_FAILURE() << describe(scene) << ": " << fault;
+      exceptions += scene.isDriven();
+      list += describe(scene) + ": " + fault + '\n';
+    }
+    EXPECT_LE(exceptions, driven / one_in) << contender.name << '\n' << list;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfFamily, RandomMachines,
+                         testing::Values(Family::motors, Family::linked, Family::jammed,
+                                         Family::pushed, Family::bouncing, Family::loops),
+                         [](const auto& of) { return std::string(nameOf(of.param)); });
 
 }  // namespace
 }  // namespace random_scenes

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Plays random scenes and prints those that gain energy.
-# Usage: run.sh [--single] COUNT [FIRST SEED], or run.sh [--single] show SEED [WHAT] (main.cpp says what)
+# Usage: run.sh [--single] [driven] COUNT [FIRST SEED], or run.sh [--single] show SEED [WHAT] (main.cpp says what)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 

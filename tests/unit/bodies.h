@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "kinetic_energy.h"
@@ -28,9 +29,9 @@ class Bodies {
   Bodies& operator=(const Bodies&) = delete;
 
   /// Collides only if asked to. A mass of 0: static.
-  btRigidBody& add(double mass, const btVector3& half, const btTransform& pose,
+  btRigidBody& add(double mass, std::unique_ptr<btCollisionShape> shape, const btTransform& pose,
                    bool collides = false) {
-    m_shapes.push_back(std::make_unique<btBoxShape>(half));
+    m_shapes.push_back(std::move(shape));
     btVector3 inertia(0, 0, 0);
     if (mass > 0) m_shapes.back()->calculateLocalInertia(scalar(mass), inertia);
     btRigidBody::btRigidBodyConstructionInfo info(scalar(mass), nullptr, m_shapes.back().get(),
@@ -44,11 +45,17 @@ class Bodies {
       m_world.addRigidBody(bodies.back().get(), 0, 0);
     return *bodies.back();
   }
+  /// A box.
+  btRigidBody& add(double mass, const btVector3& half, const btTransform& pose,
+                   bool collides = false) {
+    return add(mass, std::make_unique<btBoxShape>(half), pose, collides);
+  }
   btRigidBody& add(double mass, const btVector3& half, const btVector3& x, bool collides = false) {
     return add(mass, half, btTransform(btQuaternion::getIdentity(), x), collides);
   }
-  void join(std::unique_ptr<btTypedConstraint> joint) {
-    m_world.addConstraint(joint.get(), true);
+  /// Its bodies collide with each other only if asked to.
+  void join(std::unique_ptr<btTypedConstraint> joint, bool linked_collide = false) {
+    m_world.addConstraint(joint.get(), !linked_collide);
     joints.push_back(std::move(joint));
   }
   void removeLastJoint() {
