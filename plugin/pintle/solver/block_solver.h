@@ -49,7 +49,7 @@ class BlockSolver {
   bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds);
   /// Adds limits that are reached to the rows of the passes. Returns whether any is.
   bool addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
-  /// Whether there are any that are not reached.
+  /// True where some are not reached.
   bool hasLimits() const { return !m_work.limits.empty(); }
   /// Whether there is a factor where one is needed.
   bool isSolvable() const { return m_solvable; }

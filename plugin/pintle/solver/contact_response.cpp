@@ -136,7 +136,7 @@ void ContactResponse::addPath(const Body& of, int a, int b, const RowJacobian& J
     part->at += m_components[of.component].at;
 }
 
-// Whether none of its bodies can get away without its joints: both are of one component, or all that move hang on what does not.
+// True where no body of the contact has a way out without its joints: both are of one component, or all that move hang on what does not.
 bool ContactResponse::isConfined(const ContactRow& row) const {
   const Joints* joints[2] = {nullptr, nullptr};
   for (size_t side = 0; side < 2; ++side) {

@@ -22,14 +22,14 @@ class ContactResponse {
     m_bodies.assign(bodies, {});
     m_state.assign(body_size * bodies, 0.);
   }
-  /// Joints of the bodies from `first` on: they are left out, until they have a factor.
+  /// Joints of a component: they are left out, until they have a factor.
   void addJoints(const Component& component, JointMatrix& joints);
   /// Of the components that these rows are on: leaves out all joints of one where paths may have more than `longest` blocks, and those of
   /// the rows would take more memory than its matrix. Returns whether none is left out.
   bool leaveOutLongPaths(Span<const ContactRow> rows, int longest);
   /// They have one, another than before.
   void takeFactor(int first, JointMatrix& joints);
-  /// What an impulse does to each body of the row without joints, and K of that.
+  /// M^-1 J^T of each body of the row, and K of these alone.
   void begin(const Island& island, ContactRow& row) const;
   /// The response of a row is found anew, if a body of it has another factor.
   void forgetOld(ContactRow& row) const {

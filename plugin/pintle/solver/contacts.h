@@ -75,7 +75,7 @@ struct DualFunction {
     slope -= impulse * target;
     curvature += softness * impulse * impulse;
   }
-  /// What is best of them where all are worse than none, up to `most` where that is still too little, else all.
+  /// The best fraction of the warm start where all of it is worse than none, `most` where that is still too little, else all.
   double fraction(double most) const {
     if (slope + curvature / 2 > 0) return slope < 0 ? -slope / curvature : 0;
     return most > 1 && slope + most * curvature <= 0 ? most : 1;

@@ -10,14 +10,14 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Whether a Scalar holds x. NaN: no.
+/// True where a Scalar holds x, which NaN never is.
 bool isRepresentable(double x);
 
-/// Whether a step that ends with velocity v, and moves the pose by `change` besides, takes a body to numbers that Bullet cannot hold,
+/// True where a step that ends with velocity v, and moves the pose by `change` besides, takes a body to numbers that Bullet cannot hold,
 /// sums on the way there included.
 bool overflows(const IslandBody& of, const btSolverBody& bullets, const Vector6d& v,
                const PoseChange& change, double dt);
-/// Whether the impulses of a component's rows, or their forces, do. `lambda`: N s or N m s, of each row.
+/// True where the impulses of a component's rows, or their forces, do. `lambda`: N s or N m s, of each row.
 bool overflows(const std::vector<double>& lambda, double dt);
 
 }  // namespace PINTLE_PRECISION
