@@ -10,8 +10,8 @@ inline namespace PINTLE_PRECISION {
 constexpr double rounding_share = 1e-9;
 
 /// Fraction of what the bodies of a contact would give way alone: where joints leave less of it, and the bodies have no way out
-/// without their joints, equalities hold the contact. Links that overlap at a joint are below it, and robots of such links stay as
-/// calm as on Bullet's solver; links that touch a tenth of their length beside a joint are above.
+/// without their joints, equalities hold the contact. Robots whose links overlap at their joints stay as calm as on Bullet's solver from
+/// 0.005 to 0.04, and may blow up at 0.003.
 constexpr double held_share = 1e-2;
 
 /// Of the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
