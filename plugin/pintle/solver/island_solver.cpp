@@ -39,13 +39,20 @@ Vector6d changeOf(const btSolverBody& of) {
   return change;
 }
 
+// The velocity of one of Bullet's bodies.
+void write(const Vector6d& v, btSolverBody& to) {
+  const Vector6d change = v - freeVelocity(to);
+  to.m_deltaLinearVelocity = toBullet(rounded(change.head<3>(), v.head<3>().norm()));
+  to.m_deltaAngularVelocity = toBullet(rounded(change.tail<3>(), v.tail<3>().norm()));
+}
+
 }  // namespace
 
 size_t IslandSolver::bytes() const {
   return m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() + m_groups.bytes() +
          m_island.bytes() +
          bytesOf(m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
-                 m_bodies_alone, m_blocks);
+                 m_counted, m_bodies_alone, m_blocks);
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -87,14 +94,18 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
 }
 
 void IslandSolver::writeVelocities(SolverBodies& bodies) const {
+  for (size_t i = 0; i < m_island.bodies.size(); ++i)
+    write(m_velocities[i], bodies[m_island.bodies[i].solver_body]);
+}
+
+// Passes over other rows come before bodies that overflow are left to forces.
+void IslandSolver::writeVelocitiesForOthers(SolverBodies& bodies) const {
   for (size_t i = 0; i < m_island.bodies.size(); ++i) {
     const IslandBody& of = m_island.bodies[i];
     btSolverBody& to = bodies[of.solver_body];
-    // Passes over other rows come before those that overflow are left out.
-    const bool is_of_bullet = !overflows(of, to, m_velocities[i], PoseChange::Zero(), m_island.dt);
-    const Vector6d &v = is_of_bullet ? m_velocities[i] : of.v_free, change = v - freeVelocity(to);
-    to.m_deltaLinearVelocity = toBullet(rounded(change.head<3>(), v.head<3>().norm()));
-    to.m_deltaAngularVelocity = toBullet(rounded(change.tail<3>(), v.tail<3>().norm()));
+    write(overflows(of, to, m_velocities[i], PoseChange::Zero(), m_island.dt) ? of.v_free
+                                                                              : m_velocities[i],
+          to);
   }
 }
 
@@ -109,7 +120,7 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
       unmet = 0;
     }
     if (is_last) return;
-    writeVelocities(bodies);
+    writeVelocitiesForOthers(bodies);
     std::vector<Vector6d>& before = m_before_others;
     before.clear();
     for (const IslandBody& of : m_island.bodies) before.push_back(changeOf(bodies[of.solver_body]));
@@ -311,7 +322,7 @@ void IslandSolver::beginComponents(WorldMemory& memory) {
       bounds += size_t(AxisLaw::max_parts * joint.bounded);
   m_pass_memory.reserve(components, bounds);
   reserve(components, m_blocks);
-  reserve(bodies, m_bodies_alone, m_velocities);
+  reserve(bodies, m_counted, m_bodies_alone, m_velocities);
   m_groups.reserve(bodies, components);
   m_groups.find(m_components, bodies, m_contacts);
   m_kept.clear();

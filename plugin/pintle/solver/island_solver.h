@@ -60,6 +60,7 @@ class IslandSolver {
   void report(const Component& component, ComponentMemory& kept);
   void gatherVelocities(const Component& component);
   void writeVelocities(SolverBodies& bodies) const;
+  void writeVelocitiesForOthers(SolverBodies& bodies) const;
   ComponentMemory& memoryOf(const Component& component) const {
     return *m_kept[size_t(&component - m_components.data())];
   }

@@ -85,14 +85,18 @@ void report(const Island& island, const Component& component, const Workspace& e
   }
 }
 
+void clearImpulses(btTypedConstraint& joint) {
+  joint.internalSetAppliedImpulse(0);
+  if (btJointFeedback* feedback = joint.getJointFeedback())
+    for (btVector3* of : {&feedback->m_appliedForceBodyA, &feedback->m_appliedTorqueBodyA,
+                          &feedback->m_appliedForceBodyB, &feedback->m_appliedTorqueBodyB})
+      of->setZero();
+}
+
 void reportNothing(const Island& island, const Component& component) {
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    joint.constraint->internalSetAppliedImpulse(0);
-    if (btJointFeedback* feedback = joint.constraint->getJointFeedback())
-      for (btVector3* of : {&feedback->m_appliedForceBodyA, &feedback->m_appliedTorqueBodyA,
-                            &feedback->m_appliedForceBodyB, &feedback->m_appliedTorqueBodyB})
-        of->setZero();
+    clearImpulses(*joint.constraint);
     for (int i = 0; i < joint.rows; ++i) {
       const IslandRow& row = island.rows[size_t(joint.first_row + i)];
       if (!row.isOfAxis()) continue;

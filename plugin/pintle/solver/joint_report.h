@@ -3,6 +3,8 @@
 
 #include <pintle/solver/workspace.h>
 
+class btTypedConstraint;
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
@@ -15,6 +17,9 @@ void report(const Island& island, const Component& component, const Workspace& e
 
 /// Tells them that nothing has acted.
 void reportNothing(const Island& island, const Component& component);
+
+/// The applied impulse and the feedback of a joint: none.
+void clearImpulses(btTypedConstraint& joint);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

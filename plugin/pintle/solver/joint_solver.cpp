@@ -2,6 +2,7 @@
 
 #include <pintle/solver/island_solver.h>
 #include <pintle/solver/joint_access.h>
+#include <pintle/solver/joint_report.h>
 #include <pintle/solver/prefetch.h>
 #include <pintle/solver/world_memory.h>
 
@@ -91,11 +92,7 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
     if (i + 4 < numConstraints) prefetch<joint_bytes>(constraints[i + 4]);
     if (i + 2 < numConstraints) prefetchOf(*constraints[i + 2]);
     constraint.buildJacobian();
-    constraint.internalSetAppliedImpulse(0);
-    if (btJointFeedback* feedback = constraint.getJointFeedback())
-      for (btVector3* of : {&feedback->m_appliedForceBodyA, &feedback->m_appliedTorqueBodyA,
-                            &feedback->m_appliedForceBodyB, &feedback->m_appliedTorqueBodyB})
-        of->setZero();
+    clearImpulses(constraint);
     if (!constraint.isEnabled()) continue;
     const int a = this->getOrInitSolverBody(constraint.getRigidBodyA(), info.m_timeStep),
               b = this->getOrInitSolverBody(constraint.getRigidBodyB(), info.m_timeStep);
