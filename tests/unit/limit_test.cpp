@@ -347,7 +347,8 @@ TEST(DocumentLimit, HoldsOverAnyNumberOfTurnsAndIsOvershotByLessThanAStepsMotion
           last = angle();
           overshoot = std::max({overshoot, last - radians(range.high), radians(range.low) - last});
         }
-        EXPECT_NEAR(last, radians(way > 0 ? range.high : range.low), 2e-3);
+        // Where the row has no length, its coordinate is that of the limit, in single precision, up to a few times 7e-4 rad from it.
+        EXPECT_NEAR(last, radians(way > 0 ? range.high : range.low), rounding(3e-3, 2e-3));
       }
       EXPECT_LT(overshoot, motion);
     }

@@ -37,7 +37,6 @@ class Chord {
         m_energy_by_forces(energy_by_forces),
         m_K(K),
         m_work(work),
-        m_bends_as_arms(component.bends_as_arms && !island.anyUnmovedMoves()),
         m_set(island, component, options, K, work) {}
 
   SolveReport run();
@@ -53,9 +52,7 @@ class Chord {
     m_work.v = m_work.base;
     m_K.addResponse(m_work.y.data(), m_work.v.data());
   }
-  double findBend() const;
-  void followStraight();
-  int countSteps(double bend);
+  int countSteps();
   int end();
   void meetClosely();
 
@@ -65,7 +62,6 @@ class Chord {
   const double m_energy_by_forces;
   JointMatrix& m_K;
   Workspace& m_work;
-  const bool m_bends_as_arms;  ///< all rows: by no more than findBend
   ActiveSet m_set;
   SolveReport m_report;
 };
@@ -101,58 +97,20 @@ bool Chord::isForeseen() {
   return missed2 <= most2;
 }
 
-// m and rad: by how much rows of arms may bend between the velocities at which they are measured, in `stays`, and those that are found.
-// An arm that turns changes its direction by less than that turn; there are two on two bodies.
-double Chord::findBend() const {
-  double turn = 0, change = 0;
-  for (size_t i = 0; i < m_work.v.size(); ++i) {
-    const Vector3d w = m_work.v[i].tail<3>(), before = m_work.stays[i].tail<3>();
-    turn = std::max(turn, w.squaredNorm());
-    change = std::max(change, (w - before).squaredNorm());
-  }
-  turn = std::sqrt(turn);
-  change = std::sqrt(change);
-  const double lever = std::max(1., m_component.lever);  // that of axes is 1
-  return 4 * lever * m_island.dt * m_island.dt * (turn + change) * change;
-}
-
-// Where rows come to without bending from there.
-void Chord::followStraight() {
-  for (size_t i = 0; i < m_work.v.size(); ++i) m_work.stays[i] = m_work.v[i] - m_work.stays[i];
-  for (int c = 0; c < m_component.joints; ++c) {
-    const IslandJoint& joint = m_island.joints[size_t(m_component.first_joint + c)];
-    const IslandRow* const rows = &m_island.rows[size_t(joint.first_row)];
-    double* const u = &m_work.u[size_t(joint.row_of_component)];
-    for (size_t side = 0; side < 2; ++side) {
-      if (joint.body[side] < 0) continue;
-      const Vector6d& change = m_work.stays[size_t(joint.body[side] - m_component.first_body)];
-      for (int i = 0; i < joint.rows; ++i) u[i] += rows[i].J.along(int(side), change);
-    }
-  }
-}
-
 // Returns how many steps rows are from the pieces of their laws to which they would come.
-int Chord::countSteps(double bend) {
+int Chord::countSteps() {
   const int changes = m_set.countSteps(m_set.bounded());
-  m_report.error = findResidual(m_island.dt, m_work) + bend;
+  m_report.error = findResidual(m_island.dt, m_work);
   m_report.converged = changes == 0 && m_report.error <= m_options.newton_tolerance;
   return changes;
 }
 
-// What the impulses lead to. It is measured, unless it is known as well from where it was measured last.
+// What the impulses lead to.
 int Chord::end() {
   ++m_report.steps;
-  m_work.stays.swap(m_work.v);
   findVelocities();
-  if (m_bends_as_arms) {
-    if (const double bend = findBend(); bend <= m_options.newton_tolerance) {
-      followStraight();
-      countSteps(bend);
-      if (m_report.converged) return 0;
-    }
-  }
   measureEnd();
-  return countSteps(0);
+  return countSteps();
 }
 
 // The tolerance leaves joints open, always to where their load pulls. Where poses are moved back, that gives back but a part of what it took
@@ -162,16 +120,13 @@ void Chord::meetClosely() {
   if (!m_set.bounded().empty() || !startsClosed(m_island, m_component, m_options.pose_tolerance) ||
       !m_work.broyden.step(m_K, m_work.x, m_work.y))
     return;
-  m_work.stays.swap(m_work.v);
   findVelocities();
-  followStraight();
+  measureEnd();
 }
 
 SolveReport Chord::run() {
-  Broyden& broyden = m_work.broyden;
   measureEnd();
   m_set.choose(m_set.bounded());
-  broyden.begin();
   setActing(m_island, m_component, m_work, m_K);
   findWhatForeseenMisses();
   // Then nothing is to be solved. But impulses that had to change in the last step do so again: what is at rest would leave it by what
@@ -183,6 +138,8 @@ SolveReport Chord::run() {
     unscaleImpulses(m_work);
     return m_report;
   }
+  Broyden& broyden = m_work.broyden;
+  broyden.begin();
   if (!m_K.factorise(m_options.least_pivot) || !broyden.step(m_K, m_work.x, m_work.y))
     return m_report;
   // Where bodies swing no faster than steps resolve, a way that is not straight leads there, too.

@@ -197,10 +197,6 @@ struct IslandRow {
   bool isOfAxis() const { return start != nullptr && start->axis >= 0; }
   /// Whether what it measures follows from two arms of the bodies (RowShape), without asking the joint.
   bool isOfArms() const { return shape.kind <= RowShape::distance; }
-  /// Whether it bends no more than arms of its length do: not as directions between two points.
-  bool bendsAsArms() const {
-    return shape.kind < RowShape::distance || !has_position || has_stops_alone;
-  }
   bool isOfAngle() const { return shape.kind == RowShape::angle || shape.kind == RowShape::turn; }
   /// Whether the direction of a stop may turn over in the step.
   bool mayTurnStops() const {
@@ -245,7 +241,6 @@ struct IslandJoint {
   double open;         ///< m or rad: the most that poses are to close, or more
   double lever[2];     ///< m: the longest of each body on which a row holds a point or a distance
   unsigned on_lever;   ///< a bit for each row that does
-  bool bends_as_arms;  ///< no row bends more
   bool has_axes, has_springs, may_turn_stops;
   bool drives;             ///< some work by themselves, as motors do, and rebounds
   bool keeps_for_rebound;  ///< stops may, what they take
@@ -276,13 +271,9 @@ struct IslandJoint {
   bool isOnLever(int i) const { return (on_lever >> i & 1) != 0; }
   /// When the shapes of its rows are known.
   void finishShapes(IslandRow* of) {
-    bends_as_arms = true;
     for (int i = 0; i < rows; ++i) {
       const RowShape& shape = of[i].shape;
-      if (!of[i].bendsAsArms()) {
-        bends_as_arms = false;
-        may_turn_stops = may_turn_stops || of[i].mayTurnStops();
-      }
+      may_turn_stops = may_turn_stops || of[i].mayTurnStops();
       of[i].shares_arms = i > 0 && shape.kind == of[i - 1].shape.kind &&
                           shape.a == of[i - 1].shape.a && shape.b == of[i - 1].shape.b;
       if (!of[i].has_position ||
@@ -352,7 +343,6 @@ struct Component {
   // Of all its joints:
   int rows = 0;
   double lever = 0;           ///< m: the longest
-  bool bends_as_arms = true;  ///< each does
   bool is_anchored = false;  ///< one holds on to a body that does not move, or that its owner moves
 };
 

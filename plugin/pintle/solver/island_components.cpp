@@ -66,7 +66,6 @@ void IslandBuilder::finish(std::vector<Component>& components) {
     joint.row_of_component = c.rows;
     c.rows += joint.rows;
     c.lever = std::max({c.lever, joint.lever[0], joint.lever[1]});
-    c.bends_as_arms = c.bends_as_arms && joint.bends_as_arms;
     c.is_anchored = c.is_anchored || joint.body[0] < 0 || joint.body[1] < 0;
   }
   for (size_t i = 0; i < n; ++i) {

@@ -175,20 +175,10 @@ bool IslandSolver::solveByChord(const Component& component) {
          (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));
 }
 
-// Where the first tier gives too much, the second one may lose more than that: then the first one is taken, and balanced.
 void IslandSolver::solveAlone(const Component& component) {
   if (solveByChord(component)) return;
-  ComponentMemory& kept = memoryOf(component);
-  const bool has_end = kept.holds_end && isOfArcs(m_island, component, m_options, kept);
-  if (has_end) kept.work.keepAsOther();
-  const double given = kept.work_done;
   const Component* const alone = &component;
   solveInVelocity({{&alone, 1}, bodiesOf(component), {}});
-  if (!has_end || kept.ledger.mayGive(-kept.work_done, m_options.ledger_share)) return;
-  kept.work.takeOther();
-  kept.work_done = given;
-  kept.has_factor = false;
-  kept.holds_end = kept.converged = true;
 }
 
 // J: what all impulses gave to the velocities that forces lead to. Contacts may give what they aim at: rebounds, and ways out of each

@@ -49,10 +49,5 @@ bool countsTurns(const Island& island, const Component& component, const std::ve
 double bendOfRows(const Island& island, const Component& component, const std::vector<char>& which,
                   const std::vector<MovedBody>& start, const std::vector<MovedBody>& end);
 
-/// Where no motion closes all, the nearest one may be far: of each body of the component, no change is more than all its rows together
-/// would move it. `open_rows`: what each one has open, in the units of K.
-void shorten(const Island& island, const Component& component, const JointMatrix& K,
-             const std::vector<double>& open_rows, PoseChange* changes);
-
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -33,7 +33,6 @@ class PoseCorrection {
   bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
   bool factorise(bool at_end);
   bool straighten();
-  bool leaveLimits();
   bool askLess();
   double measure();
   double findResidual();
@@ -41,7 +40,6 @@ class PoseCorrection {
   double leftBySoftness() const;
   double iterate(double open, bool goes_on_anyhow);
   double closePassed(double left);
-  double closeWithoutLimits(double left);
   bool opensArms(double open) const;
   bool getsThere(double left);
   double follow(double left);
@@ -137,18 +135,6 @@ bool PoseCorrection::straighten() {
     if (row.open == 0 || !row.law.isEquality() || row.isOfArms()) return;
     any = any || m_bends[r];
     m_bends[r] = false;
-  });
-  return any;
-}
-
-// Where limits among contacts cannot be closed together with the joints, they stay as far as they have come. Returns whether any does.
-bool PoseCorrection::leaveLimits() {
-  if (m_work.parts.empty()) return false;
-  bool any = false;
-  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
-    if (!m_closes[r] || !isLimit(row.law)) return;
-    any = true;
-    m_closes[r] = m_bends[r] = false;
   });
   return any;
 }
@@ -255,15 +241,13 @@ double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
       first = m_work.moved;
     }
     if (open <= m_tolerance / 2) break;
-    // With rows that contradict each other by rounding no other factor would close the last digits.
-    const bool is_rounding = is_fresh && open <= m_options.loose_pose_tolerance;
-    const bool was_fresh = is_fresh;
-    is_fresh = is_fresh && !closes;
+    const bool was_fresh = std::exchange(is_fresh, false);
     if (is_fast) continue;
-    if (is_rounding) break;
+    // With rows that contradict each other by rounding no other factor would close the last digits.
+    if (was_fresh && open <= m_options.loose_pose_tolerance) break;
     if (was_fresh) is_of_softness = now < infinity && leftBySoftness() > open / 2;
     if (closes && (is_of_softness || !mayFactorise())) continue;
-    if (is_fresh) break;
+    if (was_fresh && !closes) break;
     if (!closes) m_work.moved = m_nearest;
     if (!factorise(true)) break;
     measure();
@@ -282,16 +266,6 @@ double PoseCorrection::closePassed(double left) {
     if (factorise(true)) left = iterate(left, false);
   }
   m_factors += factors;
-  return left;
-}
-
-// Returns what the others leave open, where limits stay.
-double PoseCorrection::closeWithoutLimits(double left) {
-  if (!mayFactorise() || !leaveLimits()) return left;
-  m_work.moved = m_nearest;
-  left = measure();
-  if (!(left <= m_options.loose_pose_tolerance) && factorise(true))
-    left = iterate(measure(), false);
   return left;
 }
 
@@ -377,10 +351,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   m_arrives = getsThere(left);
   if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed(m_island, m_component, met))
     left = follow(left);
-  const double of_joints = left <= met ? left : closeWithoutLimits(left);
   findChanges(m_island, m_component, m_work.v, m_nearest, changes);
-  if (!(of_joints <= met || left < m_options.contraction * open))
-    shorten(m_island, m_component, m_K, m_open, changes);
   return left;
 }
 

@@ -30,27 +30,6 @@ struct Workspace {
   bool is_missed = false;           ///< impulses do not lead to what is foreseen (chord.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
 
-  /// What a solve has found.
-  struct Solution {
-    std::vector<Vector6d> v;
-    std::vector<double> u, lambda;
-    std::vector<LawPiece> pieces;
-  };
-  Solution other;  ///< that of the first tier, beside that of the second one
-  void keepAsOther() {
-    other.v = v;
-    other.u = u;
-    other.lambda = lambda;
-    other.pieces = pieces;
-  }
-  void takeOther() {
-    parts.clear();
-    v = other.v;
-    u = other.u;
-    lambda = other.lambda;
-    pieces = other.pieces;
-  }
-
   /// The impulses of the parts of the law of row r.
   AxisLaw::Parts split(const AxisLaw& law, size_t r) const {
     if (!parts.empty() && !law.isEquality()) return parts[r];
@@ -103,11 +82,10 @@ struct Workspace {
   /// first contact does.)
   void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
     pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
-                    most_stiffness, other.v);
+                    most_stiffness);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
-                    bends, may_pass, bounded, limits, parts, as_contacts, last_load, other.u,
-                    other.lambda, other.pieces);
+                    bends, may_pass, bounded, limits, parts, as_contacts, last_load);
     pintle::reserve(unknowns, y, x, aim, by_forces, by_joints, open);
     broyden.reserve(unknowns);
   }
@@ -116,8 +94,7 @@ struct Workspace {
     return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
                    scales, by_forces, by_joints, base, moved, straight, goal, J, closes, bends,
                    may_pass, bounded, limits, as_contacts, all, stays, open, start, nearest, first,
-                   last_load, last_stiffness, most_stiffness, other.v, other.u, other.lambda,
-                   other.pieces) +
+                   last_load, last_stiffness, most_stiffness) +
            broyden.bytes();
   }
 };
