@@ -50,11 +50,11 @@ int stepScene(const std::string& name, const std::string& solver, int steps);
 inline std::unique_ptr<btConstraintSolver> exact() {
   return std::make_unique<pintle::ExactJointSolver>();
 }
-inline std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_new_factors) {
+inline std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_factors) {
   auto solver = std::make_unique<pintle::ExactJointSolver>();
   pintle::SolverOptions options = solver->options();
   options.newton_tolerance = options.pose_tolerance = options.loose_pose_tolerance = tolerance;
-  options.max_new_factors = max_new_factors;
+  options.max_factors = max_factors;
   solver->setOptions(options);
   return solver;
 }

@@ -88,9 +88,9 @@ std::vector<Cost> costs() {
       netCost("net-30", "net of 30 x 30 bodies, tolerances of 1e-6 m", 30, NetBy::to_a_micrometre),
       netCost("net-100", "net of 100 x 100 bodies, tolerances of 1e-6 m", 100,
               NetBy::to_a_micrometre),
-      netCost("net-30-one", "net of 30 x 30 bodies, 1e-4 m, `max_new_factors` 1", 30,
+      netCost("net-30-one", "net of 30 x 30 bodies, 1e-4 m, `max_factors` 1", 30,
               NetBy::one_factor),
-      netCost("net-100-one", "net of 100 x 100 bodies, 1e-4 m, `max_new_factors` 1", 100,
+      netCost("net-100-one", "net of 100 x 100 bodies, 1e-4 m, `max_factors` 1", 100,
               NetBy::one_factor),
       {"chain-loaded", "chain of 100, load 1000:1, 240 Hz", 3,
        [scene = scenes::chain_scene(100, 1000)](bool is_exact, Purpose purpose) {

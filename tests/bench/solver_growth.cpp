@@ -16,7 +16,7 @@ using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
 std::unique_ptr<btConstraintSolver> toAMicrometre() {
-  return exactTo(1e-6, pintle::SolverOptions().max_new_factors);
+  return exactTo(1e-6, pintle::SolverOptions().max_factors);
 }
 std::unique_ptr<btConstraintSolver> coarse() { return exactTo(1e-4, 1); }
 
@@ -222,7 +222,7 @@ Measured net(int size, NetBy by, int steps) {
 void grid() {
   const std::vector<NetSetting> settings = {{"default", exact},
                                             {"tolerances of 1e-6 m", toAMicrometre},
-                                            {"tolerances of 1e-4 m, `max_new_factors` 1", coarse}};
+                                            {"tolerances of 1e-4 m, `max_factors` 1", coarse}};
   std::printf("\n%-10s %8s %-44s %14s %14s %8s %12s %12s %12s\n", "net", "joints", "",
               "stock us/joint", "exact us/joint", "ratio", "bytes/joint", "stock gap m",
               "exact gap m");

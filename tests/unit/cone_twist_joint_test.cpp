@@ -677,10 +677,10 @@ TEST(ConeTwistAtRest, NoCornerSticksOrJitters) {
       for (unsigned seed = 100; seed < 108; ++seed) {
         SCOPED_TRACE(testing::Message() << spans << ", " << seed << ", " << iterations);
         const Rest result = rest<Ours>(spans, seed, iterations);
-        // Its tip has a radius of 0.002 rad, about which the exact solver may creep, a degree there and back. (Stock's whirls, at up
-        // to 70 rad/s.)
+        // Its tip has a radius of 0.002 rad, about which the exact solver may creep, a degree a step there and back. (Stock's whirls, at
+        // up to 70 rad/s.)
         const bool creeps = onExactSolver() && spans.swing_1 < 0.1;
-        EXPECT_LT(result.speed, creeps ? 1 : 1e-3);
+        EXPECT_LT(result.speed, creeps ? (support::is_double ? 1 : 1.1) : 1e-3);
         ours = std::max(ours, result.beyond);
         if (iterations == 10) stock = std::max(stock, rest<Stock>(spans, seed, iterations).beyond);
       }

@@ -5,7 +5,9 @@
 #include <pintle/joints/fixed_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/solver/exact_joint_solver.h>
+#include <pintle/solver/uses_exact_solver.h>
 
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpringConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <gtest/gtest.h>
 #include <scenes/angles.h>
@@ -182,6 +184,52 @@ TEST(ExactJointSolver, AFreePairThatSpinsGainsNoEnergy) {
     // to where half a radian a step is left.
     EXPECT_GT(least, speed <= 10 ? 1 - chord : speed <= 20 ? 0.5 : 0.4) << speed;
   }
+}
+
+// Plates in a ring, each linked with the one above it and the one beside it by joints with limits, under a body that its owner swings. Many
+// limits are met at once: which of them act takes no more factors than there are.
+TEST(ExactJointSolver, ASkirtsStepHasABudgetOfFactors) {
+  constexpr int columns = 12, rows = 4;
+  World world(9.81, 10, exact);
+  btRigidBody& hip = world.add_box(0, vec(0.8, 0.6, 0.5), at(0, 0, 0));
+  hip.setCollisionFlags(hip.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+  const auto about = [](int half_columns) {
+    return btQuaternion(vec(0, 0, 1), scalar(scenes::pi * half_columns / columns));
+  };
+  const auto join = [&](btRigidBody& a, btRigidBody& b, const btTransform& frame, double swing) {
+    auto& joint = world.join<btGeneric6DofSpringConstraint>(a, b, frame, true);
+    joint.setAngularLowerLimit(vec(-swing, -swing, -swing));
+    joint.setAngularUpperLimit(vec(swing, swing, swing));
+  };
+  btRigidBody* plates[columns][rows];
+  for (int c = 0; c < columns; ++c)
+    for (int r = 0; r < rows; ++r) {
+      const btQuaternion turn = about(2 * c);
+      const auto place = [&](double below) {
+        return at(quatRotate(turn, vec(1 + 0.15 * below, 0, -0.9 * below)), turn);
+      };
+      plates[c][r] = &world.add_box(1 - 0.1 * r, vec(0.05, 0.22, 0.42), place(r + 0.5));
+      plates[c][r]->setDamping(scalar(0.9), scalar(0.9));
+      join(r > 0 ? *plates[c][r - 1] : hip, *plates[c][r], place(r), 0.3);
+    }
+  for (int c = 0; c < columns; ++c)
+    for (int r = 1; r < rows; ++r) {
+      const btQuaternion turn = about(2 * c + 1);
+      join(*plates[c][r], *plates[(c + 1) % columns][r],
+           at(quatRotate(turn, vec(1 + 0.15 * r, 0, -0.9 * (r + 0.5))), turn), 0.35);
+    }
+  int most = 0;
+  for (int i = 0; i < 240; ++i) {
+    const double t = i / 60.;
+    hip.setWorldTransform(at(vec(2 * std::sin(9 * t), 0, 0),
+                             btQuaternion(vec(0, 0, 1), scalar(1.2 * std::sin(9 * t)))));
+    world.step(1. / 60);
+    most = std::max(most, pintle::lastStep(world.bullet()).factorisations);
+    for (const auto& column : plates)
+      for (const btRigidBody* plate : column) ASSERT_TRUE(support::is_finite(*plate)) << i;
+  }
+  // Of velocities, which are solved for by the set, by passes, and again where the load swings; and of poses.
+  EXPECT_LE(most, 4 * pintle::SolverOptions().max_factors);
 }
 
 // A boom of two arms lies on the limits of its hinges, and its foot on the ground. What is iterated begins with what

@@ -134,7 +134,7 @@ TEST(LastStep, AHeavyLoadThatHangsStaysInTheFirstTier) {
 TEST(LastStep, WhatRestsClosesByTheFactorOfItsVelocities) {
   Pendulum of;
   pintle::SolverOptions options;
-  options.max_new_factors = 0;
+  options.max_factors = 0;
   of.solver.setOptions(options);
   of.body.setActivationState(DISABLE_DEACTIVATION);
   const btQuaternion hanging(vec(0, 1, 0), scalar(SIMD_HALF_PI));
@@ -266,7 +266,7 @@ TEST(SolverOptions, OneMoreFactorAStepHoldsANet) {
   btSequentialImpulseConstraintSolver bullet;
   pintle::ExactJointSolver exact, cheap;
   pintle::SolverOptions options;
-  options.max_new_factors = 1;
+  options.max_factors = 1;
   cheap.setOptions(options);
   Net<btPoint2PointConstraint> stock(bullet);
   Net<pintle::BallJoint> all(exact), few(cheap);
@@ -301,8 +301,8 @@ TEST(SolverOptions, AreChecked) {
   options.max_iterations = 0;
   expectRejected(options, "max_iterations = 0: must be 1 or more");
   options = {};
-  options.max_new_factors = -1;
-  expectRejected(options, "max_new_factors = -1: must be 0 or more");
+  options.max_factors = -1;
+  expectRejected(options, "max_factors = -1: must be 0 or more");
   options = {};
   options.longest_path = 0;
   expectRejected(options, "longest_path = 0: must be 1 or more");

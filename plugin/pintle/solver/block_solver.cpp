@@ -17,12 +17,6 @@ double sumOf(const AxisLaw::Parts& parts) {
   return std::accumulate(parts.begin(), parts.end(), 0.);
 }
 
-int countEnds(const std::vector<ActiveSet::Place>& rows) {
-  int ends = 0;
-  for (const ActiveSet::Place& of : rows) ends += 2 * of.row->law.parts();
-  return ends;
-}
-
 }  // namespace
 
 void BlockSolver::measure(const std::vector<Vector6d>& velocities) {
@@ -105,17 +99,17 @@ bool BlockSolver::findActiveSet(std::vector<Vector6d>& velocities) {
 
 // A set of active rows is the right one where it leads to velocities at which just these are active: so each one is solved for. All
 // rows that come to another piece of their laws take a step there at once, while these steps become fewer, or else that one
-// whose impulse changes most. That may lead back to a set that was: so it is done as often as parts of laws have ends. Returns
-// whether a set is found.
+// whose impulse changes most. That may lead back to a set that was, and takes a factor each time: so it has a budget. Returns whether a
+// set is found.
 bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows,
                                std::vector<Vector6d>& velocities) {
-  int fewest = std::numeric_limits<int>::max(), ones = countEnds(rows);
+  int fewest = std::numeric_limits<int>::max(), factors = 0;
   for (;;) {
     m_set.measure(rows, own(velocities));
     const int changes = m_set.countSteps(rows);
     if (changes == 0) return true;
+    if (2 * factors++ >= m_options.max_factors) return false;
     const bool all = changes < fewest;
-    if (!all && ones-- <= 0) return false;
     fewest = std::min(fewest, changes);
     changeImpulses(velocities, [&] { all ? m_set.changeAll(rows) : m_set.changeMost(rows); });
     factorise();

@@ -235,7 +235,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     bool again = false;
     for (const Component* of : those)
       again = foreseeLoad(m_island, *of, m_options.stable_swing, memoryOf(*of).work) || again;
-    if (again && m_options.max_new_factors > 1 && !solve(sweep)) return false;  // one is for poses
+    if (again && m_options.max_factors > 1 && !solve(sweep)) return false;  // one is for poses
     return gainInVelocity(group) <= rounding_share * largest;
   };
   // Limits that many bodies meet at once, or whose rows become short, may give back more than they took (Kane 1984): then they give

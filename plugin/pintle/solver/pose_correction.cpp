@@ -30,7 +30,7 @@ class PoseCorrection {
   void begin();
   bool findGoals();
   bool addPassed();
-  bool mayFactorise() const { return m_factors < m_options.max_new_factors; }
+  bool mayFactorise() const { return m_factors < m_options.max_factors; }
   bool factorise(bool at_end);
   bool straighten();
   bool askLess();
@@ -52,6 +52,7 @@ class PoseCorrection {
   Workspace& m_work;
   JointMatrix& m_K;
   int m_factors = 0;
+  bool m_is_at_end = false;  ///< the factor is of where bodies have come to
   bool m_arrives = true;
   double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
   double m_asked = 1;  ///< of what Bullet's rows are to close
@@ -117,6 +118,7 @@ bool PoseCorrection::addPassed() {
 bool PoseCorrection::factorise(bool at_end) {
   if (!mayFactorise()) return false;
   ++m_factors;
+  m_is_at_end = at_end;
   stiffen(m_island, m_component, m_work, m_K);
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
@@ -257,15 +259,13 @@ double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
   return open;
 }
 
-// Of stops that are met by where poses have been moved to. They have as many factors again, however many were spent on the last digits.
+// Of stops that are met by where poses have been moved to.
 double PoseCorrection::closePassed(double left) {
-  const int factors = std::exchange(m_factors, 0);
   while (mayFactorise() && addPassed()) {
     m_work.moved = m_nearest;
     left = measure();
     if (factorise(true)) left = iterate(left, false);
   }
-  m_factors += factors;
   return left;
 }
 
@@ -299,7 +299,6 @@ double PoseCorrection::follow(double left) {
 
 // With factors of where bodies are, each as long as it closes fast. Returns whether rows are where they are to be.
 bool PoseCorrection::closePart() {
-  m_factors = 0;
   double open = measure();
   while (!(open <= m_options.loose_pose_tolerance)) {
     if (!factorise(true)) return false;
@@ -338,7 +337,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
   if (!has_factor && !factorise(false)) return open;
   double left = closePassed(iterate(open, true));
   while (askLess()) {
-    if (std::exchange(m_factors, 0) > 0 && !factorise(false)) return open;
+    if (m_is_at_end && !factorise(false)) return open;
     left = closePassed(iterate(measure(), true));
   }
   const double met = m_options.loose_pose_tolerance;  // but for rounding
@@ -349,7 +348,7 @@ double PoseCorrection::run(bool has_factor, PoseChange* changes) {
     left = iterate(open, true);
   }
   m_arrives = getsThere(left);
-  if (!(left <= met) && m_options.max_new_factors > 1 && startsClosed(m_island, m_component, met))
+  if (!(left <= met) && m_options.max_factors > 1 && startsClosed(m_island, m_component, met))
     left = follow(left);
   findChanges(m_island, m_component, m_work.v, m_nearest, changes);
   return left;

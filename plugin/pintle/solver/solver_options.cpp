@@ -29,7 +29,7 @@ void check(const SolverOptions& of) {
   requirePositive("pose_tolerance", of.pose_tolerance);
   requirePositive("loose_pose_tolerance", of.loose_pose_tolerance);
   requireCount("max_iterations", of.max_iterations);
-  require(of.max_new_factors >= 0, "max_new_factors", of.max_new_factors, "0 or more");
+  require(of.max_factors >= 0, "max_factors", of.max_factors, "0 or more");
   requirePart("contraction", of.contraction);
   requirePart("least_part", of.least_part);
   requirePositive("contact_tolerance", of.contact_tolerance);
