@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -98,6 +99,11 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
     work += body.product(v - body.v_free, v + body.*start) / 2;
   }
   const bool over_forces = start == &IslandBody::v_free, any_moves = island.anyUnmovedMoves();
+  std::optional<double> energy;  // J: with which it begins, where a row asks for it
+  const auto energyAtStart = [&] {
+    if (!energy) energy = kineticEnergy(island, component, start);
+    return *energy;
+  };
   for (int c = 0; c < component.joints; ++c) {
     const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
     if (!joint.drives && !joint.has_springs && !any_moves && !joint.keeps_for_rebound) continue;
@@ -116,9 +122,7 @@ double workFrom(Vector6d IslandBody::*start, const Island& island, const Compone
           work -= parts.work(u) + row.reboundEnergy() - parts.kept(island, component, row, u);
         else
           work -=
-              (parts.pull() != 0 ? mostWork(parts.pull(), end.u[r], row.K,
-                                            kineticEnergy(island, component, start))
-                                 : 0) +
+              (parts.pull() != 0 ? mostWork(parts.pull(), end.u[r], row.K, energyAtStart()) : 0) +
               std::fmin(row.reboundEnergy(), std::fmax(0, (end.lambda[r] - parts.of_drives) * u));
       }
       // What a joint gives is what it takes from a body that its owner moves.
