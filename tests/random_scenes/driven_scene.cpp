@@ -3,6 +3,7 @@
 #include <pintle/joints/ball_joint.h>
 
 #include <btBulletDynamicsCommon.h>
+#include <scenes/world.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,9 @@
 namespace random_scenes {
 namespace {
 
+using scenes::pose_at;
+using support::frameWithX;
+using support::frameWithZ;
 using support::Random;
 using support::scalar;
 using support::vec;
@@ -30,23 +34,6 @@ using support::vec;
 /// m: a motor or a kinematic body moves by no more in a step. A contact begins up to a step late: so much deeper than another one.
 constexpr double step_way = 0.006;
 constexpr double thickness = 0.05;  // m, half, of links
-
-btTransform at(const btVector3& x) { return btTransform(btQuaternion::getIdentity(), x); }
-
-btTransform frameAt(const btVector3& pivot, const btMatrix3x3& basis) {
-  return btTransform(basis, pivot);
-}
-/// Axis of a hinge: z; of a slider: x.
-btMatrix3x3 basisWithZ(const btVector3& z) {
-  btVector3 x, y;
-  btPlaneSpace1(z, x, y);
-  return btMatrix3x3(x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z());
-}
-btMatrix3x3 basisWithX(const btVector3& x) {
-  btVector3 y, z;
-  btPlaneSpace1(x, y, z);
-  return btMatrix3x3(x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z());
-}
 
 class DrivenWorld : public support::EitherWorld {
  public:
@@ -84,9 +71,9 @@ class DrivenWorld : public support::EitherWorld {
   double sign() { return chance(m_random, 0.5) ? 1 : -1; }
   double mass() { return power(m_random, -0.5, 0.5); }
   btRigidBody& addBox(double mass, const btVector3& half, const btVector3& x) {
-    return add(mass, half, at(x), true);
+    return add(mass, half, pose_at(x), true);
   }
-  btRigidBody& addPost(const btVector3& x) { return add(0, vec(0.05, 0.05, 0.05), at(x)); }
+  btRigidBody& addPost(const btVector3& x) { return add(0, vec(0.05, 0.05, 0.05), pose_at(x)); }
   void addFloor(double z) { addBox(0, vec(20, 20, 1), vec(0, 0, z - 1)); }
   /// A body that moves from its start along `way` and back, with no more speed than a motor.
   void addMoving(const btVector3& half, const btVector3& x, const btVector3& way);
@@ -152,11 +139,11 @@ void DrivenWorld::driveSlider(Slider& slider, double speed, double target) {
 }
 
 void DrivenWorld::addMoving(const btVector3& half, const btVector3& x, const btVector3& way) {
-  btRigidBody& body = addKinematic(std::make_unique<btBoxShape>(half), at(x));
+  btRigidBody& body = addKinematic(std::make_unique<btBoxShape>(half), pose_at(x));
   const double length = double(way.length()) / 2,
                frequency = std::min(3., step_way * m_scene.hz / length);  // rad/s
   m_before_step.push_back([this, &body, x, way, frequency] {
-    body.setWorldTransform(at(x + way * scalar((1 - std::cos(frequency * m_time)) / 2)));
+    body.setWorldTransform(pose_at(x + way * scalar((1 - std::cos(frequency * m_time)) / 2)));
   });
 }
 
@@ -193,7 +180,7 @@ btRigidBody& DrivenWorld::addArm(const btVector3& axis, double direction) {
         addBox(mass(), vec(m_half, thickness, thickness), vec(m_half * (2 * i + 1), 0, 0));
     const double speed = direction * speedOf(armLength()) / m_scene.bodies,
                  target = direction * uniform(0.2, 1);
-    hinge(*last, link, frameAt(vec(2 * m_half * i, 0, 0), basisWithZ(axis)),
+    hinge(*last, link, frameWithZ(vec(2 * m_half * i, 0, 0), axis),
           [&](auto& of) { driveHinge(of, speed, target); });
     last = &link;
   }
@@ -215,7 +202,7 @@ void DrivenWorld::buildMotors() {
     reach = 0.1;
     btRigidBody& plate = addBox(mass(), vec(reach, reach, reach), tip);
     const double speed = speedOf(1), target = uniform(0.1, 0.5);
-    slider(post, plate, frameAt(tip, basisWithX(way)), [&](auto& of) {
+    slider(post, plate, frameWithX(tip, way), [&](auto& of) {
       of.setLowerLinLimit(-1);
       of.setUpperLinLimit(1);
       driveSlider(of, speed, target);
@@ -228,7 +215,7 @@ void DrivenWorld::buildMotors() {
   const btVector3 x = tip + way * scalar(reach + gap + half), size = vec(half, half, half);
   switch (obstacle) {
     case fixed: addBox(0, size, x); break;
-    case at_rest: addKinematic(std::make_unique<btBoxShape>(size), at(x)); break;
+    case at_rest: addKinematic(std::make_unique<btBoxShape>(size), pose_at(x)); break;
     case moving: addMoving(size, x, way * scalar(-uniform(0.02, 0.1) - gap)); break;
     case dynamic:
       addFloor(double(x.z()) - half);
@@ -257,8 +244,7 @@ void DrivenWorld::buildLinked() {
       else
         hinge(
             *last, link,
-            frameAt(pivot,
-                    basisWithZ(chance(m_random, 0.5) || hangs ? vec(0, 1, 0) : vec(0, 0, 1))),
+            frameWithZ(pivot, chance(m_random, 0.5) || hangs ? vec(0, 1, 0) : vec(0, 0, 1)),
             [&](auto& of) {
               if (limits) of.setLimit(scalar(-0.6), scalar(0.6));
               if (!m_scene.motors) return;
@@ -289,7 +275,7 @@ void DrivenWorld::buildJammed() {
     reach = 0.1;
     btRigidBody& plate = addBox(mass(), vec(reach, reach, reach), tip);
     const double speed = speedOf(1);
-    slider(post, plate, frameAt(tip, basisWithX(way)), [&](auto& of) {
+    slider(post, plate, frameWithX(tip, way), [&](auto& of) {
       of.setLowerLinLimit(-1);
       of.setUpperLinLimit(1);
       driveSlider(of, speed, 0.5);
@@ -315,7 +301,7 @@ void DrivenWorld::buildPushed() {
   btRigidBody& post = addPost(vec(0, 0, 0));
   if (kind == door) {
     btRigidBody& panel = addBox(10 * mass(), vec(0.5, 0.03, 1), vec(0.5, 0, 0));
-    hinge(post, panel, frameAt(vec(0, 0, 0), basisWithZ(vec(0, 0, 1))), [&](auto& of) {
+    hinge(post, panel, frameWithZ(vec(0, 0, 0), vec(0, 0, 1)), [&](auto& of) {
       of.setLimit(0, 3);
       if (m_scene.motors)
         driveHinge(of, -speedOf(1), 0);
@@ -329,7 +315,7 @@ void DrivenWorld::buildPushed() {
       btRigidBody& link =
           addBox(mass(), vec(thickness, thickness, 0.25), vec(0, 0, -0.5 * i - 0.25));
       const double target = uniform(-0.3, 0.3);
-      hinge(*last, link, frameAt(vec(0, 0, -0.5 * i), basisWithZ(vec(0, 1, 0))), [&](auto& of) {
+      hinge(*last, link, frameWithZ(vec(0, 0, -0.5 * i), vec(0, 1, 0)), [&](auto& of) {
         if (m_scene.motors) driveHinge(of, 0, target);
       });
       last = &link;
@@ -337,7 +323,7 @@ void DrivenWorld::buildPushed() {
     addMoving(size, vec(-thickness - gap - half, 0, -0.5 * m_scene.bodies + 0.2), vec(far, 0, 0));
   } else {
     btRigidBody& body = addBox(mass(), vec(0.1, 0.1, 0.1), vec(0, 0, 0));
-    slider(post, body, frameAt(vec(0, 0, 0), basisWithX(vec(1, 0, 0))), [&](auto& of) {
+    slider(post, body, frameWithX(vec(0, 0, 0), vec(1, 0, 0)), [&](auto& of) {
       of.setLowerLinLimit(-1);
       of.setUpperLinLimit(1);
       if (m_scene.motors) driveSlider(of, -speedOf(1), 0);
@@ -360,11 +346,11 @@ void DrivenWorld::buildBouncing() {
       shape = std::make_unique<btSphereShape>(scalar(0.15));
     else
       shape = std::make_unique<btBoxShape>(vec(0.15, 0.1, 0.1));
-    btRigidBody& body = add(mass(), std::move(shape), at(x), true);
+    btRigidBody& body = add(mass(), std::move(shape), pose_at(x), true);
     if (last != nullptr) {
       const btVector3 pivot = x - vec(0.2, 0, slope / 2);
       if (hinges)
-        hinge(*last, body, frameAt(pivot, basisWithZ(vec(0, 1, 0))), [&](auto& of) {
+        hinge(*last, body, frameWithZ(pivot, vec(0, 1, 0)), [&](auto& of) {
           if (limits) of.setLimit(scalar(-0.5), scalar(0.5));
         });
       else
@@ -396,7 +382,7 @@ void DrivenWorld::buildLoop() {
     }
     const double low = -power(m_random, -2, 0), high = power(m_random, -2, 0),
                  speed = speedOf(2 * radius);
-    hinge(*last, *next, frameAt(corner(i), basisWithZ(vec(0, 1, 0))), [&](auto& of) {
+    hinge(*last, *next, frameWithZ(corner(i), vec(0, 1, 0)), [&](auto& of) {
       of.setLimit(scalar(low), scalar(high));
       if (i == 0 && m_scene.motors) driveHinge(of, speed, high);
     });

@@ -61,7 +61,7 @@ TEST(RandomScenes, GainNothing) {
   EXPECT_LE(exceptions, count / 100) << list;
 }
 
-// Of joints whose directions turn with their bodies, which start a few centimetres apart: in most steps they hold.
+// Joints whose directions turn with their bodies, and which start a few centimetres apart, hold in most steps.
 TEST(RandomScenes, WhatStartsOpenCloses) {
   for (const unsigned seed : {59u, 422u, 530u, 574u}) {
     const Scene scene = makeScene(seed);

@@ -33,6 +33,19 @@ inline std::unique_ptr<btConstraintSolver> makeSolver(bool exact) {
   return std::make_unique<btSequentialImpulseConstraintSolver>();
 }
 
+/// Frame whose z, the axis of a hinge, is this one.
+inline btTransform frameWithZ(const btVector3& pivot, const btVector3& z) {
+  btVector3 x, y;
+  btPlaneSpace1(z, x, y);
+  return btTransform(pintle::columns(x, y, z), pivot);
+}
+/// Frame whose x, the axis of a slider, is this one.
+inline btTransform frameWithX(const btVector3& pivot, const btVector3& x) {
+  btVector3 y, z;
+  btPlaneSpace1(x, y, z);
+  return btTransform(pintle::columns(x, y, z), pivot);
+}
+
 struct EitherSolver {
   explicit EitherSolver(bool exact)
       : solver(makeSolver(exact)), world(&dispatcher, &broadphase, solver.get(), &configuration) {}
@@ -67,19 +80,13 @@ class EitherWorld : public EitherSolver, public Bodies {
   template <class Set>
   void hinge(btRigidBody& a, btRigidBody& b, const btTransform& frame, const Set& set,
              bool linked_collide = false) {
-    if (m_ours)
-      make<pintle::QuaternionHinge>(a, b, frame, set, linked_collide);
-    else
-      make<btHingeConstraint>(a, b, frame, set, linked_collide);
+    makeEither<pintle::QuaternionHinge, btHingeConstraint>(a, b, frame, set, linked_collide);
   }
   /// The same of a slider along x. A positive motor velocity moves b along x.
   template <class Set>
   void slider(btRigidBody& a, btRigidBody& b, const btTransform& frame, const Set& set,
               bool linked_collide = false) {
-    if (m_ours)
-      make<pintle::SliderJoint>(a, b, frame, set, linked_collide);
-    else
-      make<btSliderConstraint>(a, b, frame, set, linked_collide);
+    makeEither<pintle::SliderJoint, btSliderConstraint>(a, b, frame, set, linked_collide);
   }
 
   /// Calls visit(pair) for each pair of bodies that are near each other.
@@ -116,6 +123,14 @@ class EitherWorld : public EitherSolver, public Bodies {
   const double dt;  ///< s
 
  private:
+  template <class Ours, class Bullets, class Set>
+  void makeEither(btRigidBody& a, btRigidBody& b, const btTransform& frame, const Set& set,
+                  bool linked_collide) {
+    if (m_ours)
+      make<Ours>(a, b, frame, set, linked_collide);
+    else
+      make<Bullets>(a, b, frame, set, linked_collide);
+  }
   template <class J, class Set>
   void make(btRigidBody& a, btRigidBody& b, const btTransform& frame, const Set& set,
             bool linked_collide) {

@@ -228,7 +228,7 @@ TEST(ExactJointSolver, ASkirtsStepHasABudgetOfFactors) {
     for (const auto& column : plates)
       for (const btRigidBody* plate : column) ASSERT_TRUE(support::is_finite(*plate)) << i;
   }
-  // Of velocities, which are solved for by the set, by passes, and again where the load swings; and of poses.
+  // Velocities are solved for by the set, by passes, and again where the load swings; poses come after them.
   EXPECT_LE(most, 4 * pintle::SolverOptions().max_factors);
 }
 

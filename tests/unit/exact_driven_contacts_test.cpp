@@ -22,6 +22,7 @@ namespace {
 
 using support::Contender;
 using support::EitherWorld;
+using support::frameWithZ;
 using support::on_exact;
 using support::scalar;
 using support::stock;
@@ -56,13 +57,6 @@ void compareAtAllRates(const Play& play, const Check& check) {
 /// m: how much deeper than Bullet's a contact may be. Bullet's own settle to within some millimetres.
 constexpr double depth_slack = 0.005;
 
-/// A frame whose z, the axis of a hinge, is this one.
-btTransform hingeAt(const btVector3& pivot, const btVector3& axis) {
-  btVector3 x, y;
-  btPlaneSpace1(axis, x, y);
-  return btTransform(
-      btMatrix3x3(x.x(), y.x(), axis.x(), x.y(), y.y(), axis.y(), x.z(), y.z(), axis.z()), pivot);
-}
 btVector3 about_x() { return vec(1, 0, 0); }
 btVector3 about_y() { return vec(0, 1, 0); }
 btVector3 about_z() { return vec(0, 0, 1); }
@@ -126,7 +120,7 @@ Press pressByHinge(const Contender& contender, const Rate& rate, double strength
       world.add(arm_mass, vec(arm_half, 0.2, 0.05),
                 at(pivot + along * scalar(arm_half), btQuaternion(about_y(), scalar(angle))), true);
   arm.setFriction(0);
-  world.hinge(base, arm, hingeAt(pivot, about_y()),
+  world.hinge(base, arm, frameWithZ(pivot, about_y()),
               [&](auto& hinge) { hinge.enableAngularMotor(true, scalar(0.5), scalar(strength)); });
   return press(world, arm, rate, [&] {
     const btVector3 hinge = arm.getCenterOfMassTransform() * vec(-arm_half, 0, 0);
@@ -242,7 +236,7 @@ Press pressByFinger(const Contender& contender, const Rate& rate, int links) {
     const btVector3 along = vec(std::cos(angle), 0, -std::sin(angle)) * scalar(link_half);
     btRigidBody& link = world.add(0.5, vec(link_half, 0.04, 0.04),
                                   at(pivot + along, btQuaternion(about_y(), scalar(angle))), true);
-    world.hinge(*last, link, hingeAt(pivot, about_y()), [&](auto& hinge) {
+    world.hinge(*last, link, frameWithZ(pivot, about_y()), [&](auto& hinge) {
       hinge.enableAngularMotor(true, scalar(bending), scalar(20 * world.dt));
     });
     last = &link;
@@ -287,7 +281,7 @@ TEST(ExactDrivenContacts, ATurretTurnsUntilItsBarrelMeetsAWall) {
           btRigidBody& ground = world.add(0, vec(0.1, 0.1, 0.1), at(0, 0, -1));
           btRigidBody& barrel = world.add(10, vec(0.6, 0.05, 0.05), at(0.6, 0, 0), true);
           world.add(0, vec(2, 0.5, 1), at(0, 1.2 * std::sin(0.4) + 0.5, 0), true);
-          world.hinge(ground, barrel, hingeAt(vec(0, 0, 0), about_z()),
+          world.hinge(ground, barrel, frameWithZ(vec(0, 0, 0), about_z()),
                       [&](auto& hinge) { hinge.enableAngularMotor(true, 1, scalar(strength)); });
           Turn out;
           for (int i = 0; i < rate.steps(1.5); ++i) {
@@ -299,7 +293,7 @@ TEST(ExactDrivenContacts, ATurretTurnsUntilItsBarrelMeetsAWall) {
         },
         [&](const Turn& of_stock, const Turn& out, const Rate& rate) {
           SCOPED_TRACE(std::to_string(strength) + " N m s");
-          // Of several points of a contact a single pass satisfies the last one alone.
+          // A single pass satisfies the last one alone of several points of a contact.
           const double unsettled = rate.iterations > 1 ? 0 : 1e-3;
           EXPECT_LE(out.depth, of_stock.depth + depth_slack + unsettled);
           EXPECT_LE(out.angle, of_stock.angle + 0.02) << "four times the slack of its depth";
@@ -332,7 +326,7 @@ Grip grip(const Contender& contender, const Rate& rate, bool on_hinges, double m
     finger.setFriction(scalar(0.9));
     if (on_hinges)
       // About y a positive velocity moves what is below the hinge towards -x.
-      world.hinge(palm, finger, hingeAt(vec(x, 0, 1 + reach), about_y()), [&](auto& hinge) {
+      world.hinge(palm, finger, frameWithZ(vec(x, 0, 1 + reach), about_y()), [&](auto& hinge) {
         hinge.enableAngularMotor(true, scalar(side * closing / reach),
                                  scalar(force * reach * world.dt));
       });
@@ -401,7 +395,7 @@ double brake(const Contender& contender, const Rate& rate, double torque) {
                 at(0, 0, 0), true);
   btRigidBody& pad = world.addKinematic(box(0.2, 0.1, 0.05), at(0, 0, wheel_radius + 0.06));
   for (btRigidBody* body : {&wheel, &pad}) body->setFriction(1);
-  world.hinge(frame, wheel, hingeAt(vec(0, 0, 0), about_y()), [&](auto& hinge) {
+  world.hinge(frame, wheel, frameWithZ(vec(0, 0, 0), about_y()), [&](auto& hinge) {
     hinge.enableAngularMotor(true, scalar(wheel_speed), scalar(torque * world.dt));
   });
   double speed = 0;
@@ -450,7 +444,7 @@ Opened pushDoor(const Contender& contender, const Rate& rate, Holds holds, bool 
   EitherWorld world(contender, rate.hz, rate.iterations);
   btRigidBody& wall = world.add(0, vec(0.1, 0.1, 1), at(-0.1, 0, 1));
   btRigidBody& door = world.add(15, vec(0.5, 0.03, 1), at(0.5, 0, 1), true);
-  world.hinge(wall, door, hingeAt(vec(0, 0, 1), about_z()), [&](auto& hinge) {
+  world.hinge(wall, door, frameWithZ(vec(0, 0, 1), about_z()), [&](auto& hinge) {
     hinge.setLimit(0, 3);
     if (holds == Holds::by_motor)
       hinge.enableAngularMotor(true, -1, scalar(1.2 * world.dt));
@@ -508,7 +502,7 @@ TEST(ExactDrivenContacts, AnArmAtItsLimitRestsOnTheFloor) {
             const double z = half_height - below;
             btRigidBody& post = world.add(0, vec(0.1, 0.1, 0.1), at(0, 0, 0.5));
             btRigidBody& arm = world.add(mass, vec(half, 0.1, half_height), at(half, 0, z), true);
-            world.hinge(post, arm, hingeAt(vec(0, 0, z), about_y()),
+            world.hinge(post, arm, frameWithZ(vec(0, 0, z), about_y()),
                         [&](auto& hinge) { hinge.setLimit(scalar(upper - 1), scalar(upper)); });
             double fastest = 0;
             for (int i = 0; i < rate.steps(1); ++i) {
@@ -557,7 +551,7 @@ double walk(const Contender& contender, const Robot& robot, unsigned seed, bool 
   const auto join = [&](btRigidBody& a, btRigidBody& b, const btVector3& pivot,
                         const btVector3& axis, double limit, int leg, bool hip) {
     world.hinge(
-        a, b, hingeAt(pivot, axis),
+        a, b, frameWithZ(pivot, axis),
         [&](auto& hinge) {
           hinge.setLimit(scalar(-limit), scalar(limit));
           hinge.enableAngularMotor(true, 0, 8);

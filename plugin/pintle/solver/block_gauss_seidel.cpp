@@ -183,7 +183,7 @@ bool Passes::scaleWarmStart() {
   for (const BlockSolver& block : blocks()) block.addTo(of);
   forEachRow(
       [&](const ContactRow& row) { of.add(row.impulse, row.target - row.recovery, row.softness); });
-  double most = 2;
+  double most = max_warm_start;
   for (const ContactRow& row : m_memory.bounds) most = std::fmin(most, row.timesToBound());
   const double fraction = of.fraction(most);
   if (fraction == 1) return false;

@@ -29,6 +29,18 @@ void BlockSolver::factorise() {
   aimRows(m_island, *m_of.component, *m_of.K, m_work);
 }
 
+template <class Are>
+void BlockSolver::addLimitsThat(const Are& are, std::vector<ContactRow>& to) {
+  std::vector<ActiveSet::Place>& limits = m_work.limits;
+  limits.erase(std::remove_if(limits.begin(), limits.end(),
+                              [&](const ActiveSet::Place& of) {
+                                if (!are(of)) return false;
+                                goOnAsContact(of, to);
+                                return true;
+                              }),
+               limits.end());
+}
+
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
                         std::vector<ContactRow>& bounds) {
   m_is_direct = sweep == Sweep::direct;
@@ -51,7 +63,7 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
     for (const ActiveSet::Place& of : m_work.limits)
       m_work.y[of.at] = sumOf(partsOf(of)) * of.row->root_K;
     m_set.release(m_work.limits);
-    addLimitsThat(&BlockSolver::isLoaded, bounds);
+    addLimitsThat([&](const ActiveSet::Place& of) { return m_work.y[of.at] != 0; }, bounds);
   });
   factorise();
 }
@@ -214,22 +226,10 @@ bool BlockSolver::isReached(const ActiveSet::Place& of) const {
   return piece.acts || piece.impulse != 0;
 }
 
-void BlockSolver::addLimitsThat(bool (BlockSolver::*are)(const ActiveSet::Place& of) const,
-                                std::vector<ContactRow>& to) {
-  std::vector<ActiveSet::Place>& limits = m_work.limits;
-  limits.erase(std::remove_if(limits.begin(), limits.end(),
-                              [&](const ActiveSet::Place& of) {
-                                if (!(this->*are)(of)) return false;
-                                goOnAsContact(of, to);
-                                return true;
-                              }),
-               limits.end());
-}
-
 bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
   const size_t before = m_work.as_contacts.size();
   m_set.measure(m_work.limits, own(velocities));
-  addLimitsThat(&BlockSolver::isReached, to);
+  addLimitsThat([this](const ActiveSet::Place& of) { return isReached(of); }, to);
   return m_work.as_contacts.size() != before;
 }
 

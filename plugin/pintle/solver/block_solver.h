@@ -56,9 +56,9 @@ class BlockSolver {
 
  private:
   void goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to);
-  void addLimitsThat(bool (BlockSolver::*are)(const ActiveSet::Place& of) const,
-                     std::vector<ContactRow>& to);
-  bool isLoaded(const ActiveSet::Place& of) const { return m_work.y[of.at] != 0; }
+  /// Adds those to the rows of the passes for which are(place).
+  template <class Are>
+  void addLimitsThat(const Are& are, std::vector<ContactRow>& to);
   bool isReached(const ActiveSet::Place& of) const;
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
   void takeBounds(const std::vector<ContactRow>& from);

@@ -105,7 +105,7 @@ int Chord::countSteps() {
   return changes;
 }
 
-// What the impulses lead to.
+// Finds and measures the end to which the impulses lead. Returns as countSteps does.
 int Chord::end() {
   ++m_report.steps;
   findVelocities();

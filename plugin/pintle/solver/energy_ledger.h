@@ -29,7 +29,6 @@ struct EnergyLedger {
   }
   /// J: what is beyond that.
   double excess(double work, double share) const { return given + work - limit(share); }
-  bool mayGive(double work, double share) const { return excess(work, share) <= 0; }
   double largest() const { return std::fmax(std::fmax(peak, now), with_forces); }
   /// `left`: the kinetic energy with which the step ends, J.
   void book(double work, double share, double left) {

@@ -236,11 +236,11 @@ struct IslandJoint {
   int equalities;        ///< that come first; of a joint of ours those of addRows
 
   // What its rows are: so passes go by those of joints that do not concern them.
-  int bounded;         ///< so many are no equalities
-  double error;        ///< m or rad: the largest C of equalities that are of no axis
-  double open;         ///< m or rad: the most that poses are to close, or more
-  double lever[2];     ///< m: the longest of each body on which a row holds a point or a distance
-  unsigned on_lever;   ///< a bit for each row that does
+  int bounded;        ///< so many are no equalities
+  double error;       ///< m or rad: the largest C of equalities that are of no axis
+  double open;        ///< m or rad: the most that poses are to close, or more
+  double lever[2];    ///< m: the longest of each body on which a row holds a point or a distance
+  unsigned on_lever;  ///< a bit for each row that does
   bool has_axes, has_springs, may_turn_stops;
   bool drives;             ///< some work by themselves, as motors do, and rebounds
   bool keeps_for_rebound;  ///< stops may, what they take
@@ -342,7 +342,7 @@ struct Component {
   int first_body = 0, bodies = 0, first_joint = 0, joints = 0;
   // Of all its joints:
   int rows = 0;
-  double lever = 0;           ///< m: the longest
+  double lever = 0;          ///< m: the longest
   bool is_anchored = false;  ///< one holds on to a body that does not move, or that its owner moves
 };
 

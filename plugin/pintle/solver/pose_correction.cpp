@@ -259,7 +259,7 @@ double PoseCorrection::iterate(double open, bool goes_on_anyhow) {
   return open;
 }
 
-// Of stops that are met by where poses have been moved to.
+// Closes limits that are met by where poses have been moved to. Returns what is left open.
 double PoseCorrection::closePassed(double left) {
   while (mayFactorise() && addPassed()) {
     m_work.moved = m_nearest;

@@ -14,6 +14,10 @@ constexpr double rounding_share = 1e-9;
 /// 0.005 to 0.04, and may blow up at 0.003.
 constexpr double held_share = 1e-2;
 
+/// Times the impulses of the last step: with so many at most a solve begins, where these are too little still. By doubling a motor gives all
+/// its bound to a wall within a second at 10 iterations, whatever that is.
+constexpr double max_warm_start = 2;
+
 /// Of the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
 constexpr double rounding_of_velocities = 1e-12;
 /// Of the energy to which forces alone would lead: what joints give may be rounding, while it is less. Of each body it is twice as much as
