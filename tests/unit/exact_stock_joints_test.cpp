@@ -216,13 +216,14 @@ TEST(StockJointsOfSixDegrees, HoldPointsOfSwingingRods) {
 
 // Light links bear a heavy one, whirl between stops of angles and of lengths, and pass them. A step that closed all of that would turn links by
 // so much that the rows of its start no longer say how their joints change: they would open further, step by step, and lift the load.
-// (Where they hang at rest and are far open, closing lifts the load all the same: in nine scenes of 240.)
+// (Where they hang at rest and are far open, closing lifts the load all the same. None of the first ten of each does, and few of the others.)
 TEST(StockJointsOfSixDegrees, CloseNoFurtherThanTheirRowsReach) {
-  constexpr unsigned count = 40;
-  int scenes = 0, exceptions = 0;
+  constexpr unsigned held = 10, count = 40;
+  int others = 0, exceptions = 0;
   for (const double load : {1e2, 1e4})
     for (const int links : {3, 4})
       for (unsigned seed = 1; seed <= count; ++seed) {
+        SCOPED_TRACE(testing::Message() << load << " kg, " << links << " links, seed " << seed);
         Random random(seed);
         Books books(60);
         books.world.getSolverInfo().m_erp = scalar(0.9);
@@ -245,10 +246,14 @@ TEST(StockJointsOfSixDegrees, CloseNoFurtherThanTheirRowsReach) {
         }
         books.begin();
         for (int i = 0; i < 120; ++i) books.step();
-        ++scenes;
+        if (seed <= held) {
+          EXPECT_LE(books.gain, 0.01 * books.peak);
+          continue;
+        }
+        ++others;
         exceptions += !(books.gain <= 0.01 * books.peak);
       }
-  EXPECT_LE(exceptions, scenes / 20);
+  EXPECT_LE(exceptions, others / 20);
 }
 
 // Two wheels that only turn, about z or about all axes: the gear holds their speeds to its ratio, but for 1e-8 of its impulse, by which

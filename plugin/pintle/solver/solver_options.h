@@ -15,7 +15,8 @@ constexpr double rounding_share = 1e-9;
 constexpr double held_share = 1e-2;
 
 /// Times the impulses of the last step: with so many at most a solve begins, where these are too little still. By doubling a motor gives all
-/// its bound to a wall within a second at 10 iterations, whatever that is.
+/// its bound to a wall within a second at 10 iterations, whatever that is; with 1 one of 100 N m s does not. Without a bound, 9 of 100 machines of
+/// links that collide are wilder than on Bullet's solver, by up to 240 times its energy.
 constexpr double max_warm_start = 2;
 
 /// Of the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
