@@ -50,8 +50,7 @@ void EnergyBook::endStep() {
     if (!moves(body)) continue;
     const Start& start = m_start[k];
     const btVector3 &v = body.getLinearVelocity(), &w = body.getAngularVelocity();
-    // By the inertia of the start: what it gains by turning with its velocity kept is Bullet's integrator's, not its joints'.
-    const double now = support::kineticEnergy(body, start.pose.getBasis());
+    const double now = support::kineticEnergy(body, body.getCenterOfMassTransform().getBasis());
     kinetic += now;
     by_velocities += now - start.energy + weightOf(body) * m_dt * (start.fall + double(v.z())) / 2;
     btTransform led;
@@ -59,8 +58,6 @@ void EnergyBook::endStep() {
     const btVector3 moved = body.getCenterOfMassPosition() - led.getOrigin();
     jump = std::max(jump, double(moved.length()));
     height += weightOf(body) * double(moved.z());
-    turns += support::kineticEnergy(body, body.getCenterOfMassTransform().getBasis()) -
-             support::kineticEnergy(body, led.getBasis());
   }
   peak = std::max(peak, kinetic);
 }

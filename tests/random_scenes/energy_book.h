@@ -1,8 +1,8 @@
 // The mechanical energy of a scene, step by step: what its joints and contacts give.
 //
 // Bullet's free fall keeps KE + m g (z - dt v_z / 2), so a weight works along the mean of the velocities before and after a step,
-// and what a pose is moved by beside its velocity is height. A body that turns keeps its velocity in Bullet, and not its momentum:
-// what its inertia makes of that is no joint's work. Where a pose is turned beside its velocity, that is counted apart.
+// and what a pose is moved by beside its velocity is height. A body that turns about its own velocity keeps it in Bullet, and its kinetic energy;
+// where its pose is turned beside that, its inertia there counts.
 //
 // That is m (v_z - g dt / 2)^2 / 2 + m g z - m (g dt)^2 / 8: Bullet's velocities are those of half a step before their poses. What is held has
 // no such fall. So who stops a body that rises by g dt / 2 seems to give it m (g dt)^2 / 8, which is not counted.
@@ -28,7 +28,6 @@ class EnergyBook {
 
   double by_velocities = 0;  ///< kinetic energy, and the work against the weight along velocities
   double height = 0;         ///< the work against the weight by moving poses
-  double turns = 0;          ///< what turning poses adds to the kinetic energy; not in `total`
   double total() const { return by_velocities + height; }
   double kinetic = 0;  ///< at the end of the step
   double peak = 0;     ///< the largest kinetic energy

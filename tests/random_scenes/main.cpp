@@ -21,7 +21,7 @@ using random_scenes::Outcome;
 
 struct Counts {
   unsigned scenes = 0, failed = 0, by_velocities = 0, by_poses = 0, jumps = 0, infinite = 0;
-  unsigned open_starts = 0, lifted = 0, turned = 0;
+  unsigned open_starts = 0, lifted = 0;
   long steps = 0, not_converged = 0;
   double most_lift = 0;  ///< of what an open start may lift
 
@@ -37,7 +37,6 @@ struct Counts {
     by_velocities += by_velocity;
     by_poses += !by_velocity && out.gain > out.mayGain();
     jumps += out.jump > Outcome::most_jump;
-    turned += out.by_turns > Outcome::share * out.peak;
     const double lift = out.gain - Outcome::share * out.peak;
     if (out.lift > 0 && lift > 0) {
       ++lifted;
@@ -51,8 +50,7 @@ void print(const random_scenes::Scene& scene, const Outcome& out) {
   std::cout << random_scenes::describe(scene) << "\n    ";
   if (out.finite)
     std::cout << "gains " << part(out.gain) << " % of " << out.peak << " J, by velocities alone "
-              << part(out.by_velocities) << " %, and may lift " << part(out.lift)
-              << " %; turning poses adds " << part(out.by_turns) << " %";
+              << part(out.by_velocities) << " %, and may lift " << part(out.lift) << " %";
   else
     std::cout << "is not finite after " << out.steps << " steps";
   std::cout << "; open " << out.open << ", moved " << out.jump << ", " << out.not_converged
@@ -66,8 +64,7 @@ void print(const Counts& n) {
             << " are not finite\n"
             << n.open_starts << " start open, or in each other: " << n.lifted
             << " of them gain by closing, at most " << 100 * n.most_lift << " % of what they may\n"
-            << "turning poses adds more than " << 100 * Outcome::share << " % in " << n.turned
-            << "; " << n.not_converged << " of " << n.steps << " steps did not converge\n";
+            << n.not_converged << " of " << n.steps << " steps did not converge\n";
 }
 
 random_scenes::Scene sceneOf(unsigned seed, const std::string& what) {

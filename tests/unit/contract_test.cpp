@@ -860,10 +860,10 @@ TEST_P(Contract, TwoDimensionalGamesAreFiniteAndStable) {
       EXPECT_TRUE(finite);
       // It starts at 3 rad/s and 2.2 m/s; what acts adds at most some more.
       if (GetParam().blows_up.empty()) {
-        // A limit that ERP is to turn at 8 rad/s, about an axis of which the plane has 0.25, does turn.
-        EXPECT_LT(top, GetParam().name.rfind("AngularLimit", 0) == 0 ? 35
-                       : onExactSolver()                             ? 22
-                                                                     : 15);
+        // A limit that ERP is to turn at 8 rad/s, about an axis of which the plane has 0.25, does turn. A motor gives all its impulse where
+        // its axis leaves the plane.
+        const bool is_limit = GetParam().name.rfind("AngularLimit", 0) == 0;
+        EXPECT_LT(top, onExactSolver() ? (is_limit ? 50 : 22) : (is_limit ? 35 : 15));
       }
     }
   }

@@ -228,7 +228,7 @@ TEST(DropInBall, ImpulseClampBoundsTheForceAsStocks) {
           rig.ball().setJointFeedback(nullptr);
           return first;
         },
-        onExactSolver() ? 0.15 : 2e-3);
+        onExactSolver() ? 0.2 : 2e-3);
   }
 }
 
@@ -243,8 +243,8 @@ TEST(DropInBall, DampingTakesAwayAsMuchVelocityAsStocks) {
           return std::vector<btVector3>{rig.free().getLinearVelocity(),
                                         rig.free().getAngularVelocity()};
         },
-        // Some m/s: the residual of 100 iterations. (The exact solver takes it from the mean velocity of the step.)
-        onExactSolver() ? 0.1 : 1e-3);
+        // Some m/s: the residual of 100 iterations. (The exact solver takes it along the way of the step, and at its end.)
+        onExactSolver() ? 0.12 : 1e-3);
   }
 }
 

@@ -1092,7 +1092,8 @@ TYPED_TEST(DropInHinge, BreaksInTheStepInWhichStocksDoes) {
       const int stock = stepOfBreaking(*breakable<TypeParam>(side), load, 1000);
       const int ours = stepOfBreaking(*breakable<Ours>(side), load, 1000);
       EXPECT_GT(stock, 0);
-      EXPECT_NEAR(ours, stock, 1);
+      // (Free bodies tumble under it. On the exact solver their joint bears what holds them at the end of the step, too.)
+      EXPECT_NEAR(ours, stock, onExactSolver() && side == Side::both ? 2 : 1);
       // Held for as long as it takes by a load that is a little less; two free bodies would tumble
       // under it, faster and faster.
       if (side == Side::both) continue;

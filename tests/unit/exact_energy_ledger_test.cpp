@@ -37,6 +37,8 @@ class OneRow : public testing::Test {
     body.v0.setZero();
     body.v0[0] = from;
     body.v_free = body.v0;
+    body.by_forces.setZero();
+    body.gyroscopic_work = 0;
     pintle::Workspace end;
     end.v = {body.v0};
     end.v.front()[0] = to;

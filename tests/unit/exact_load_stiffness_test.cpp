@@ -33,7 +33,7 @@ struct Loaded {
     pintle::IslandBody body = {};
     const Vector3d principal(random.uniform(0.1, 1), random.uniform(0.1, 1),
                              random.uniform(0.1, 1));
-    const Matrix3d R = pintle::turnBy(3 * vector(random)).matrix();
+    const Matrix3d R = pintle::turnBy(3 * vector(random));
     body.inertia = R * principal.asDiagonal() * R.transpose();
     body.least_inertia = principal.minCoeff();
     island.bodies.push_back(body);

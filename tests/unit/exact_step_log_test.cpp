@@ -279,10 +279,11 @@ TEST(SolverOptions, OneMoreFactorAStepHoldsANet) {
     stock_gap += stock.gap() / 60;
     gap += few.gap() / 60;
     most = std::max(most, exact.lastStep().factorisations);
-    EXPECT_LE(cheap.lastStep().factorisations, 2) << i;
+    EXPECT_LE(cheap.lastStep().factorisations, 3)
+        << i;  // of velocities, of those at the end, of poses
   }
   EXPECT_LT(gap, stock_gap / 100);
-  EXPECT_GT(most, 2) << "of which it has need";
+  EXPECT_GT(most, 3) << "of which it has need";
 }
 
 TEST(SolverOptions, AreChecked) {

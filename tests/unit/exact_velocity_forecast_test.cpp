@@ -21,7 +21,7 @@ class Course {
       m_body.v0 = m_v;
       m_v.head<3>().setConstant(along(m_time));
       m_v.tail<3>().setConstant(about(m_time));
-      m_forecast.take(&m_body, {m_v}, m_dt, was_enough);
+      m_forecast.take(&m_body, {m_v}, {m_v}, m_dt, was_enough);
       m_time += m_dt;
     }
   }

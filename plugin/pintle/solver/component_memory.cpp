@@ -106,7 +106,10 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     work.v[size_t(i)] =
         known ? Vector6d(body.v0 + forecast.change(size_t(i), island.dt)) : body.v_free;
   }
+  work.way.clear();
   work.lambda.resize(size_t(component.rows));
+  setZero(size_t(component.rows), work.at_end);
+  work.last_at_end.resize(size_t(component.rows));
   work.load.resize(size_t(component.rows));
   size_t before = 0;
   for (int c = 0; c < component.joints; ++c) {
@@ -114,10 +117,24 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     const int rows = knownRows(c, joint);
     for (int i = 0; i < joint.rows; ++i) {
       const auto r = size_t(joint.row_of_component + i);
-      work.lambda[r] = i < rows ? m_lambda[before + size_t(i)] : 0;
+      work.last_at_end[r] = i < rows ? m_at_end[before + size_t(i)] : 0;
+      work.lambda[r] = i < rows ? m_lambda[before + size_t(i)] - work.last_at_end[r] : 0;
       work.load[r] = i < rows ? m_load[before + size_t(i)] : 0;
     }
     if (size_t(c) < m_rows.size()) before += size_t(m_rows[size_t(c)]);
+  }
+}
+
+// To first order: -dt I^-1 (w x I w) of both.
+void ComponentMemory::followTurns(Island& island, const Component& component) const {
+  if (int(forecast.size()) != component.bodies) return;
+  for (int i = 0; i < component.bodies; ++i) {
+    IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    const Vector3d ahead = forecast.ahead(size_t(i)).tail<3>(), w = body.v0.tail<3>();
+    if (ahead.isZero(0) || !isGyroscopic(*body.body)) continue;
+    const Vector3d by = cross(ahead, Vector3d(body.inertia * (w + ahead))) +
+                        cross(w, Vector3d(body.inertia * ahead));
+    body.v_free.tail<3>() -= island.dt * (body.inverse_inertia * by);
   }
 }
 
@@ -156,6 +173,9 @@ void ComponentMemory::stretchSprings(Island& island, const Component& component)
 void ComponentMemory::keepImpulses(const Island& island, const Component& component,
                                    bool has_contacts, double least_pivot) {
   m_lambda = work.lambda;
+  m_at_end = work.at_end;
+  if (holds_end)
+    for (size_t r = 0; r < m_lambda.size(); ++r) m_lambda[r] += work.last_at_end[r] - m_at_end[r];
   m_borne.clear();
   if (needed_no_solve) return;  // so they were before
   MostImpulse most(island.bodies[size_t(component.first_body)], component.lever);
@@ -234,7 +254,8 @@ void ComponentMemory::followVelocities(const Island& island, const Component& co
 }
 
 void ComponentMemory::keep(const Island& island, const Component& component) {
-  forecast.take(&island.bodies[size_t(component.first_body)], work.v, island.dt, is_foreseen);
+  forecast.take(&island.bodies[size_t(component.first_body)], work.way, work.v, island.dt,
+                is_foreseen);
   m_rows = sizes;
   addLoad(m_borne.empty() ? m_lambda : m_borne, work);
   m_load.swap(work.load);  // begin fills it anew

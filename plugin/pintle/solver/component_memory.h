@@ -8,7 +8,6 @@
 #include <pintle/solver/workspace.h>
 
 #include <memory>
-#include <optional>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -22,11 +21,11 @@ struct ComponentMemory {
   JointMatrix K;
   bool has_factor = false;       ///< K is that of the step, and has a factor or can have one
   bool needed_no_solve = false;  ///< impulses are those with which it began
+  bool ends_apart = false;       ///< its velocities are not those of its way (end_velocities.h)
+  bool is_even = false;          ///< its joints neither give nor take in this step
   bool holds_end = false;        ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
-  /// J: the most that holds its bodies on arcs, 0 where they swing about their load; where it is known (balance.h).
-  std::optional<double> whirls;
   bool arrives = true;     ///< its joints hold where its velocities lead
   double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
   double residual = 0;     ///< m and rad: how far they miss their goals there
@@ -39,6 +38,9 @@ struct ComponentMemory {
 
   /// Where the solve begins: velocities and impulses of `work`.
   void begin(const Island& island, const Component& component);
+  /// Bullet's gyroscopic term is that of the velocity with which the last step ended. A turn is by that of its way, and what the term
+  /// follows it, too: else momentum would be lost in each step, and not only once.
+  void followTurns(Island& island, const Component& component) const;
   /// Springs of soft rows pull by what they are stretched.
   void stretchSprings(Island& island, const Component& component);
   /// Impulses with which the next step begins, while K and work.y are those of the solve.
@@ -53,8 +55,8 @@ struct ComponentMemory {
 
   size_t bytes() const {
     return sizeof(*this) + K.bytes() + work.bytes() +
-           bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_borne, m_lambda, m_load,
-                   m_stretch, m_last_stretch) +
+           bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_borne, m_lambda, m_at_end,
+                   m_load, m_stretch, m_last_stretch) +
            forecast.bytes();
   }
 
@@ -74,7 +76,7 @@ struct ComponentMemory {
   std::vector<int> m_rows;  ///< of each joint, in the last step
   std::vector<double>
       m_borne;  ///< of each row of this step, where contacts ask for more than m_lambda
-  std::vector<double> m_lambda, m_load;            ///< of each row of it
+  std::vector<double> m_lambda, m_at_end, m_load;  ///< of each row of it
   std::vector<Stretch> m_stretch, m_last_stretch;  ///< of each row's spring
 };
 

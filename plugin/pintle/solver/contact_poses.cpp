@@ -47,7 +47,7 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
     if (!std::isfinite(size)) continue;
     body.push = size > most[i] ? Vector6d(most[i] / size * push[i]) : push[i];
     body.push.tail<3>() *= turn_share;
-    lifted -= body.product(body.v_free - body.v0, body.push);
+    lifted -= body.product(body.by_forces, body.push);
   }
   if (!(lifted > 0)) return true;
   double taken = 0;  // J

@@ -93,12 +93,15 @@ double mostWork(double lambda, double u, double K, double energy) {
 double workFrom(Vector6d IslandBody::*start, const Island& island, const Component& component,
                 const Workspace& end) {
   double work = 0;
+  const bool over_forces = start == &IslandBody::v_free;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     const Vector6d& v = end.v[size_t(i)];
-    work += body.product(v - body.v_free, v + body.*start) / 2;
+    const Vector6d from = body.*start;
+    work += body.product(v - from, v + from) / 2;
+    if (!over_forces) work -= body.product(body.by_forces, v + from) / 2 + body.gyroscopic_work;
   }
-  const bool over_forces = start == &IslandBody::v_free, any_moves = island.anyUnmovedMoves();
+  const bool any_moves = island.anyUnmovedMoves();
   std::optional<double> energy;  // J: with which it begins, where a row asks for it
   const auto energyAtStart = [&] {
     if (!energy) energy = kineticEnergy(island, component, start);
@@ -181,9 +184,30 @@ double workOfPoses(const Island& island, const Component& component, const Vecto
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work -= body.product((body.v_free - body.v0) / island.dt, changes[i]);
+    work -= body.product(body.by_forces / island.dt, changes[i]);
   }
   return work;
+}
+
+bool isEven(const Island& island, const Component& component, double tolerance,
+            const Workspace& end) {
+  if (!end.is_resolved || island.anyUnmovedMoves()) return false;
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    const Vector6d &a = island.velocity(joint.body[0], &IslandBody::v0),
+                   &b = island.velocity(joint.body[1], &IslandBody::v0);
+    for (int i = 0; i < joint.rows; ++i) {
+      const auto r = size_t(joint.row_of_component + i);
+      const IslandRow& row = island.rows[size_t(joint.first_row + i)];
+      if (!row.law.isEquality()) {
+        if (end.pieces[r].acts || end.lambda[r] != 0) return false;
+        continue;
+      }
+      if (end.pieces[r].softness > 0 || !(std::abs(row.J.along(a, b)) * island.dt <= tolerance))
+        return false;
+    }
+  }
+  return true;
 }
 
 double beyondRounding(const Island& island, const Component& component, double excess,

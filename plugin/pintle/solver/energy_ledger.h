@@ -1,6 +1,6 @@
 // Purpose: what joints may give. A component books the work of its joints' impulses, and of poses that are moved against forces. The
 // first tier is exact for motions that the steps resolve and feeds those that they do not: where it would give more than a share of
-// the kinetic energy, and not by arcs (balance.h), the second tier follows. What that gives by moving poses is taken from the velocities.
+// the kinetic energy, the second tier follows. What that gives by moving poses is taken from the velocities.
 //
 // An impulse J^T lambda = M (v - v*) works along the mean velocity, at which the discrete gradient of the kinetic energy is (Gonzalez
 // 1996); a pose that is moved by d, against the forces:
@@ -19,7 +19,6 @@ struct EnergyLedger {
       0;  ///< J: the largest recent kinetic energy that a step has left: not that of a blow which joints take at once
   double now = 0;          ///< J: the kinetic energy with which this step begins
   double rounding = 0;     ///< J: where joints gave more, what rounding of poses may have done
-  double taken = 0;        ///< J: what was taken of what arcs gave, and may be given back
   double with_forces = 0;  ///< J: the kinetic energy to which forces alone would lead
 
   void begin(const Island& island, const Component& component, double share);
@@ -56,6 +55,9 @@ double keptForRebounds(const Island& island, const Component& component, const W
 double workOfJoints(const Island& island, const Component& component, const Workspace& end);
 /// The same where contacts act, too: of the impulses of joints alone.
 double workAmongContacts(const Island& island, const Component& component, const Workspace& end);
+/// Whether only equalities act, which do not give, and the step begins with velocities that they hold: then its joints neither give nor take.
+bool isEven(const Island& island, const Component& component, double tolerance,
+            const Workspace& end);
 /// J: what moving poses by `changes` does against the forces of the step.
 double workOfPoses(const Island& island, const Component& component, const Vector6d* changes);
 /// J: `excess`, or 0 where it is not more than what forces do while poses are rounded. That is in no book, until velocities, which take it,

@@ -19,6 +19,14 @@ Matrix3d inverseWhereFree(const IslandBody& body, Matrix3d inertia) {
   return inverse;
 }
 
+InverseInertia InverseInertia::turned(const IslandBody& body, const Matrix3d& by) {
+  InverseInertia to(body);
+  to.angular = body.locked[3] || body.locked[4] || body.locked[5]
+                   ? inverseWhereFree(body, by * body.inertia * by.transpose())
+                   : Matrix3d(by * body.inverse_inertia * by.transpose());
+  return to;
+}
+
 InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
     : InverseInertia(body) {
   if (!stiffness.isZero(0)) angular = inverseWhereFree(body, body.inertia + stiffness);

@@ -65,6 +65,13 @@ struct RowJacobian {
   }
 };
 
+/// Whether Bullet turns its velocity as a rotor's.
+inline bool isGyroscopic(const btRigidBody& body) {
+  return (body.getFlags() &
+          (BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT | BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD |
+           BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY)) != 0;
+}
+
 /// A rigid body that joints hold. World space; of vectors of six the first three are linear.
 struct IslandBody {
   IslandBody() {}    // leaves what its maker sets as it is
@@ -72,6 +79,9 @@ struct IslandBody {
   Matrix3d inertia;  ///< kg m^2
   Vector6d v0;       ///< at the start of the step
   Vector6d v_free;   ///< v*: with the step's forces, without its impulses
+  /// Of v* - v0 what is a force, without Bullet's gyroscopic term; and the work of that, J, which is its error.
+  Vector6d by_forces;
+  double gyroscopic_work;
 
   Vector3d inverse_mass;       ///< where its factors let it move
   Matrix3d inverse_inertia;    ///< where its factors let it turn

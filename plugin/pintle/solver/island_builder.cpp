@@ -79,6 +79,13 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.least_inertia = turns ? principal.minCoeff() : 1;
   to.v0 << inDouble(from.m_linearVelocity), inDouble(from.m_angularVelocity);
   to.v_free = freeVelocity(from);
+  to.by_forces = to.v_free - to.v0;
+  to.gyroscopic_work = 0;
+  if (isGyroscopic(rigid)) {
+    to.by_forces.tail<3>() = m_island.dt * (to.inverse_inertia * inDouble(rigid.getTotalTorque()));
+    const Vector6d gyroscopic = to.v_free - to.v0 - to.by_forces;
+    to.gyroscopic_work = to.product(gyroscopic, 2 * to.v0 + gyroscopic) / 2;
+  }
   to.push.setZero();
   return known;
 }

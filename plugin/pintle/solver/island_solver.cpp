@@ -2,6 +2,7 @@
 
 #include <pintle/solver/balance.h>
 #include <pintle/solver/chord.h>
+#include <pintle/solver/end_velocities.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/overflow.h>
@@ -23,12 +24,11 @@ Vector3d rounded(const Vector3d& change, double of) {
 }
 
 void move(btRigidBody& body, const PoseChange& by) {
-  const Eigen::Quaterniond q(turnBy(rounded(by.tail<3>(), 1)));
   btTransform to = body.getWorldTransform();
-  to.setOrigin(to.getOrigin() + toBullet(rounded(by.head<3>(), to.getOrigin().length())));
-  to.setRotation(
-      (btQuaternion(Scalar(q.x()), Scalar(q.y()), Scalar(q.z()), Scalar(q.w())) * to.getRotation())
-          .normalized());
+  to.setOrigin(to.getOrigin() + toBullet(rounded(by.head<3>(), inDouble(to.getOrigin()).norm())));
+  // (Bullet makes the axes orthogonal in each step.)
+  const Matrix3d turn = turnBy(by.tail<3>()), R = turn * inDouble(to.getBasis());
+  for (int i = 0; i < 3; ++i) to.getBasis()[i] = toBullet(rounded(R.row(i), 1));
   body.setWorldTransform(to);
 }
 
@@ -79,7 +79,11 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
   m_sweeps = info.m_numIterations;
   m_turn_share = double(info.m_splitImpulseTurnErp);
   if (others)
-    for (IslandBody& of : m_island.bodies) of.v_free += changeOf(bodies[of.solver_body]);
+    for (IslandBody& of : m_island.bodies) {
+      const Vector6d change = changeOf(bodies[of.solver_body]);
+      of.v_free += change;
+      of.by_forces += change;
+    }
   m_pose_changes.assign(m_island.bodies.size(), PoseChange::Zero());
   beginComponents(memory);
   do {
@@ -129,6 +133,7 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
       IslandBody& of = m_island.bodies[i];
       const Vector6d change = changeOf(bodies[of.solver_body]) - before[i];
       of.v_free += change;
+      of.by_forces += change;
       m_velocities[i] += change;
       unmet = std::fmax(unmet, change.norm() * m_island.dt);
     }
@@ -158,8 +163,7 @@ ComponentMemory& IslandSolver::begin(const Component& component) {
 // The first tier. Returns false where it does not converge, or where its joints would give too much.
 bool IslandSolver::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
-  kept.holds_end = false;
-  kept.whirls.reset();
+  kept.holds_end = kept.ends_apart = kept.is_even = false;
   const SolveReport done = pintle::solveByChord(m_island, component, m_options,
                                                 kept.ledger.with_forces, kept.K, kept.work);
   m_report.newton_steps += done.steps;
@@ -171,8 +175,13 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.tolerance = m_options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
-  return excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0 ||
-         (kept.work.is_resolved && isOfArcs(m_island, component, m_options, kept));
+  const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
+  kept.work_done += end.work;
+  kept.ends_apart = end.differ;
+  kept.is_even = end.differ && kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
+                 isEven(m_island, component, m_options.loose_pose_tolerance, kept.work);
+  return kept.is_even ||
+         excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0;
 }
 
 void IslandSolver::solveAlone(const Component& component) {
@@ -254,10 +263,11 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
   }
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
+    kept.work.way = kept.work.v;
     kept.has_factor = is_sound;
     kept.converged = done.converged;
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
-    kept.holds_end = false;
+    kept.holds_end = kept.ends_apart = kept.is_even = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
     kept.needed_no_solve = kept.work.is_missed = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
@@ -273,19 +283,25 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   if (kept.overflows) return;  // leaveOverflows
   kept.keepImpulses(m_island, component, m_groups.has(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
+  bool moves = kept.ends_apart;  // beside velocities
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
-    if (kept.holds_end) keepWhirls(m_island, component, m_options, kept);
-    const PosesReport done = correctPoses(m_island, component, m_options, kept.tolerance, work,
-                                          kept.K, kept.has_factor, changes);
+    const PosesReport done =
+        correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K, kept.has_factor);
     kept.residual = done.open;
     kept.arrives = done.arrives;
-    kept.work_done += workOfPoses(m_island, component, changes);
+    if (done.moves) {
+      moves = true;
+      findChanges(m_island, component, work.way, work.moved, changes);
+      kept.work_done +=
+          workOfPoses(m_island, component, changes) + energyOfTurns(m_island, component, work);
+    }
   }
-  const double by_balance = balance(m_island, component, m_options, kept, changes);
+  const double by_balance = balance(m_island, component, m_options, kept);
   kept.work_done += by_balance;
   if (by_balance != 0 && !m_groups.has(component))
     kept.followVelocities(m_island, component, m_options.least_pivot);
+  if (moves || by_balance != 0) findChanges(m_island, component, work.v, work.moved, changes);
   kept.ledger.book(kept.work_done, m_options.ledger_share,
                    kineticEnergy(m_island, component, work.v));
   kept.keep(m_island, component);
@@ -321,6 +337,7 @@ void IslandSolver::beginComponents(WorldMemory& memory) {
         memory.slot(m_island.joints[size_t(component.first_joint)].constraint);
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
+    slot->followTurns(m_island, component);
     slot->stretchSprings(m_island, component);
     turnStops(m_island, component);
     slot->ledger.begin(m_island, component, m_options.ledger_share);

@@ -9,12 +9,16 @@ inline namespace PINTLE_PRECISION {
 void findChanges(const Island& island, const Component& component, const std::vector<Vector6d>& v,
                  const std::vector<MovedBody>& end, PoseChange* changes) {
   for (int b = 0; b < component.bodies; ++b) {
-    const MovedBody by_velocity(v[size_t(b)], island.dt),
-        by_push(island.bodies[size_t(component.first_body + b)].push, island.dt),
-        &to = end[size_t(b)];
-    changes[b].head<3>() = to.move - by_velocity.move - by_push.move;
-    changes[b].tail<3>() =
-        rotationVector(by_velocity.turn.transpose() * to.turn * by_push.turn.transpose());
+    const MovedBody by_velocity(v[size_t(b)], island.dt), &to = end[size_t(b)];
+    const Vector6d& push = island.bodies[size_t(component.first_body + b)].push;
+    changes[b].head<3>() = to.move - by_velocity.move;
+    Matrix3d turn = by_velocity.turn.transpose() * to.turn;
+    if (!push.isZero(0)) {
+      const MovedBody by_push(push, island.dt);
+      changes[b].head<3>() -= by_push.move;
+      turn *= by_push.turn.transpose();
+    }
+    changes[b].tail<3>() = rotationVector(turn);
   }
 }
 

@@ -21,15 +21,6 @@ inline PoseChange changeFor(const Vector6d& next, const Vector6d& v, const PoseC
   return to;
 }
 
-/// The same for next = part * v, and no change before: both turn about one axis.
-inline PoseChange changeForPart(double part, const Vector6d& v, double dt) {
-  PoseChange to;
-  to.head<3>() = dt * (1 - part) * v.head<3>();
-  to.tail<3>() =
-      RotationOfStep::vector(v.tail<3>(), dt) - RotationOfStep::vector(part * v.tail<3>(), dt);
-  return to;
-}
-
 /// Between what contacts push and the step of the velocities `v`, so that bodies of the component come to `end`.
 void findChanges(const Island& island, const Component& component, const std::vector<Vector6d>& v,
                  const std::vector<MovedBody>& end, PoseChange* changes);

@@ -23,8 +23,7 @@ class PoseCorrection {
         m_work(work),
         m_K(K) {}
 
-  double run(bool has_factor, PoseChange* changes);
-  bool arrives() const { return m_arrives; }
+  PosesReport run(bool has_factor);
 
  private:
   void begin();
@@ -219,7 +218,7 @@ bool PoseCorrection::opensArms(double open) const {
 
 // Whether bodies get to the end of the step. What an angle has open there that folds tells nothing.
 bool PoseCorrection::getsThere(double left) {
-  if (left <= m_options.contact_tolerance || countsTurns(m_island, m_component, m_work.v))
+  if (left <= m_options.contact_tolerance || countsTurns(m_island, m_component, m_work.way))
     return true;
   m_work.moved = m_nearest;
   measure();
@@ -278,7 +277,7 @@ double PoseCorrection::follow(double left) {
   double gone = 0;
   for (double part = 0.5; gone < 1 && part >= m_options.least_part;) {
     m_work.moved = reached;
-    goOn(m_island, m_component, m_work.v, part, m_work.moved);
+    goOn(m_island, m_component, m_work.way, part, m_work.moved);
     m_part = gone + part;
     if (closePart()) {
       gone = m_part;
@@ -319,49 +318,51 @@ void PoseCorrection::begin() {
   setZero(rows, m_goal);
   m_closes.assign(rows, false);
   m_work.moved.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));
-  goOn(m_island, m_component, m_work.v, 1, m_work.moved);
+  goOn(m_island, m_component, m_work.way, 1, m_work.moved);
   measureAtEnd(m_island, m_component, m_work.moved, m_u);
 }
 
-double PoseCorrection::run(bool has_factor, PoseChange* changes) {
+PosesReport PoseCorrection::run(bool has_factor) {
   begin();
   has_factor = findGoals() && has_factor;
   m_bends = m_closes;
   double open = findResidual();
-  if (open <= m_tolerance) return open;
+  if (open <= m_tolerance) return {open};
   m_open = m_work.x;
   m_work.start = m_nearest = m_work.moved;
   m_work.broyden.begin();
+  const auto stay = [&]() -> PosesReport {
+    m_work.moved = m_work.start;
+    return {open, m_arrives};
+  };
   // (Nothing is done where K has its factor.)
   has_factor = has_factor && m_K.factorise(m_options.least_pivot);
-  if (!has_factor && !factorise(false)) return open;
+  if (!has_factor && !factorise(false)) return stay();
   double left = closePassed(iterate(open, true));
   while (askLess()) {
-    if (m_is_at_end && !factorise(false)) return open;
+    if (m_is_at_end && !factorise(false)) return stay();
     left = closePassed(iterate(measure(), true));
   }
   const double met = m_options.loose_pose_tolerance;  // but for rounding
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
-    if (!factorise(false)) return open;
+    if (!factorise(false)) return stay();
     open = measure();
     left = iterate(open, true);
   }
   m_arrives = getsThere(left);
   if (!(left <= met) && m_options.max_factors > 1 && startsClosed(m_island, m_component, met))
     left = follow(left);
-  findChanges(m_island, m_component, m_work.v, m_nearest, changes);
-  return left;
+  m_work.moved = m_nearest;
+  return {left, m_arrives, true};
 }
 
 }  // namespace
 
 PosesReport correctPoses(const Island& island, const Component& component,
                          const SolverOptions& options, double tolerance, Workspace& work,
-                         JointMatrix& K, bool has_factor, PoseChange* changes) {
-  PoseCorrection correction(island, component, options, tolerance, work, K);
-  const double open = correction.run(has_factor, changes);
-  return {open, correction.arrives()};
+                         JointMatrix& K, bool has_factor) {
+  return PoseCorrection(island, component, options, tolerance, work, K).run(has_factor);
 }
 
 }  // namespace PINTLE_PRECISION

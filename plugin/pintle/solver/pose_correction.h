@@ -15,14 +15,15 @@ inline namespace PINTLE_PRECISION {
 struct PosesReport {
   double open = 0;      ///< m or rad: what is left
   bool arrives = true;  ///< joints hold where velocities lead
+  bool moves = false;   ///< bodies are moved beside the way of their velocities
 };
 
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what the
-/// velocities leave: Newton's iteration for the poses at the end of the step. `has_factor`: K is that with which the velocities were
+/// velocities leave: Newton's iteration for the poses at the end of the step, work.moved. `has_factor`: K is that with which the velocities were
 /// found, of the rows of the start.
 PosesReport correctPoses(const Island& island, const Component& component,
                          const SolverOptions& options, double tolerance, Workspace& work,
-                         JointMatrix& K, bool has_factor, PoseChange* changes);
+                         JointMatrix& K, bool has_factor);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -1,18 +1,21 @@
 #include <pintle/solver/row_blocks.h>
 
+#include <pintle/solver/solver_options.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-PINTLE_INLINE void RowBlocks::set(Rows& to, int lane, const InverseInertia& body, const Vector3d& L,
-                                  const Vector3d& A) {
+PINTLE_INLINE void RowBlocks::set(Rows& to, int lane, const Vector3d& L, const Vector3d& A,
+                                  const Vector6d& answer) {
   Eigen::Map<Vector6d> kept(to.answer[lane]);
-  const Vector6d answer = body.answer(L, A);
-  bool is_same = (m_is_assembled || m_is_factorised) && kept == answer;
-  for (int k = 0; is_same && k < 3; ++k)
-    is_same = to.J[k][lane] == L[k] && to.J[3 + k][lane] == A[k];
-  if (is_same) return;
+  // But for rounding: a step begins with the rows with which the last one ended.
+  const double missed2 = (kept - answer).squaredNorm();
+  if ((m_is_assembled || m_is_factorised) &&
+      (missed2 == 0 || missed2 < same_row * same_row * answer.squaredNorm()))
+    return;
   m_is_assembled = m_is_factorised = false;
   for (int k = 0; k < 3; ++k) {
     to.J[k][lane] = L[k];
@@ -25,9 +28,28 @@ void RowBlocks::setRow(int c, int i, const RowJacobian& J, double root_K, double
   const int node = m_node[size_t(c)] + i / block, lane = i % block;
   m_root_K[size_t(stride * node + lane)] = root_K;
   for (int side = 0; side < 2; ++side)
-    if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0)
-      set(rows(node, side), lane, m_bodies[size_t(body)], by_root_K * J.L(side),
-          by_root_K * J.A(side));
+    if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0) {
+      const Vector3d L = by_root_K * J.L(side), A = by_root_K * J.A(side);
+      set(rows(node, side), lane, L, A, m_bodies[size_t(body)].answer(L, A));
+    }
+}
+
+double RowBlocks::setRowByItsK(int c, int i, const RowJacobian& J, double else_by) {
+  const int node = m_node[size_t(c)] + i / block, lane = i % block;
+  Vector6d answer[2];
+  double K = 0;
+  for (int side = 0; side < 2; ++side)
+    if (const int body = m_bodies_of[size_t(node)][size_t(side)]; body >= 0) {
+      answer[side] = m_bodies[size_t(body)].answer(J.L(side), J.A(side));
+      K += J.along(side, answer[side]);
+    }
+  const double root_K = K > 0 ? std::sqrt(K) : else_by, by_root_K = 1 / root_K;
+  m_root_K[size_t(stride * node + lane)] = root_K;
+  for (int side = 0; side < 2; ++side)
+    if (m_bodies_of[size_t(node)][size_t(side)] >= 0)
+      set(rows(node, side), lane, by_root_K * J.L(side), by_root_K * J.A(side),
+          by_root_K * answer[side]);
+  return root_K;
 }
 
 void RowBlocks::setRows(int c, const IslandRow* from, int count) {
@@ -39,9 +61,11 @@ void RowBlocks::setRows(int c, const IslandRow* from, int count) {
       const int body = m_bodies_of[size_t(node)][size_t(side)];
       if (body < 0) continue;
       Rows& to = rows(node, side);
-      for (int i = 0; i < lanes; ++i)
-        set(to, i, m_bodies[size_t(body)], from[i].by_root_K * from[i].J.L(side),
-            from[i].by_root_K * from[i].J.A(side));
+      for (int i = 0; i < lanes; ++i) {
+        const Vector3d L = from[i].by_root_K * from[i].J.L(side),
+                       A = from[i].by_root_K * from[i].J.A(side);
+        set(to, i, L, A, m_bodies[size_t(body)].answer(L, A));
+      }
     }
   }
 }

@@ -19,6 +19,8 @@ class RowBlocks {
   /// Row `i` of joint c, divided by root_K; `by_root_K` is 1 over that. All rows must be set before the first factor, and again where
   /// bodies have changed.
   void setRow(int c, int i, const RowJacobian& J, double root_K, double by_root_K);
+  /// The same, divided by the root of its own K, or by `else_by` where it has none. Returns which.
+  double setRowByItsK(int c, int i, const RowJacobian& J, double else_by);
   /// The same of all rows of joint c.
   void setRows(int c, const IslandRow* from, int count);
   /// Whether the row at `at` acts (row, below), with a softness relative to K. One that does not has the impulse that is asked for, which
@@ -55,8 +57,8 @@ class RowBlocks {
     return acts[0] == 0 && acts[1] == 0 && acts[2] == 0;
   }
   Rows& rows(int node, int side) { return m_rows[size_t(2 * node + side)]; }
-  /// A row that moves this body by L and A.
-  void set(Rows& to, int lane, const InverseInertia& body, const Vector3d& L, const Vector3d& A);
+  /// A row that moves a body by L and A, and is answered so.
+  void set(Rows& to, int lane, const Vector3d& L, const Vector3d& A, const Vector6d& answer);
 
   std::vector<int> m_node;  ///< where each joint begins, and what else has nodes
   std::vector<std::array<int, 2>> m_bodies_of;  ///< of each node; -1: none

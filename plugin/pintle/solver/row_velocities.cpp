@@ -155,7 +155,7 @@ class JointAtEnd {
     return isBeyondStop(row.law, (double(found.position) - double(row.start->position)) / m_dt);
   }
   RowJacobian jacobian(const IslandRow& row) {
-    if (!row.has_position) return row.J;
+    if (row.start == nullptr && !row.has_position) return row.J;
     if (row.isOfArms()) {
       findArms(row);
       return jacobianOfArms(row);

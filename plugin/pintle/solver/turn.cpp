@@ -22,7 +22,9 @@ Vector3d RotationOfStep::vector(const Vector3d& w, double dt) {
 }
 
 RotationOfStep::RotationOfStep(const Vector3d& w, double dt, double part)
-    : phi(part * vector(w, dt)) {
+    : RotationOfStep(part * vector(w, dt)) {}
+
+RotationOfStep::RotationOfStep(const Vector3d& phi_of_it) : phi(phi_of_it) {
   const double t2 = phi.squaredNorm();
   if (t2 < 1e-6) {
     once = 1 - t2 / 6;

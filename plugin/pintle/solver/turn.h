@@ -13,13 +13,12 @@ inline namespace PINTLE_PRECISION {
 using Vector3d = Eigen::Matrix<double, 3, 1>;
 using Matrix3d = Eigen::Matrix<double, 3, 3>;
 
-/// The rotation of a rotation vector, rad.
-inline Eigen::AngleAxisd turnBy(const Vector3d& phi) {
-  const double angle = phi.norm();
-  return Eigen::AngleAxisd(angle, angle > 0 ? Vector3d(phi / angle) : Vector3d(Vector3d::UnitX()));
-}
-/// And back.
+/// The rotation vector of a rotation, rad.
 inline Vector3d rotationVector(const Matrix3d& R) {
+  const Vector3d twice_sin(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
+  const double sin2 = twice_sin.squaredNorm() / 4;
+  // asin, to rounding.
+  if (sin2 < 1e-5 && R.trace() > 1) return (0.5 + sin2 / 12 + sin2 * sin2 * 3 / 80) * twice_sin;
   const Eigen::AngleAxisd turn(R);
   return turn.angle() * turn.axis();
 }
@@ -30,6 +29,8 @@ struct RotationOfStep {
 
   /// Of `part` of the way about the same axis.
   RotationOfStep(const Vector3d& w, double dt, double part = 1);
+  /// By a rotation vector.
+  explicit RotationOfStep(const Vector3d& phi);
   /// phi alone.
   static Vector3d vector(const Vector3d& w, double dt);
   /// Whether a body turns by dt w.
@@ -49,6 +50,9 @@ struct RotationOfStep {
     return R;
   }
 };
+
+/// The rotation of a rotation vector, rad.
+inline Matrix3d turnBy(const Vector3d& phi) { return RotationOfStep(phi).matrix(); }
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

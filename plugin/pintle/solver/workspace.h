@@ -19,7 +19,11 @@ struct SolveReport {
 
 struct Workspace {
   std::vector<Vector6d> v;  ///< of each body: where the solve begins, and with which the step ends
+  std::vector<Vector6d> way;      ///< of each body: with which it goes to where the step ends
   std::vector<double> u, lambda;  ///< of each row: its velocity, and its impulse, N s or N m s
+  std::vector<double>
+      at_end;  ///< of each row: what that has along the rows of the end (end_velocities.h)
+  std::vector<double> last_at_end;  ///< the same of the last step
   std::vector<double> load;      ///< of each row: its mean impulse in this step and those before it
   std::vector<LawPiece> pieces;  ///< of each row: the piece of its law on which it is
   /// Of each row: the impulses of the parts of its law, where they are found part by part. Else empty.
@@ -50,7 +54,6 @@ struct Workspace {
     size_t at;
   };
   std::vector<Scale> scales;
-  std::vector<double> by_forces, by_joints;
   std::vector<Vector6d> base;  ///< of each body: its velocity without impulses of joints
   std::vector<MovedBody> moved;
   std::vector<double> straight, goal;  ///< of each row: other velocities
@@ -81,18 +84,19 @@ struct Workspace {
   /// For any solve of a component of this size: hardly a step allocates because it is the first one that takes another way. (The
   /// first contact does.)
   void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
-    pintle::reserve(bodies, v, stiffness, base, moved, stays, start, nearest, first, last_stiffness,
-                    most_stiffness);
+    pintle::reserve(bodies, v, way, stiffness, base, moved, stays, start, nearest, first,
+                    last_stiffness, most_stiffness);
     pintle::reserve(joints, of_loop);
-    pintle::reserve(rows, u, lambda, load, pieces, softness, scales, straight, goal, J, closes,
-                    bends, may_pass, bounded, limits, parts, as_contacts, last_load);
-    pintle::reserve(unknowns, y, x, aim, by_forces, by_joints, open);
+    pintle::reserve(rows, u, lambda, at_end, last_at_end, load, pieces, softness, scales, straight,
+                    goal, J, closes, bends, may_pass, bounded, limits, parts, as_contacts,
+                    last_load);
+    pintle::reserve(unknowns, y, x, aim, open);
     broyden.reserve(unknowns);
   }
 
   size_t bytes() const {
-    return bytesOf(v, u, lambda, load, pieces, parts, softness, stiffness, of_loop, y, x, aim,
-                   scales, by_forces, by_joints, base, moved, straight, goal, J, closes, bends,
+    return bytesOf(v, way, u, lambda, at_end, last_at_end, load, pieces, parts, softness, stiffness,
+                   of_loop, y, x, aim, scales, base, moved, straight, goal, J, closes, bends,
                    may_pass, bounded, limits, as_contacts, all, stays, open, start, nearest, first,
                    last_load, last_stiffness, most_stiffness) +
            broyden.bytes();
