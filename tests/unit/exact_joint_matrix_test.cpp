@@ -111,6 +111,26 @@ TEST(JointMatrix, ARefusedFactorIsNotKept) {
   EXPECT_TRUE(matrix.factorise(0));
 }
 
+/// M^-1 J^T is the same for both rows of a body that its factors hold along z, and J is not.
+TEST(JointMatrix, RowsMayDifferAlongAxesThatAreHeld) {
+  Random random(12);
+  JointMatrix matrix;
+  matrix.analyse({{-1, 0}}, JointMatrix::Locks(1));
+  matrix.setSizes({1});
+  matrix.bodies().emplace_back(body(random, false), Matrix3d::Zero());
+  matrix.bodies().front().linear.z() = 0;
+  const Vector6d v = Vector6d::Unit(2);
+  for (const double z : {1., 2.}) {
+    const Vector3d n(1, 0, z);
+    matrix.setRow(0, 0, {-n, Vector3d::Zero(), n, Vector3d::Zero()}, 1, 1);
+    matrix.setActing(matrix.row(0, 0), true, 0);
+    EXPECT_TRUE(matrix.factorise(0));
+    std::vector<double> u(matrix.vectorSize(), 0.);
+    matrix.subtractVelocities(&v, u.data());
+    EXPECT_EQ(u[matrix.row(0, 0)], -z);
+  }
+}
+
 /// A row that overflows, and acts no more.
 TEST(JointMatrix, ARefusedFactorLeavesNothing) {
   Random random(11);

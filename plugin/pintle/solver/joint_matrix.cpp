@@ -1,7 +1,6 @@
 #include <pintle/solver/joint_matrix.h>
 
 #include <pintle/solver/bytes.h>
-#include <pintle/solver/solver_options.h>
 
 #include <algorithm>
 #include <numeric>
@@ -254,8 +253,7 @@ bool JointMatrix::factorise(double least_pivot) {
   for (size_t b = 0; b < m_stays.size(); ++b) {
     if (!m_stays[b]) continue;
     const Matrix3d inertia = m_bodies[b].scale[1] * m_bodies[b].angular;
-    if ((m_inertia_of[b] - inertia).squaredNorm() <= same_row * same_row * inertia.squaredNorm())
-      continue;
+    if (isSame(m_inertia_of[b], inertia)) continue;
     m_inertia_of[b] = inertia;
     m_is_assembled = m_is_factorised = false;
   }

@@ -1,7 +1,5 @@
 #include <pintle/solver/row_blocks.h>
 
-#include <pintle/solver/solver_options.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,16 +9,13 @@ inline namespace PINTLE_PRECISION {
 PINTLE_INLINE void RowBlocks::set(Rows& to, int lane, const Vector3d& L, const Vector3d& A,
                                   const Vector6d& answer) {
   Eigen::Map<Vector6d> kept(to.answer[lane]);
-  // But for rounding: a step begins with the rows with which the last one ended.
-  const double missed2 = (kept - answer).squaredNorm();
-  if ((m_is_assembled || m_is_factorised) &&
-      (missed2 == 0 || missed2 < same_row * same_row * answer.squaredNorm()))
-    return;
+  // (Along an axis that factors hold J may change alone.)
+  Vector6d J, kept_J;
+  J << L, A;
+  for (int k = 0; k < 6; ++k) kept_J[k] = to.J[k][lane];
+  if ((m_is_assembled || m_is_factorised) && isSame(kept, answer) && isSame(kept_J, J)) return;
   m_is_assembled = m_is_factorised = false;
-  for (int k = 0; k < 3; ++k) {
-    to.J[k][lane] = L[k];
-    to.J[3 + k][lane] = A[k];
-  }
+  for (int k = 0; k < 6; ++k) to.J[k][lane] = J[k];
   kept = answer;
 }
 

@@ -4,6 +4,7 @@
 
 #include <pintle/solver/inverse_inertia.h>
 #include <pintle/solver/linear/block_layout.h>
+#include <pintle/solver/solver_options.h>
 
 #include <array>
 #include <vector>
@@ -70,6 +71,14 @@ class RowBlocks {
   bool m_is_assembled = false;  ///< but for nodes that were idle
   bool m_is_factorised = false;
 };
+
+/// Equality, but for rounding: a step begins with the rows with which the last one ended.
+template <class A, class B>
+bool isSame(const A& a, const B& b) {
+  const double missed2 = (a - b).squaredNorm();
+  return missed2 == 0 ||
+         missed2 < same_row * same_row * b.squaredNorm();  // not where both overflow
+}
 
 /// u += J v
 PINTLE_INLINE void addVelocity(const double (&J)[6][FourLanes::count], const double* v,
