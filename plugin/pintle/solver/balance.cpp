@@ -65,7 +65,7 @@ bool isFree(const Island& island, const Component& component) {
 
 // v = r + w, of which w is scaled. All impulses work by (v' - v*) M (v' + v0) / 2, and poses, which end where they did, are moved against
 // the forces by what v' goes less: with v' = r + s w, both by
-//   (s - 1) ((s + 1) w M w + w M (2 r + v* - v0)) / 2
+//   (s - 1) ((s + 1) w M w + w M (2 r + by_forces)) / 2,   M that of the end
 // more than with v. That is to be -`energy`, or as much of it as can be: it doubles at most what there is. Returns its work.
 double scale(const Island& island, const Component& component, bool is_free, double energy,
              Workspace& work) {

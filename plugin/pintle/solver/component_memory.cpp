@@ -106,7 +106,6 @@ void ComponentMemory::begin(const Island& island, const Component& component) {
     work.v[size_t(i)] =
         known ? Vector6d(body.v0 + forecast.change(size_t(i), island.dt)) : body.v_free;
   }
-  work.way.clear();
   work.lambda.resize(size_t(component.rows));
   setZero(size_t(component.rows), work.at_end);
   work.last_at_end.resize(size_t(component.rows));

@@ -10,7 +10,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Whether a row acts at a stop that it comes to in this step. Where it goes from there is known in the next one. (So it is at the tip of a cone.)
+// A row that acts at a stop which it comes to in this step. Where it goes from there is known in the next one. (So it is at the tip of a cone.)
 bool arrivesAtStop(const IslandRow& row, const LawPiece& piece, double tolerance, double dt) {
   if (!hasRigidStops(row.law)) return false;
   for (int i = 0; i < row.law.parts(); ++i) {
@@ -21,7 +21,7 @@ bool arrivesAtStop(const IslandRow& row, const LawPiece& piece, double tolerance
   return false;
 }
 
-// Whether the law of a row lets it end with an impulse at the velocity at which it acts.
+// Signorini's and Coulomb's laws and their like: the row may end with this impulse at the velocity at which it acts.
 bool allows(const IslandRow& row, const LawPiece& piece, double impulse) {
   if (row.law.isEquality()) return true;
   const LawPiece to = row.law.meet(piece.target - row.K * impulse, row.K);
@@ -36,7 +36,7 @@ bool areFollowed(const Island& island, const Workspace& work) {
          });
 }
 
-// Whether rows may turn by more than the tolerance (m or rad) while bodies go their way: of what moves by d (m and rad) it is d^2, by a lever of
+// Rotation of rows while bodies go their way may exceed the tolerance (m or rad): it is d^2 of a body that moves by d (m and rad), by a lever of
 // at least 1 mm.
 bool mayBend(const Island& island, double tolerance, const Workspace& work) {
   double most2 = 0;
@@ -66,7 +66,7 @@ bool findRows(const Island& island, const Component& component, double tolerance
   return any_bounded;
 }
 
-// Of a row that holds, against what is no unknown.
+// Target of a row that holds, less the velocity of static and kinematic bodies.
 double targetOf(const Island& island, const Component& component, int c, size_t r,
                 const Workspace& work) {
   const double target = work.pieces[r].target;
@@ -147,7 +147,7 @@ EndVelocities book(const Island& island, const Component& component, Workspace& 
     work.at_end[r] = y * of.by_root_K;
     work.lambda[r] += work.at_end[r];
     end.of_arcs += y * (left[of.at] - missed[of.at]) / 2;
-    // What drives do is no joint's. Of the rest each impulse works by the mean of what it changes.
+    // Work of drives is no joint's. Each other impulse works by the mean of the velocities before and after it.
     if (!row.law.hasDrives()) end.work += y * (work.pieces[r].target * of.by_root_K - miss);
   });
   for (size_t i = 0; i < work.v.size(); ++i) {

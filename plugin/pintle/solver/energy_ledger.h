@@ -55,7 +55,7 @@ double keptForRebounds(const Island& island, const Component& component, const W
 double workOfJoints(const Island& island, const Component& component, const Workspace& end);
 /// The same where contacts act, too: of the impulses of joints alone.
 double workAmongContacts(const Island& island, const Component& component, const Workspace& end);
-/// Whether only equalities act, which do not give, and the step begins with velocities that they hold: then its joints neither give nor take.
+/// Joints neither add nor remove energy: only equalities act, and the step begins with velocities that satisfy them.
 bool isEven(const Island& island, const Component& component, double tolerance,
             const Workspace& end);
 /// J: what moving poses by `changes` does against the forces of the step.

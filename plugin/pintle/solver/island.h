@@ -65,7 +65,7 @@ struct RowJacobian {
   }
 };
 
-/// Whether Bullet turns its velocity as a rotor's.
+/// Bullet's solver turns the body's velocity as a rotor's.
 inline bool isGyroscopic(const btRigidBody& body) {
   return (body.getFlags() &
           (BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT | BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD |
@@ -79,7 +79,7 @@ struct IslandBody {
   Matrix3d inertia;  ///< kg m^2
   Vector6d v0;       ///< at the start of the step
   Vector6d v_free;   ///< v*: with the step's forces, without its impulses
-  /// Of v* - v0 what is a force, without Bullet's gyroscopic term; and the work of that, J, which is its error.
+  /// v* - v0 by forces, without Bullet's gyroscopic term; and the work of that term, J, which is its error.
   Vector6d by_forces;
   double gyroscopic_work;
 

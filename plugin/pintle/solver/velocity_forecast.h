@@ -23,7 +23,7 @@ class VelocityForecast {
     m_ahead.reserve(bodies);
     m_best.reserve(bodies);
   }
-  /// Of the last step: by how much body i went faster on its way than at its end.
+  /// Velocity of body i on its way in the last step, less that with which it ended.
   const Vector6d& ahead(size_t i) const { return m_ahead[i]; }
   /// By how much the velocity of body i changes in the next step, of length dt.
   Vector6d change(size_t i, double dt) const {
@@ -35,20 +35,20 @@ class VelocityForecast {
     return m_ahead[i] + dt * sum;
   }
 
-  /// A step of length dt ends with velocities `v`. They go on by as many differences as would have told this step best, along and about
-  /// each body by itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further.
+  /// Bodies have gone the way of a step of length dt with velocities `way`, and end with `v`. Those of the way go on by as many differences as
+  /// would have told this step best, along and about each body by itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further.
   /// So with one more of them half of what all miss must be gone. `was_enough`: at most one solve has led to the end of the step. Then no
   /// more differences are found than before, and the last change alone where the others did not help.
-  void take(const IslandBody* bodies, const std::vector<Vector6d>& v,
-            const std::vector<Vector6d>& left, double dt, bool was_enough) {
+  void take(const IslandBody* bodies, const std::vector<Vector6d>& way,
+            const std::vector<Vector6d>& v, double dt, bool was_enough) {
     m_ahead.resize(v.size(), Vector6d::Zero());
     const int kept = was_enough ? m_known : std::min(m_known + 1, most);
     for (int k = 0; k < kept; ++k) m_difference[size_t(k)].resize(v.size(), Vector6d::Zero());
     double missed2[most] = {};  // by the first 1, 2, ... of them, J / s^2
     if (kept > 1) m_best.resize(v.size());
     for (size_t i = 0; i < v.size(); ++i) {
-      const Vector6d acceleration = (v[i] - bodies[i].v0 - m_ahead[i]) / dt;
-      m_ahead[i] = v[i] - left[i];
+      const Vector6d acceleration = (way[i] - bodies[i].v0 - m_ahead[i]) / dt;
+      m_ahead[i] = way[i] - v[i];
       if (kept > 1)
         take(i, bodies[i], acceleration, kept, missed2);
       else
@@ -91,8 +91,7 @@ class VelocityForecast {
     if (m_known < kept) m_difference[size_t(m_known)][i] = left;
   }
 
-  std::vector<Vector6d>
-      m_ahead;  ///< of each body: of the velocity that the last step left is that of its way
+  std::vector<Vector6d> m_ahead;
   std::array<std::vector<Vector6d>, most> m_difference;  ///< of each body's acceleration
   /// Of each body, by the first 1, 2, ... of them, along and about: the last one of those that told the step best.
   std::vector<std::array<std::array<signed char, 2>, most>> m_best;

@@ -19,10 +19,9 @@ struct SolveReport {
 
 struct Workspace {
   std::vector<Vector6d> v;  ///< of each body: where the solve begins, and with which the step ends
-  std::vector<Vector6d> way;      ///< of each body: with which it goes to where the step ends
+  std::vector<Vector6d> way;      ///< chord velocity of each body: it leads to where the step ends
   std::vector<double> u, lambda;  ///< of each row: its velocity, and its impulse, N s or N m s
-  std::vector<double>
-      at_end;  ///< of each row: what that has along the rows of the end (end_velocities.h)
+  std::vector<double> at_end;  ///< impulse of each row along the rows of the end (end_velocities.h)
   std::vector<double> last_at_end;  ///< the same of the last step
   std::vector<double> load;      ///< of each row: its mean impulse in this step and those before it
   std::vector<LawPiece> pieces;  ///< of each row: the piece of its law on which it is
