@@ -1,6 +1,7 @@
 #include <pintle/solver/balance.h>
 
 #include <pintle/solver/energy_ledger.h>
+#include <pintle/solver/free_rotor.h>
 
 #include <Eigen/Cholesky>
 
@@ -81,7 +82,8 @@ double scale(const Island& island, const Component& component, bool is_free, dou
     const Vector6d w = v[i] - stays[i];
     const Matrix3d& turn = work.moved[i].turn;
     a += product(bodies[i], turn, w, w);
-    b += bodies[i].product(w, bodies[i].by_forces);
+    // What acts in halves is booked by how far bodies go.
+    if (!bodies[i].acts_in_halves) b += bodies[i].product(w, bodies[i].by_forces);
     if (is_free) b += 2 * product(bodies[i], turn, w, stays[i]);
   }
   if (!(a > 0)) return 0;
@@ -103,7 +105,9 @@ double energyOfTurns(const Island& island, const Component& component, const Wor
   double sum = 0;
   for (size_t i = 0; i < end.v.size(); ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body) + i];
-    const Matrix3d by_way = RotationOfStep(end.way[i].tail<3>(), island.dt).matrix();
+    const Vector3d w = end.way[i].tail<3>();
+    const Matrix3d by_way =
+        body.isRotor() ? turnOfRotor(body, w, island.dt) : RotationOfStep(w, island.dt).matrix();
     sum += product(body, end.moved[i].turn, end.v[i], end.v[i]) -
            product(body, by_way, end.v[i], end.v[i]);
   }
@@ -112,6 +116,7 @@ double energyOfTurns(const Island& island, const Component& component, const Wor
 
 double balance(const Island& island, const Component& component, const SolverOptions& options,
                ComponentMemory& kept) {
+  if (kept.in_halves && kept.is_even) return 0;
   const double energy =
       kept.is_even ? std::fmax(kept.ledger.given, 0) + kept.work_done
                    : excess(island, component, kept.work_done, options.ledger_share, kept.ledger);

@@ -1,5 +1,6 @@
 // Purpose: what a component's joints gave or took, back by its velocities; the poses at the end of the step stay. That is what they gave
-// beyond their ledger; or all of it, where they can neither give nor take (isEven).
+// beyond their ledger; or all of it, where they can neither give nor take (isEven). Nothing, if then forces act in halves: so steps are symplectic,
+// and what joints gave comes back.
 #pragma once
 
 #include <pintle/solver/component_memory.h>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/solver/energy_ledger.h>
+#include <pintle/solver/half_forces.h>
 #include <pintle/solver/joint_matrix.h>
 #include <pintle/solver/velocity_forecast.h>
 #include <pintle/solver/workspace.h>
@@ -23,6 +24,7 @@ struct ComponentMemory {
   bool needed_no_solve = false;  ///< impulses are those with which it began
   bool ends_apart = false;       ///< its velocities are not those of its way (end_velocities.h)
   bool is_even = false;          ///< its joints neither give nor take in this step
+  bool in_halves = false;        ///< forces act half before and half after its bodies move
   bool holds_end = false;        ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
@@ -33,6 +35,7 @@ struct ComponentMemory {
   bool overflows = false;  ///< its velocities are not finite in this step
   Workspace work;
   VelocityForecast forecast;
+  HalfForces forces;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
 
@@ -57,7 +60,7 @@ struct ComponentMemory {
     return sizeof(*this) + K.bytes() + work.bytes() +
            bytesOf(constraints, bodies, in_loop, sizes, locks, m_rows, m_borne, m_lambda, m_at_end,
                    m_load, m_stretch, m_last_stretch) +
-           forecast.bytes();
+           forecast.bytes() + forces.bytes();
   }
 
  private:

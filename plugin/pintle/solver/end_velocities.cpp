@@ -1,5 +1,6 @@
 #include <pintle/solver/end_velocities.h>
 
+#include <pintle/solver/half_forces.h>
 #include <pintle/solver/row_velocities.h>
 #include <pintle/solver/stops.h>
 
@@ -75,12 +76,16 @@ double targetOf(const Island& island, const Component& component, int c, size_t 
   return target - island.velocityOfUnmoved(joint, work.J[r]);
 }
 
-// In the units of the next step, of which this is the start.
-void setRows(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
+void turnInertia(const Island& island, const Component& component, JointMatrix& K,
+                 const Workspace& work) {
   K.bodies().clear();
   for (int i = 0; i < component.bodies; ++i)
     K.bodies().push_back(InverseInertia::turned(island.bodies[size_t(component.first_body + i)],
                                                 work.moved[size_t(i)].turn));
+}
+
+// In the units of the next step, of which this is the start.
+void setRows(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
   const std::vector<char>& holds_end = holds(work);
   std::vector<double>&target = work.goal, &left = lackOfWay(work);
   target.resize(size_t(component.rows));
@@ -94,7 +99,7 @@ void setRows(const Island& island, const Component& component, JointMatrix& K, W
     target[r] = targetOf(island, component, c, r, work);
     left[of.at] = target[r] * of.by_root_K;
   });
-  K.subtractVelocities(work.way.data(), left.data());
+  K.subtractVelocities(work.v.data(), left.data());
 }
 
 // Returns whether the laws of all rows allow their impulses. Others hold no longer.
@@ -152,11 +157,28 @@ EndVelocities book(const Island& island, const Component& component, Workspace& 
   });
   for (size_t i = 0; i < work.v.size(); ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body) + i];
-    const Vector6d change = work.v[i] - work.way[i], by_first = work.way[i] - body.v_free;
-    end.work += body.product(body.by_forces, change) / 2;
+    const Vector6d by_first = work.way[i] - body.v_free;
     end.of_first += body.product(by_first, by_first) / 2;
+    if (body.acts_in_halves)
+      end.work += (body.product(body.by_forces_at_end, body.v0 - work.way[i]) +
+                   body.product(body.by_forces_at_end, body.by_forces_at_end)) /
+                  2;
+    else
+      end.work += body.product(body.by_forces, work.v[i] - work.way[i]) / 2;
   }
   return end;
+}
+
+// Solves for impulses along the rows of the end. Returns whether there are any.
+bool solve(const Island& island, const Component& component, const SolverOptions& options,
+           bool any_bounded, JointMatrix& K, Workspace& work) {
+  for (int factors = 0;; ++factors) {
+    const double most = largest(island, lackOfWay(work), work);
+    if (!(most > end_margin * options.newton_tolerance) ||
+        factors >= std::max(options.max_factors, 1) || !K.factorise(options.least_pivot))
+      return false;
+    if (solve(island, component, any_bounded, K, work)) return true;
+  }
 }
 
 }  // namespace
@@ -164,18 +186,24 @@ EndVelocities book(const Island& island, const Component& component, Workspace& 
 EndVelocities finishVelocities(const Island& island, const Component& component,
                                const SolverOptions& options, JointMatrix& K, Workspace& work) {
   work.way = work.v;
-  if (!areFollowed(island, work) || !mayBend(island, options.newton_tolerance, work)) return {};
+  const bool in_halves = island.bodies[size_t(component.first_body)].acts_in_halves;
+  if (!areFollowed(island, work)) return {};
+  if (!in_halves && !mayBend(island, options.newton_tolerance, work)) return {};
   const bool any_bounded = findRows(island, component, options.pose_tolerance, work);
+  turnInertia(island, component, K, work);
+  if (in_halves)
+    for (size_t i = 0; i < work.v.size(); ++i)
+      work.v[i] = velocityAtEnd(island.bodies[size_t(component.first_body) + i], work.moved[i].turn,
+                                work.way[i]);
   setRows(island, component, K, work);
-  int factors = 0;
-  do {
-    const double most = largest(island, lackOfWay(work), work);
-    if (!(most > end_margin * options.newton_tolerance) ||
-        factors++ >= std::max(options.max_factors, 1) || !K.factorise(options.least_pivot))
-      return {};
-  } while (!solve(island, component, any_bounded, K, work));
-  K.addResponse(impulses(work).data(), work.v.data());
-  if (missOfEnd(island, K, work) <= options.loose_pose_tolerance)
+  const bool any = solve(island, component, options, any_bounded, K, work);
+  if (!any && !in_halves) return {};
+  if (any)
+    K.addResponse(impulses(work).data(), work.v.data());
+  else
+    setZero(K.vectorSize(), impulses(work));
+  const double missed = missOfEnd(island, K, work);
+  if (missed <= (any ? options.loose_pose_tolerance : end_margin * options.newton_tolerance))
     return book(island, component, work);
   work.v = work.way;
   return {};

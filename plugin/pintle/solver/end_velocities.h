@@ -14,7 +14,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct EndVelocities {
-  bool differ = false;  ///< from those of the way
+  /// From those of the way. Not where forces act in halves: then the step is no such one, and is to be solved as others are.
+  bool differ = false;
   /// J: what joints do by p_1, and because forces work along the way, and not along the mean of the velocities before and after the step.
   double work = 0;
   /// J: of the impulses p_1, and of p_0, which bear loads, too. Of motion on arcs one gives what the other one takes.

@@ -184,7 +184,9 @@ double workOfPoses(const Island& island, const Component& component, const Vecto
   double work = 0;
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    work -= body.product(body.by_forces / island.dt, changes[i]);
+    Vector6d by_forces = body.by_forces;
+    if (body.acts_in_halves) by_forces += body.by_forces_at_end;
+    work -= body.product(by_forces / island.dt, changes[i]);
   }
   return work;
 }

@@ -29,17 +29,20 @@ void ExactMultiBodyJointSolver::solveMultiBodyGroup(
     btTypedConstraint** constraints, int numConstraints,
     btMultiBodyConstraint** multiBodyConstraints, int numMultiBodyConstraints,
     const btContactSolverInfo& info, btIDebugDraw* drawer, btDispatcher* dispatcher) {
-  enter(dispatcher);
+  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, info);
   btMultiBodyConstraintSolver::solveMultiBodyGroup(
       bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, multiBodyConstraints,
       numMultiBodyConstraints, info, drawer, dispatcher);
 }
 
+bool ExactMultiBodyJointSolver::hasOthers() const {
+  return m_multiBodyNonContactConstraints.size() > 0 ||
+         m_multiBodyNormalContactConstraints.size() > 0;
+}
+
 std::function<void(int number)> ExactMultiBodyJointSolver::passOverOthers(
     const btContactSolverInfo& info) {
-  if (m_multiBodyNonContactConstraints.size() == 0 &&
-      m_multiBodyNormalContactConstraints.size() == 0)
-    return {};
+  if (!hasOthers()) return {};
   startFromMultiBodies();
   return [this, &info](
              int number) {  // without the contacts of rigid bodies, which joints are solved with

@@ -32,6 +32,7 @@ class ExactMultiBodyJointSolver : public JointSolver<btMultiBodyConstraintSolver
                            btIDebugDraw* drawer, btDispatcher* dispatcher) override;
 
  protected:
+  bool hasOthers() const override;
   std::function<void(int number)> passOverOthers(const btContactSolverInfo& info) override;
 
  private:

@@ -82,6 +82,9 @@ struct IslandBody {
   /// v* - v0 by forces, without Bullet's gyroscopic term; and the work of that term, J, which is its error.
   Vector6d by_forces;
   double gyroscopic_work;
+  /// Of gravity the second half acts when it has moved (half_forces.h): then it turns as a rotor, if any of its gyroscopic flags is set.
+  bool acts_in_halves;
+  Vector6d by_forces_at_end;
 
   Vector3d inverse_mass;       ///< where its factors let it move
   Matrix3d inverse_inertia;    ///< where its factors let it turn
@@ -106,6 +109,8 @@ struct IslandBody {
     const double K = J_1.A(side).dot(inverse_inertia * J_2.A(side));
     return K + J_1.L(side).dot(inverse_mass.cwiseProduct(J_2.L(side)));
   }
+  /// It has no axis of its own about which it does not turn.
+  bool isRotor() const { return acts_in_halves && follows && isGyroscopic(*body); }
   /// m: of gyration.
   double radius() const { return scale[1] / scale[0]; }
   /// M^-1 of an impulse, N s and N m s: 0 where its factors hold it.

@@ -81,6 +81,7 @@ int IslandBuilder::body(const SolverBodies& bodies, int number) {
   to.v_free = freeVelocity(from);
   to.by_forces = to.v_free - to.v0;
   to.gyroscopic_work = 0;
+  to.acts_in_halves = false;
   if (isGyroscopic(rigid)) {
     to.by_forces.tail<3>() = m_island.dt * (to.inverse_inertia * inDouble(rigid.getTotalTorque()));
     const Vector6d gyroscopic = to.v_free - to.v0 - to.by_forces;

@@ -29,6 +29,8 @@ class IslandBuilder {
   /// Thereafter: Bullet's contacts, or friction, which is bounded by the contacts and comes after them.
   void addContacts(btConstraintArray& rows, const SolverBodies& bodies, bool are_friction,
                    std::vector<ContactRow>& to);
+  /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
+  int body(const SolverBodies& bodies, int solver_body);
   size_t bytes() const {
     return bytesOf(m_body_of, m_springs, m_root, m_number, m_to, m_joints_to, m_sorted_bodies,
                    m_sorted_joints);
@@ -60,8 +62,6 @@ class IslandBuilder {
   IslandRow& newRow() { return m_island.rows.emplace_back(); }
   /// Whether it is a row: then it counts.
   bool keepRow(IslandJoint& to, IslandRow& row);
-  /// The number of one of Bullet's bodies in the island, added if it is not there yet; below 0: it does not move.
-  int body(const SolverBodies& bodies, int solver_body);
   void findShapes(const IslandJoint& joint);
   bool isClosed(const IslandRow& row) const;
   void findAngles(const IslandJoint& joint);

@@ -78,6 +78,7 @@ void IslandSolver::solve(const btContactSolverInfo& info, SolverBodies& bodies,
   m_report.tier = 1;
   m_sweeps = info.m_numIterations;
   m_turn_share = double(info.m_splitImpulseTurnErp);
+  m_has_others = bool(others);
   if (others)
     for (IslandBody& of : m_island.bodies) {
       const Vector6d change = changeOf(bodies[of.solver_body]);
@@ -140,6 +141,38 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
   }
 }
 
+void IslandSolver::moveFreely(SolverBodies& bodies, WorldMemory& memory) {
+  m_counted.assign(size_t(bodies.size()), false);
+  for (const IslandBody& body : m_island.bodies) m_counted[size_t(body.solver_body)] = true;
+  HalfForces forces;
+  std::vector<MovedBody> moved;
+  for (int number = 0; number < bodies.size(); ++number) {
+    if (m_counted[size_t(number)]) continue;
+    const int i = m_builder.body(bodies, number);
+    if (i < 0) continue;
+    const Component alone{i, 1, 0, 0, 0};
+    const IslandBody& body = m_island.bodies[size_t(i)];
+    PoseChange& change = m_pose_changes.emplace_back(PoseChange::Zero());
+    forces.begin(m_island, alone,
+                 [&](const btRigidBody& of) -> MotionsOfBody& { return memory.motionsOf(of); });
+    if (!forces.areTouched()) {
+      forces.split(m_island, alone);
+      moveBodies(m_island, alone, &body.v_free, moved);
+      const std::vector<Vector6d> v = {velocityAtEnd(body, moved.front().turn, body.v_free)};
+      findChanges(m_island, alone, v, moved, &change);
+      if (v.front().allFinite() &&
+          !overflows(body, bodies[number], v.front(), change, m_island.dt)) {
+        write(v.front(), bodies[number]);
+      } else {
+        change.setZero();
+        forces.join(m_island, alone);
+      }
+    }
+    const Vector6d left = freeVelocity(bodies[number]) + changeOf(bodies[number]);
+    forces.keep(m_island, alone, &left);
+  }
+}
+
 void IslandSolver::movePoses() const {
   for (size_t i = 0; i < m_pose_changes.size(); ++i) {
     const IslandBody& of = m_island.bodies[i];
@@ -176,15 +209,46 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
+  if (kept.in_halves && !end.differ) return false;
   kept.work_done += end.work;
   kept.ends_apart = end.differ;
   kept.is_even = end.differ && kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
                  isEven(m_island, component, m_options.loose_pose_tolerance, kept.work);
-  return kept.is_even ||
-         excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0;
+  if (!kept.is_even)
+    return excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0;
+  // In halves what joints give comes back by itself. From rest it is more than a share of what moves.
+  return !kept.in_halves ||
+         kept.ledger.excess(kept.work_done, m_options.ledger_share) <= end.of_arcs;
+}
+
+// With forces in halves, where that leads to an end.
+bool IslandSolver::solveInHalves(const Component& component) {
+  ComponentMemory& kept = memoryOf(component);
+  if (kept.forces.areTouched()) return false;
+  // What a spring pulls at the end of the step is not known, nor when in it a stop sends back.
+  bool is_other = false;
+  for (int c = 0; c < component.joints; ++c)
+    is_other = is_other || m_island.joints[size_t(component.first_joint + c)].keeps_for_rebound;
+  forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
+    for (int i = 0; i < row.law.parts(); ++i) {
+      const LawPart& part = row.law.part(i);
+      is_other = is_other || part.softness > 0 || part.rebounds();
+    }
+  });
+  if (is_other) {
+    kept.forces.join(m_island, component);
+    return false;
+  }
+  kept.forces.split(m_island, component);
+  kept.in_halves = true;
+  if (solveByChord(component)) return true;
+  kept.in_halves = false;
+  kept.forces.join(m_island, component);
+  return false;
 }
 
 void IslandSolver::solveAlone(const Component& component) {
+  if (m_options.second_order && !m_has_others && solveInHalves(component)) return;
   if (solveByChord(component)) return;
   const Component* const alone = &component;
   solveInVelocity({{&alone, 1}, bodiesOf(component), {}});
@@ -267,7 +331,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     kept.has_factor = is_sound;
     kept.converged = done.converged;
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
-    kept.holds_end = kept.ends_apart = kept.is_even = false;
+    kept.in_halves = kept.holds_end = kept.ends_apart = kept.is_even = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
     kept.needed_no_solve = kept.work.is_missed = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
@@ -305,6 +369,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   kept.ledger.book(kept.work_done, m_options.ledger_share,
                    kineticEnergy(m_island, component, work.v));
   kept.keep(m_island, component);
+  if (m_options.second_order) kept.forces.keep(m_island, component, kept.work.v.data());
   pintle::report(m_island, component, work);
 }
 
@@ -338,6 +403,13 @@ void IslandSolver::beginComponents(WorldMemory& memory) {
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
     slot->followTurns(m_island, component);
+    slot->in_halves = false;
+    if (m_options.second_order) {
+      slot->forces.begin(m_island, component, [&](const btRigidBody& body) -> MotionsOfBody& {
+        return memory.motionsOf(body);
+      });
+      if (m_has_others) slot->forces.join(m_island, component);
+    }
     slot->stretchSprings(m_island, component);
     turnStops(m_island, component);
     slot->ledger.begin(m_island, component, m_options.ledger_share);
@@ -415,6 +487,8 @@ void IslandSolver::leaveOverflow(const ContactGroup& group, const SolverBodies& 
       std::none_of(group.bodies.begin(), group.bodies.end(), ofBody) &&
       std::none_of(group.rows.begin(), group.rows.end(), ofRow))
     return;
+  for (const Component* of : group.components)
+    if (memoryOf(*of).in_halves) memoryOf(*of).forces.join(m_island, *of);
   for (const int i : group.bodies) {
     m_velocities[size_t(i)] = m_island.bodies[size_t(i)].v_free;
     m_island.bodies[size_t(i)].push.setZero();

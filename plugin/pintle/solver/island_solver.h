@@ -36,6 +36,8 @@ class IslandSolver {
   /// contacts after each: so they hold in the end. `memory`: that of the world.
   void solve(const btContactSolverInfo& info, SolverBodies& bodies, const PassOverOthers& others,
              WorldMemory& memory);
+  /// Bodies without joints, where steps are of second order.
+  void moveFreely(SolverBodies& bodies, WorldMemory& memory);
   /// At the end of the step, what velocities cannot do.
   void movePoses() const;
 
@@ -53,6 +55,7 @@ class IslandSolver {
 
   ComponentMemory& begin(const Component& component);
   void solveAlone(const Component& component);
+  bool solveInHalves(const Component& component);
   bool solveByChord(const Component& component);
   void solveInVelocity(const ContactGroup& group);
   double gainInVelocity(const ContactGroup& group);
@@ -73,6 +76,7 @@ class IslandSolver {
   std::vector<ComponentMemory*> m_kept;  ///< of each
   std::vector<ContactRow> m_contacts;
   int m_sweeps = 0;                    ///< of contacts
+  bool m_has_others = false;           ///< rows of other kinds act on its bodies
   double m_turn_share = 0;             ///< of the turns by which split impulses move bodies apart
   std::vector<Vector6d> m_velocities;  ///< of each body
   std::vector<PoseChange> m_pose_changes;

@@ -6,7 +6,11 @@
 #include <pintle/solver/prefetch.h>
 #include <pintle/solver/world_memory.h>
 
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+
+#include <algorithm>
+#include <vector>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -47,11 +51,47 @@ void JointSolver<BulletSolver>::shareMemoryOf(const JointSolver& other) {
   m_memory = other.m_memory;
 }
 
+namespace {
+
+// Islands in which something touches something move as Bullet moves them.
+void touch(Span<btCollisionObject*> bodies, Span<btPersistentManifold*> manifolds, double dt,
+           WorldMemory& memory) {
+  std::vector<int> touched;  // islands
+  for (const btPersistentManifold* manifold : manifolds)
+    if (manifold->getNumContacts() > 0)
+      for (const btCollisionObject* body : {manifold->getBody0(), manifold->getBody1()})
+        if (!body->isStaticOrKinematicObject()) touched.push_back(body->getIslandTag());
+  std::sort(touched.begin(), touched.end());
+  for (btCollisionObject* object : bodies) {
+    btRigidBody* const body = btRigidBody::upcast(object);
+    if (body == nullptr || body->isStaticOrKinematicObject() ||
+        !std::binary_search(touched.begin(), touched.end(), body->getIslandTag()))
+      continue;
+    MotionsOfBody& motions = memory.motionsOf(*body);
+    motions.is_touched = true;
+    Vector6d v;
+    v << inDouble(body->getLinearVelocity()), inDouble(body->getAngularVelocity());
+    if (motions.lastOf(*body, v, dt).gravity == MotionOfBody::Gravity::in_halves) {
+      const Vector3d back = v.head<3>() - motions.last.second_half;
+      body->setLinearVelocity(btVector3(Scalar(back[0]), Scalar(back[1]), Scalar(back[2])));
+    }
+    motions.last = {};
+  }
+}
+
+}  // namespace
+
 template <class BulletSolver>
-void JointSolver<BulletSolver>::enter(const btDispatcher* world) {
-  if (world == nullptr || world == m_world) return;
-  m_world = world;
-  m_memory = WorldMemory::of(*world, m_memory);
+void JointSolver<BulletSolver>::enter(const btDispatcher* world, btCollisionObject** bodies,
+                                      int numBodies, btPersistentManifold** manifolds,
+                                      int numManifolds, const btContactSolverInfo& info) {
+  if (world != nullptr && world != m_world) {
+    m_world = world;
+    m_memory = WorldMemory::of(*world, m_memory);
+  }
+  if (options().second_order)
+    touch({bodies, size_t(numBodies)}, {manifolds, size_t(numManifolds)}, double(info.m_timeStep),
+          *m_memory);
 }
 
 template <class BulletSolver>
@@ -60,7 +100,7 @@ btScalar JointSolver<BulletSolver>::solveGroup(btCollisionObject** bodies, int n
                                                btTypedConstraint** constraints, int numConstraints,
                                                const btContactSolverInfo& info,
                                                btIDebugDraw* drawer, btDispatcher* dispatcher) {
-  enter(dispatcher);
+  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, info);
   return BulletSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
                                   numConstraints, info, drawer, dispatcher);
 }
@@ -134,6 +174,8 @@ template <class BulletSolver>
 btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
                                                                   int numBodies,
                                                                   const btContactSolverInfo& info) {
+  if (options().second_order && !hasOthers())
+    m_islands->moveFreely(this->m_tmpSolverBodyPool, *m_memory);
   const btScalar result = BulletSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
   m_islands->movePoses();
   return result;

@@ -48,8 +48,11 @@ class JointSolver : public BulletSolver {
 
  protected:
   /// The island that follows is of this world.
-  void enter(const btDispatcher* world);
-  /// One pass over rows that are neither joints nor contacts between rigid bodies; empty if there are none.
+  void enter(const btDispatcher* world, btCollisionObject** bodies, int numBodies,
+             btPersistentManifold** manifolds, int numManifolds, const btContactSolverInfo& info);
+  /// Whether rows are neither joints nor contacts between rigid bodies.
+  virtual bool hasOthers() const { return false; }
+  /// One pass over those; empty if there are none.
   virtual std::function<void(int number)> passOverOthers(const btContactSolverInfo&) { return {}; }
 
   void convertJoints(btTypedConstraint** constraints, int numConstraints,

@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/solver/free_rotor.h>
 #include <pintle/solver/solver_options.h>
 #include <pintle/solver/stops.h>
 
@@ -278,7 +279,11 @@ void forEachAtEnd(const Island& island, const Component& component,
 void moveBodies(const Island& island, const Component& component, const Vector6d* v,
                 std::vector<MovedBody>& moved) {
   moved.clear();
-  for (int i = 0; i < component.bodies; ++i) moved.emplace_back(v[i], island.dt);
+  for (int i = 0; i < component.bodies; ++i) {
+    const IslandBody& body = island.bodies[size_t(component.first_body + i)];
+    moved.emplace_back(v[i], island.dt);
+    if (body.isRotor()) moved.back().turn = turnOfRotor(body, v[i].tail<3>(), island.dt);
+  }
 }
 
 void measureAtEnd(const Island& island, const Component& component,

@@ -88,6 +88,10 @@ struct SolverOptions {
   /// (w dt)^2 of a body that swings about its joints' load by w rad/s, up to which it is left as it is. Explicit steps are stable
   /// below unstable_swing. A faster one gets as much inertia as makes it swing no faster: no step resolves it.
   double stable_swing = 2;
+  /// Gravity acts half before and half after bodies move (Verlet), and bodies with any of Bullet's gyroscopic flags turn as free rotors do: so motion
+  /// is of second order, and free fall exact. This is for bodies that nothing touches: alone, or with joints that give nothing. Others move as
+  /// Bullet moves them.
+  bool second_order = false;
 };
 
 /// Throws std::invalid_argument, with the field, its value and what is wrong, if one is out of its range.

@@ -23,6 +23,19 @@ void WorldMemory::beginStep(long kept_for) {
   m_report = {};
   for (auto i = m_slots.begin(); i != m_slots.end();)
     i = m_step - i->second.step > kept_for ? m_slots.erase(i) : std::next(i);
+  for (auto i = m_motions.begin(); i != m_motions.end();)
+    i = m_step - i->second.step > kept_for ? m_motions.erase(i) : std::next(i);
+}
+
+MotionsOfBody& WorldMemory::motionsOf(const btRigidBody& body) {
+  const Lock lock(m_mutex);
+  MotionsOfBody& motions = m_motions[&body];
+  if (motions.step == m_step) return motions;
+  const MotionOfBody last = m_step - motions.step == 1 ? motions.now : MotionOfBody();
+  motions = {};
+  motions.last = last;
+  motions.step = m_step;
+  return motions;
 }
 
 void WorldMemory::beginStep() {
@@ -60,6 +73,7 @@ size_t WorldMemory::bytes() const {
   size_t sum = 0;
   for (const auto& [joint, slot] : m_slots)
     sum += sizeof(slot) + (slot.memory != nullptr ? slot.memory->bytes() : 0);
+  sum += m_motions.size() * sizeof(decltype(m_motions)::value_type);
   return sum;
 }
 

@@ -25,6 +25,8 @@ class WorldMemory {
   /// Of a component, by its first joint. Bullet's own pool does not tell its solvers when a step begins: one begins when a component
   /// comes again.
   std::unique_ptr<ComponentMemory>& slot(const btTypedConstraint* first_joint);
+  /// Where steps are of second order.
+  MotionsOfBody& motionsOf(const btRigidBody& body);
   /// Of this step, from one of its islands.
   void add(const StepReport& island);
   StepReport report() const;
@@ -41,6 +43,7 @@ class WorldMemory {
 
   mutable std::mutex m_mutex;
   std::unordered_map<const btTypedConstraint*, Slot> m_slots;
+  std::unordered_map<const btRigidBody*, MotionsOfBody> m_motions;
   long m_step = 0;
   StepReport m_report;
 };
