@@ -22,6 +22,14 @@ std::unique_ptr<btConstraintSolver> make() {
   return std::make_unique<Solver>();
 }
 
+std::unique_ptr<btConstraintSolver> make_second_order() {
+  auto solver = std::make_unique<pintle::ExactJointSolver>();
+  pintle::SolverOptions options;
+  options.second_order = true;
+  solver->setOptions(options);
+  return solver;
+}
+
 Contender with(const char* name, const char* what, const char* colour, MakeJoint joints,
                const scenes::SolverFactory& solver = {}, Iterates iterates = Iterates::always) {
   return {name, what, colour, iterates, [=](const scenes::Scene& scene, int iterations) {
@@ -34,13 +42,15 @@ Contender with(const char* name, const char* what, const char* colour, MakeJoint
 const std::vector<Contender>& contenders() {
   static const std::vector<Contender> list = {
     // Colours are Okabe and Ito's, which the colour-blind tell apart, with a grey for stock and a wine red in the place of
-    // their yellow, which is lost on white.
+    // their yellow, which is lost on white. (Tol's olive is for steps of second order.)
     // A Bullet solver of one's own: with("name", "what", "#rrggbb", make_conditioned_joint, make<Solver>),
     with("stock", "Bullet's joints", "#7d8590", make_stock_joint),
     with("document", "Pintle's, in the document's form", "#e69f00", make_document_joint),
     with("pintle", "Pintle's, conditioned", "#0072b2", make_conditioned_joint),
     with("exact", "Pintle's on ExactJointSolver", "#d55e00", make_conditioned_joint,
          make<pintle::ExactJointSolver>, Iterates::with_bounds),
+    with("second_order", "Pintle's on ExactJointSolver, in steps of second order", "#999933",
+         make_conditioned_joint, make_second_order, Iterates::with_bounds),
     with("dantzig", "Bullet's joints, btMLCPSolver with Dantzig", "#cc79a7", make_stock_joint,
          make<DantzigSolver>, Iterates::never),
     {"multibody", "btMultiBody", "#009e73", Iterates::never,

@@ -165,7 +165,9 @@ void write_summary(std::ostream& out, const Results& results, const StepErrors& 
     print(out, ours, score);
   }
   for (const std::string& peer : who) {
-    if (peer == "stock" || peer == "pintle" || peer == "document" || peer == "exact") continue;
+    if (peer == "stock" || peer == "pintle" || peer == "document" || peer == "exact" ||
+        peer == "second_order")
+      continue;
     for (const char* ours : {"pintle", "exact"}) {
       out << "\n## " << ours << " against " << peer << "\n\n";
       compare(out, results, all, ours, peer, true);

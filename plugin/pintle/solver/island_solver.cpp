@@ -225,17 +225,7 @@ bool IslandSolver::solveByChord(const Component& component) {
 bool IslandSolver::solveInHalves(const Component& component) {
   ComponentMemory& kept = memoryOf(component);
   if (kept.forces.areTouched()) return false;
-  // What a spring pulls at the end of the step is not known, nor when in it a stop sends back.
-  bool is_other = false;
-  for (int c = 0; c < component.joints; ++c)
-    is_other = is_other || m_island.joints[size_t(component.first_joint + c)].keeps_for_rebound;
-  forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
-    for (int i = 0; i < row.law.parts(); ++i) {
-      const LawPart& part = row.law.part(i);
-      is_other = is_other || part.softness > 0 || part.rebounds();
-    }
-  });
-  if (is_other) {
+  if (!mayActInHalves(m_island, component)) {
     kept.forces.join(m_island, component);
     return false;
   }
