@@ -18,9 +18,8 @@ struct LawPart {
   bool drives = false;  ///< a motor, a servo, a spring, or friction: its work is not the joint's
   bool gives = false;   ///< a stop with a spring of its own (RowSpring), by which its target pulls
   int role = 0;  ///< which part of an axis it is (Axis::Part), or a bounded pull (Axis::parts)
-  /// Of a spring and damper, Lambda = -dt k (C + share_of_way dt u) - dt c u: dt^2 k, N s^2/m.
-  double stiffness = 0;
-  double share_of_way = 1;
+  /// Of a spring and damper, Lambda = -dt k (C + dt u) - dt c u: dt^2 k softness. What is left of 1 is the damper's.
+  double spring_share = 0;
 
   static constexpr double unbounded = 1e30;
   bool isLowerStop() const { return lower == 0 && upper == unbounded; }
@@ -32,7 +31,7 @@ struct LawPart {
   bool isMotor() const { return drives && role == Axis::motor && !(softness > 0); }
   /// Friction, or a motor that holds still: it takes alone.
   bool brakes() const {
-    return drives && role != Axis::parts && target == 0 && lower < upper && !(stiffness > 0);
+    return drives && role != Axis::parts && target == 0 && lower < upper && !(spring_share > 0);
   }
   /// Of a stop: whether u is beyond it.
   bool isBeyond(double u) const {
@@ -45,22 +44,15 @@ struct LawPart {
   /// The spring pulls by `share` of the way of this step, and by all that it was stretched before: Lambda = -dt k (C + share dt u) -
   /// dt c u. Without a damper and a share of the way its impulse is known.
   void foresee(double share) {
-    const double left = 1 - (1 - share) * stiffness * softness;
-    share_of_way = share;
+    const double left = 1 - (1 - share) * spring_share;
     if (left > 1e-6) {  // of less, rounding would be most
       target /= left;
       softness /= left;
+      spring_share *= share / left;
       return;
     }
     lower = upper = std::fmin(std::fmax(target / softness, lower), upper);
-    target = softness = 0;
-  }
-
-  /// The impulse of a spring is `times` as large.
-  void scale(double times) {
-    softness /= times;
-    if (lower > -unbounded) lower *= times;
-    if (upper < unbounded) upper *= times;
+    target = softness = spring_share = 0;
   }
 
   double at(double u) const {
@@ -102,12 +94,8 @@ class AxisLaw {
   /// Its springs, as each part does.
   void foresee(double share) {
     for (int i = 0; i < m_parts; ++i)
-      if (part(i).stiffness > 0) own(i).foresee(share);
+      if (part(i).spring_share > 0) own(i).foresee(share);
     m_is_equality = m_parts == 1 && isUnbounded(part(0));
-  }
-  void scaleSprings(double times) {
-    for (int i = 0; i < m_parts; ++i)
-      if (part(i).stiffness > 0) own(i).scale(times);
   }
   int parts() const { return m_parts; }
   const LawPart& part(int i) const { return first()[i]; }
@@ -153,7 +141,9 @@ class AxisLaw {
 /// dt^2 k of its springs, N s^2/m.
 inline double springs(const AxisLaw& law) {
   double sum = 0;
-  for (int i = 0; i < law.parts(); ++i) sum += law.part(i).stiffness;
+  for (int i = 0; i < law.parts(); ++i)
+    if (const LawPart& part = law.part(i); part.spring_share > 0)
+      sum += part.spring_share / part.softness;
   return sum;
 }
 

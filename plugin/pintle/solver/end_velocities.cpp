@@ -1,7 +1,6 @@
 #include <pintle/solver/end_velocities.h>
 
 #include <pintle/solver/half_forces.h>
-#include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/row_velocities.h>
 #include <pintle/solver/stops.h>
 
@@ -30,13 +29,12 @@ bool allows(const IslandRow& row, const LawPiece& piece, double impulse) {
   return to.acts && to.target == piece.target;
 }
 
-// Which way bodies turn by more in a step, no pose tells. Where steps do not resolve how bodies swing, whole forces leave them the velocities of
-// their way: so that dies away. Forces in halves keep its energy.
-bool areFollowed(const Island& island, bool in_halves, const Workspace& work) {
+// Where steps do not resolve how some bodies swing, or which way they turn against each other, their velocities belong to no pose.
+bool areFollowed(const Island& island, const Workspace& work) {
   const double most = pi / (2 * island.dt);
-  return (work.is_resolved || in_halves) &&
-         std::all_of(work.way.begin(), work.way.end(),
-                     [&](const Vector6d& v) { return v.tail<3>().squaredNorm() <= most * most; });
+  return work.is_resolved && std::all_of(work.way.begin(), work.way.end(), [&](const Vector6d& v) {
+           return v.tail<3>().squaredNorm() <= most * most;
+         });
 }
 
 // Rotation of rows while bodies go their way may exceed the tolerance (m or rad): it is d^2 of a body that moves by d (m and rad), by a lever of
@@ -47,91 +45,67 @@ bool mayBend(const Island& island, double tolerance, const Workspace& work) {
   return most2 * island.dt * island.dt > 1e-3 * tolerance || island.anyUnmovedMoves();
 }
 
-// What a row does at the end: nothing, or hold there, or pull as a spring.
-enum EndRow : char { idle, held, pulls };
-
-// In the workspace, of each row: what it does at the end, and what it lacks of that by the velocities of the way, and by those of the end.
-std::vector<char>& doesAtEnd(Workspace& work) { return work.closes; }
+// In the workspace, of each row: whether it holds at the end, and what it lacks of that by the velocities of the way, and by those of the end.
+std::vector<char>& holds(Workspace& work) { return work.closes; }
 std::vector<double>& lackOfWay(Workspace& work) { return work.aim; }
 std::vector<double>& lackOfEnd(Workspace& work) { return work.open; }
 std::vector<double>& impulses(Workspace& work) { return work.x; }
 
 // Returns whether any of the rows that hold has bounds.
-bool findRows(const Island& island, const Component& component, double tolerance, bool in_halves,
-              Workspace& work) {
-  std::vector<char>& does = doesAtEnd(work);
-  does.resize(size_t(component.rows));
+bool findRows(const Island& island, const Component& component, double tolerance, Workspace& work) {
+  std::vector<char>& holds_end = holds(work);
+  holds_end.resize(size_t(component.rows));
   bool any_bounded = false;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
     const LawPiece& piece = work.pieces[r];
-    const bool is_spring = in_halves && springs(row.law) > 0;
-    if (is_spring && !isRigidSpring(row.law, row.K)) {
-      does[r] = pulls;
-      return;
-    }
-    does[r] = piece.acts && (is_spring || !(piece.softness > 0)) &&
-                      !arrivesAtStop(row, piece, tolerance, island.dt)
-                  ? held
-                  : idle;
-    any_bounded = any_bounded || (does[r] == held && !row.law.isEquality());
+    const bool is =
+        piece.acts && !(piece.softness > 0) && !arrivesAtStop(row, piece, tolerance, island.dt);
+    holds_end[r] = is;
+    any_bounded = any_bounded || (is && !row.law.isEquality());
   });
-  differentiateAtEnd(island, component, work.moved, does, work.J);
+  differentiateAtEnd(island, component, work.moved, holds_end, work.J);
   return any_bounded;
 }
 
 // Target of a row that holds, less the velocity of static and kinematic bodies.
 double targetOf(const Island& island, const Component& component, int c, size_t r,
                 const Workspace& work) {
-  const LawPiece& piece = work.pieces[r];
-  const double target = piece.softness > 0 ? work.u[r] : piece.target;
+  const double target = work.pieces[r].target;
   if (!island.anyUnmovedMoves()) return target;
   const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
   return target - island.velocityOfUnmoved(joint, work.J[r]);
 }
 
-// What has the stiffness of loads beside its inertia in this step (load_stiffness.h) has it at its end, too.
 void turnInertia(const Island& island, const Component& component, JointMatrix& K,
                  const Workspace& work) {
   K.bodies().clear();
-  for (size_t i = 0; i < work.moved.size(); ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body) + i];
-    const Matrix3d& turn = work.moved[i].turn;
-    K.bodies().push_back(work.is_resolved ? InverseInertia::turned(body, turn)
-                                          : InverseInertia::turned(body, turn, work.stiffness[i]));
-  }
+  for (int i = 0; i < component.bodies; ++i)
+    K.bodies().push_back(InverseInertia::turned(island.bodies[size_t(component.first_body + i)],
+                                                work.moved[size_t(i)].turn));
 }
 
 // In the units of the next step, of which this is the start.
 void setRows(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
-  const std::vector<char>& does = doesAtEnd(work);
-  std::vector<double>&target = work.goal, &left = lackOfWay(work), &pull = lackOfEnd(work);
+  const std::vector<char>& holds_end = holds(work);
+  std::vector<double>&target = work.goal, &left = lackOfWay(work);
   target.resize(size_t(component.rows));
   setZero(K.vectorSize(), left);
-  setZero(K.vectorSize(), pull);
-  bool any_pulls = false;
   forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
     Workspace::Scale& of = work.scales[r];
     of.root_K = K.setRowByItsK(c, i, work.J[r], row.root_K);
     of.by_root_K = 1 / of.root_K;
-    K.setActing(of.at, does[r] == held, work.of_loop[size_t(c)]);
-    if (does[r] == pulls) {
-      work.at_end[r] = secondHalf(row.law, work.u[r]);
-      work.lambda[r] += work.at_end[r];
-      pull[of.at] = work.at_end[r] * of.root_K;
-      any_pulls = true;
-    }
-    if (does[r] != held) return;
+    K.setActing(of.at, holds_end[r], work.softness[r]);
+    if (!holds_end[r]) return;
     target[r] = targetOf(island, component, c, r, work);
     left[of.at] = target[r] * of.by_root_K;
   });
-  if (any_pulls) K.addResponse(pull.data(), work.v.data());
   K.subtractVelocities(work.v.data(), left.data());
 }
 
 // Returns whether the laws of all rows allow their impulses. Others hold no longer.
 bool solve(const Island& island, const Component& component, bool any_bounded, JointMatrix& K,
            Workspace& work) {
-  std::vector<char>& does = doesAtEnd(work);
+  std::vector<char>& holds_end = holds(work);
   std::vector<double>&x = impulses(work), &left = lackOfWay(work);
   x = left;
   K.solve(x.data());
@@ -139,10 +113,9 @@ bool solve(const Island& island, const Component& component, bool any_bounded, J
   if (!any_bounded) return all_allowed;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
     const Workspace::Scale& of = work.scales[r];
-    if (does[r] != held || allows(row, work.pieces[r], work.lambda[r] + x[of.at] * of.by_root_K))
+    if (!holds_end[r] || allows(row, work.pieces[r], work.lambda[r] + x[of.at] * of.by_root_K))
       return;
-    does[r] = idle;
-    all_allowed = false;
+    holds_end[r] = all_allowed = false;
     K.setActing(of.at, false, work.softness[r]);
     left[of.at] = 0;
   });
@@ -160,30 +133,20 @@ double largest(const Island& island, const std::vector<double>& u, const Workspa
 double missOfEnd(const Island& island, const JointMatrix& K, Workspace& work) {
   std::vector<double>& missed = lackOfEnd(work);
   setZero(K.vectorSize(), missed);
-  const std::vector<char>& does = doesAtEnd(work);
+  const std::vector<char>& holds_end = holds(work);
   for (size_t r = 0; r < work.scales.size(); ++r)
-    if (does[r] == held) missed[work.scales[r].at] = work.goal[r] * work.scales[r].by_root_K;
+    if (holds_end[r]) missed[work.scales[r].at] = work.goal[r] * work.scales[r].by_root_K;
   K.subtractVelocities(work.v.data(), missed.data());
   return largest(island, missed, work);
-}
-
-// J: because forces work along the way, and not along the means of the velocities before and after each half. work.v: without p_1 of joints.
-double workOfForces(const Island& island, const Component& component, const Workspace& work) {
-  double sum = 0;
-  for (size_t i = 0; i < work.v.size(); ++i) {
-    const IslandBody& body = island.bodies[size_t(component.first_body) + i];
-    sum += body.product(body.by_forces_at_end, body.v0 - 2 * work.way[i] + work.v[i]) / 2;
-  }
-  return sum;
 }
 
 EndVelocities book(const Island& island, const Component& component, Workspace& work) {
   EndVelocities end;
   end.differ = true;
-  const std::vector<char>& does = doesAtEnd(work);
+  const std::vector<char>& holds_end = holds(work);
   const std::vector<double>&x = impulses(work), &left = lackOfWay(work), &missed = lackOfEnd(work);
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
-    if (does[r] != held) return;
+    if (!holds_end[r]) return;
     const Workspace::Scale& of = work.scales[r];
     const double y = x[of.at], miss = (left[of.at] + missed[of.at]) / 2;
     work.at_end[r] = y * of.by_root_K;
@@ -196,12 +159,12 @@ EndVelocities book(const Island& island, const Component& component, Workspace& 
     const IslandBody& body = island.bodies[size_t(component.first_body) + i];
     const Vector6d by_first = work.way[i] - body.v_free;
     end.of_first += body.product(by_first, by_first) / 2;
-    if (!body.acts_in_halves) end.work += body.product(body.by_forces, work.v[i] - work.way[i]) / 2;
-    if (work.is_resolved) continue;
-    const Matrix3d& turn = work.moved[i].turn;
-    const Vector3d change = turn.transpose() * (work.v[i] - work.way[i]).tail<3>(),
-                   sum = turn.transpose() * (work.v[i] + work.way[i]).tail<3>();
-    end.work -= change.dot(work.stiffness[i] * sum) / 2;  // is no joint's
+    if (body.acts_in_halves)
+      end.work += (body.product(body.by_forces_at_end, body.v0 - work.way[i]) +
+                   body.product(body.by_forces_at_end, body.by_forces_at_end)) /
+                  2;
+    else
+      end.work += body.product(body.by_forces, work.v[i] - work.way[i]) / 2;
   }
   return end;
 }
@@ -224,16 +187,15 @@ EndVelocities finishVelocities(const Island& island, const Component& component,
                                const SolverOptions& options, JointMatrix& K, Workspace& work) {
   work.way = work.v;
   const bool in_halves = island.bodies[size_t(component.first_body)].acts_in_halves;
-  if (!areFollowed(island, in_halves, work)) return {};
+  if (!areFollowed(island, work)) return {};
   if (!in_halves && !mayBend(island, options.newton_tolerance, work)) return {};
-  const bool any_bounded = findRows(island, component, options.pose_tolerance, in_halves, work);
+  const bool any_bounded = findRows(island, component, options.pose_tolerance, work);
   turnInertia(island, component, K, work);
   if (in_halves)
     for (size_t i = 0; i < work.v.size(); ++i)
       work.v[i] = velocityAtEnd(island.bodies[size_t(component.first_body) + i], work.moved[i].turn,
                                 work.way[i]);
   setRows(island, component, K, work);
-  const double of_forces = in_halves ? workOfForces(island, component, work) : 0;
   const bool any = solve(island, component, options, any_bounded, K, work);
   if (!any && !in_halves) return {};
   if (any)
@@ -241,11 +203,8 @@ EndVelocities finishVelocities(const Island& island, const Component& component,
   else
     setZero(K.vectorSize(), impulses(work));
   const double missed = missOfEnd(island, K, work);
-  if (missed <= (any ? options.loose_pose_tolerance : end_margin * options.newton_tolerance)) {
-    EndVelocities end = book(island, component, work);
-    end.work += of_forces;
-    return end;
-  }
+  if (missed <= (any ? options.loose_pose_tolerance : end_margin * options.newton_tolerance))
+    return book(island, component, work);
   work.v = work.way;
   return {};
 }

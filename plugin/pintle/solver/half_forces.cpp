@@ -26,48 +26,6 @@ Vector6d velocityAtEnd(const IslandBody& body, const Matrix3d& turn, const Vecto
   return v + body.by_forces_at_end;
 }
 
-namespace {
-
-void scaleSprings(Island& island, const Component& component, double times) {
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    for (int i = 0; joint.has_axes && i < joint.rows; ++i)
-      island.rows[size_t(joint.first_row + i)].law.scaleSprings(times);
-  }
-}
-
-// What a limit gives back is a matter of when in the step it is met.
-bool rebounds(const AxisLaw& law) {
-  for (int i = 0; i < law.parts(); ++i)
-    if (law.part(i).rebounds()) return true;
-  return false;
-}
-
-// A spring that is all of a row, and has no bounds.
-bool isSpringAlone(const AxisLaw& law) {
-  return law.parts() == 1 && law.part(0).stiffness > 0 && law.part(0).role == Axis::limit;
-}
-
-bool isSoft(const AxisLaw& law) {
-  for (int i = 0; i < law.parts(); ++i)
-    if (law.part(i).softness > 0 || law.part(i).stiffness > 0) return true;
-  return false;
-}
-
-}  // namespace
-
-bool mayActInHalves(const Island& island, const Component& component) {
-  for (int c = 0; c < component.joints; ++c) {
-    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-    if (joint.keeps_for_rebound) return false;
-    for (int i = 0; i < joint.rows; ++i) {
-      const AxisLaw& law = island.rows[size_t(joint.first_row + i)].law;
-      if (rebounds(law) || (isSoft(law) && !isSpringAlone(law))) return false;
-    }
-  }
-  return true;
-}
-
 bool HalfForces::areTouched() const {
   return std::any_of(m_bodies.begin(), m_bodies.end(),
                      [](const Body& of) { return of.motions->is_touched; });
@@ -89,12 +47,9 @@ void HalfForces::split(Island& island, const Component& component) {
     body.v_free = body.v0 + body.by_forces;
     body.gyroscopic_work = 0;
   }
-  scaleSprings(island, component, 0.5);
 }
 
 void HalfForces::join(Island& island, const Component& component) {
-  if (island.bodies[size_t(component.first_body)].acts_in_halves)
-    scaleSprings(island, component, 2);
   for (int i = 0; i < component.bodies; ++i) {
     IslandBody& body = island.bodies[size_t(component.first_body + i)];
     const Body& whole = m_bodies[size_t(i)];

@@ -32,21 +32,6 @@ struct MotionsOfBody {
   const MotionOfBody& lastOf(const btRigidBody& body, const Vector6d& v, double dt);
 };
 
-/// Neither rebounds, nor softness of other kinds than a spring between bodies: what those do at the end of the step is not known.
-bool mayActInHalves(const Island& island, const Component& component);
-
-/// Whether a spring or its damper is rigid against its bodies, of which one along the row has 1 / K of mass: then no step resolves how the row
-/// comes to rest, and the second half of its impulse leaves the velocity of the way as it is. Others pull by their length at the end and,
-/// dampers, by the velocity of the way. Both along the row of the end. The law is that of the first half.
-inline bool isRigidSpring(const AxisLaw& law, double K) {
-  const LawPart& part = law.part(0);
-  return part.softness > 0 && (part.share_of_way > 0 || K > part.softness);
-}
-/// N s or N m s: of one that is not, at the velocity u of the way.
-inline double secondHalf(const AxisLaw& law, double u) {
-  return law.at(u) - law.part(0).stiffness * u / 2;
-}
-
 /// With which a body that acts in halves ends that has gone its way with `way` and has turned: a rotor keeps its angular momentum, and the
 /// second half of gravity acts.
 Vector6d velocityAtEnd(const IslandBody& body, const Matrix3d& turn, const Vector6d& way);
@@ -80,7 +65,9 @@ class HalfForces {
   template <class MotionsOf>
   void begin(const IslandBody& body, double dt, const MotionsOf& motionsOf) {
     Vector6d half = Vector6d::Zero();
-    half.head<3>() = dt / 2 * inDouble(body.body->getGravity() * body.body->getLinearFactor());
+    // (Bodies that are added or woken within a step, or whose forces are cleared, are not pulled in it.)
+    if (!body.body->getTotalForce().isZero())
+      half.head<3>() = dt / 2 * inDouble(body.body->getGravity() * body.body->getLinearFactor());
     MotionsOfBody& motions = motionsOf(*body.body);
     motions.lastOf(*body.body, body.v0, dt);
     m_bodies.push_back(

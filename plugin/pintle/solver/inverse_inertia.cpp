@@ -27,13 +27,6 @@ InverseInertia InverseInertia::turned(const IslandBody& body, const Matrix3d& by
   return to;
 }
 
-InverseInertia InverseInertia::turned(const IslandBody& body, const Matrix3d& by,
-                                      const Matrix3d& stiffness) {
-  InverseInertia to(body);
-  to.angular = inverseWhereFree(body, by * (body.inertia + stiffness) * by.transpose());
-  return to;
-}
-
 InverseInertia::InverseInertia(const IslandBody& body, const Matrix3d& stiffness)
     : InverseInertia(body) {
   if (!stiffness.isZero(0)) angular = inverseWhereFree(body, body.inertia + stiffness);

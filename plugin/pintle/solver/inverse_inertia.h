@@ -21,8 +21,6 @@ struct InverseInertia {
         scale{body.scale[0], body.scale[1]} {}
   /// After a turn.
   static InverseInertia turned(const IslandBody& body, const Matrix3d& by);
-  static InverseInertia turned(const IslandBody& body, const Matrix3d& by,
-                               const Matrix3d& stiffness);
   /// With `stiffness` (kg m^2, symmetric, not negative) added to what turns.
   InverseInertia(const IslandBody& body, const Matrix3d& stiffness);
   /// Of an impulse, N s and N m s.

@@ -238,8 +238,7 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
         spring != nullptr && softness > 0
             ? double(equations::softness_by_frequency<Scalar>(
                          spring->angular_frequency, spring->damping_ratio, m_info.m_timeStep, 1)
-                         .beta) /
-                  softness
+                         .beta)
             : 0;
     row.law.add({double(part.row.target), softness, bounded(part.row.lower),
                  bounded(part.row.upper), true, false, role, of_spring});

@@ -209,7 +209,10 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
-  if (kept.in_halves && !end.differ) return false;
+  // From rest no load is known, and so not whether steps resolve how bodies swing about it.
+  if (kept.in_halves &&
+      (!end.differ || foreseeLoad(m_island, component, m_options.stable_swing, kept.work)))
+    return false;
   kept.work_done += end.work;
   kept.ends_apart = end.differ;
   kept.is_even = end.differ && kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
@@ -225,7 +228,17 @@ bool IslandSolver::solveByChord(const Component& component) {
 bool IslandSolver::solveInHalves(const Component& component) {
   ComponentMemory& kept = memoryOf(component);
   if (kept.forces.areTouched()) return false;
-  if (!mayActInHalves(m_island, component)) {
+  // What a spring pulls at the end of the step is not known, nor when in it a stop sends back.
+  bool is_other = false;
+  for (int c = 0; c < component.joints; ++c)
+    is_other = is_other || m_island.joints[size_t(component.first_joint + c)].keeps_for_rebound;
+  forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
+    for (int i = 0; i < row.law.parts(); ++i) {
+      const LawPart& part = row.law.part(i);
+      is_other = is_other || part.softness > 0 || part.rebounds();
+    }
+  });
+  if (is_other) {
     kept.forces.join(m_island, component);
     return false;
   }
