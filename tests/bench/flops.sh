@@ -2,7 +2,7 @@
 # What stands in the way of a faster step, for each joint and step: instructions that Bullet itself takes beside the exact solver,
 # those which that leaves where the whole is to take 1.1 of stock's (chain: 0.9), and the floating-point operations of the exact
 # solver: with default options, and at least, with one pass and tolerances of 1e-5 m. Double precision, by callgrind and objdump.
-#   flops.sh [--page FILE] [SCENE]...   default: doors vehicles bridges ragdolls chain; --page: as a table, to a file
+#   flops.sh [SCENE]...   default: doors vehicles bridges ragdolls chain
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 program=$here/../../build/release/tests/bench/pintle_solver_double
@@ -10,11 +10,6 @@ program=$here/../../build/release/tests/bench/pintle_solver_double
 for tool in valgrind objdump nm; do
   command -v $tool >/dev/null || { echo "flops.sh: needs $tool (Debian: valgrind, binutils)" >&2; exit 1; }
 done
-page=/dev/null
-if [ "${1-}" = --page ]; then
-  page=$2
-  shift 2
-fi
 [ $# -gt 0 ] || set -- doors vehicles bridges ragdolls chain
 
 work=$(mktemp -d)
@@ -65,7 +60,6 @@ each() {  # the difference of two runs leaves out all that is not repeated
   awk -v n="$((steps * joints))" '{ print ($1 - $4) / n, ($2 - $5) / n, ($3 - $6) / n }' <<<"$many $few"
 }
 printf '%-10s %8s %8s %8s %8s %8s %8s %8s\n' '' stock exact Bullet left flops least 'least/left'
-printf '| scene | Bullet | exact | of it Bullet'\''s own | is to take | left | operations | at least | for each instruction left |\n|---|---|---|---|---|---|---|---|---|\n' >"$page"
 steps=60
 for scene in "$@"; do
   joints=$("$program" scene "$scene" stock 0)
@@ -75,9 +69,8 @@ for scene in "$@"; do
   read -r _ _ least < <(each "$scene" least)
   part=1.1
   [ "$scene" != chain ] || part=0.9
-  awk -v scene="$scene" -v part="$part" -v stock="$stock" -v all="$all" -v bullet="$bullet" -v operations="$operations" -v least="$least" -v page="$page" 'BEGIN {
+  awk -v scene="$scene" -v part="$part" -v stock="$stock" -v all="$all" -v bullet="$bullet" -v operations="$operations" -v least="$least" 'BEGIN {
     left = part * stock - bullet
     printf "%-10s %8d %8d %8d %8d %8d %8d %8.2f\n", scene, stock, all, bullet, left, operations, least, least / left
-    printf "| %s | %d | %d | %d | %g of Bullet | %d | %d | %d | %.2f |\n", scene, stock, all, bullet, part, left, operations, least, least / left >>page
   }'
 done

@@ -2,8 +2,7 @@
 # Prints the exact solver's tables, in double precision: what joints lack, what becomes of motors, limits and tangles, and what
 # a step takes. Times are of the processor, and only their ratio means something.
 #   solver.sh             prints the tables
-#   solver.sh --publish   the same, to plugin/docs/exact-solver.md; with what a step costs and how that grows (linear.sh), and its
-#                         operations (flops.sh), by callgrind
+#   solver.sh --publish   the same, to plugin/docs/exact-solver.md; with what a step costs and how that grows (linear.sh), by callgrind
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 cmake --preset release >/dev/null
@@ -15,7 +14,6 @@ source demos/report/report.sh
 page=plugin/docs/exact-solver.md
 tables=$(mktemp -d)
 bash tests/bench/linear.sh --page "$tables"
-bash tests/bench/flops.sh --page "$tables/flops.md"
 "$program" --page "$tables"
 for table in "$tables"/*.md; do report_replace "$page" "$(basename "$table" .md)" "$table"; done
 rm -r "$tables"
