@@ -298,7 +298,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
           gainOf(m_island.bodies[size_t(i)], Vector6d::Zero(), m_island.bodies[size_t(i)].v_free);
   SolveReport done;
   const auto solve = [&](Sweep sweep) {
-    const int most = rows.empty() ? m_options.max_sweeps : m_sweeps;
+    const int most = rows.empty() && sweep == Sweep::one_by_one ? m_options.max_sweeps : m_sweeps;
     done = pintle::solveInVelocity(m_island, m_blocks, group.bodies, rows, m_options, sweep, most,
                                    m_velocities, m_pass_memory);
     m_report.newton_steps += done.steps * int(those.size());

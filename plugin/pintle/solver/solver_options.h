@@ -67,8 +67,8 @@ struct SolverOptions {
   double least_part = 1. / 64;
   /// m and rad: what a pass over contacts or rows with bounds may still change.
   double contact_tolerance = 1e-5;
-  /// Passes over rows that are solved one by one without contacts. Among contacts there are as many as the world's number of
-  /// iterations.
+  /// Passes over all rows one by one, where nothing else is left and nothing touches. Those over contacts and rows with bounds are as many as the
+  /// world's iterations.
   int max_sweeps = 100;
   /// Blocks of three rows: contacts follow paths of up to so many through the factor of the joints, from a body to the root. Those of
   /// chains, rings and trees are hardly ever longer: they grow with the logarithm of the joints. Longer ones, of nets of some hundred bodies, are
