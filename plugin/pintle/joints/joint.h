@@ -77,7 +77,7 @@ class Joint : public btTypedConstraint {
 
   /// The speed (m/s, > 0) at which the pivots of a joint that starts apart are brought together: one that is new or
   /// enabled again, or of which a body has been put elsewhere. Default 1, and more where the
-  /// gap would take more than a second. Gaps that a load opens are closed as ERP says.
+  /// gap would take more than a second. Gaps that a load opens are closed as ERP says, and on ExactJointSolver all are.
   void setMaxLinearCorrectionSpeed(btScalar speed);
   /// m/s.
   btScalar getMaxLinearCorrectionSpeed() const { return m_max_linear_correction_speed; }
