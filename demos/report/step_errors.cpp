@@ -57,15 +57,28 @@ bool is_of_the_steps(const Results& results, const StepErrors& steps, const Scen
   return follow_the_steps("pintle") || follow_the_steps("exact");
 }
 
+namespace {
+
+constexpr const char* compared[] = {"stock", "pintle", "exact", "second_order"};
+
+// Head of a table with a column for each of them.
+void write_head(std::ostream& out, const char* first) {
+  out << "| " << first << " | error | Hz | steps alone |";
+  for (const char* who : compared) out << ' ' << who << " |";
+  out << "\n|---|---|---|---|";
+  for (size_t i = 0; i < std::size(compared); ++i) out << "---|";
+  out << '\n';
+}
+
+}  // namespace
+
 void write_steps(std::ostream& out, const Results& results, const StepErrors& steps,
                  const std::vector<Scene>& all) {
-  const char* const compared[] = {"stock", "pintle", "exact", "second_order"};
   out << "\n## What Bullet's steps alone leave\n\nBullet's own steps with joints that leave "
          "nothing "
          "(`demos/reference`), and the least error of each contender in steps of that length, over "
-         "all iterations; double precision.\n\n| scene | error | Hz | steps alone |";
-  for (const char* who : compared) out << ' ' << who << " |";
-  out << "\n|---|---|---|---|---|---|---|---|\n";
+         "all iterations; double precision.\n\n";
+  write_head(out, "scene");
   for (const Scene& scene : all) {
     const auto of_scene = steps.find(scene.name);
     if (of_scene == steps.end()) continue;
@@ -84,7 +97,6 @@ void write_steps(std::ostream& out, const Results& results, const StepErrors& st
 
 void write_published(std::ostream& out, const Results& results, const StepErrors& steps,
                      const std::vector<Scene>& all) {
-  const char* const compared[] = {"stock", "pintle", "exact", "second_order"};
   std::ostringstream rows;
   for (const Scene& scene : all) {
     if (scene.problem.empty()) continue;
@@ -111,10 +123,9 @@ void write_published(std::ostream& out, const Results& results, const StepErrors
          "precision; "
          "trajectories are against the stored references. The steps alone are Bullet's, with "
          "joints "
-         "that leave nothing. An empty field: Bullet has no joint for it.\n\n"
-         "| problem | error | Hz | steps alone | stock | pintle | exact | second_order |\n"
-         "|---|---|---|---|---|---|---|---|\n"
-      << rows.str();
+         "that leave nothing. An empty field: Bullet has no joint for it.\n\n";
+  write_head(out, "problem");
+  out << rows.str();
 }
 
 }  // namespace report

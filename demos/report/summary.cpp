@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "../json_array.h"
 #include "../scenes/catalog.h"
@@ -151,6 +152,8 @@ constexpr const char* legend =
     "the range. At equal error: over the other side's errors, and the part of them that is reached "
     "at all. Errors below rounding (8 epsilon: 1e-6, 2e-15) count as that.";
 
+const std::set<std::string> are_no_peers = {"stock", "document", "pintle", "exact", "second_order"};
+
 void write_summary(std::ostream& out, const Results& results, const StepErrors& steps,
                    const std::vector<Scene>& all) {
   const auto& who = results.contenders();
@@ -165,9 +168,7 @@ void write_summary(std::ostream& out, const Results& results, const StepErrors& 
     print(out, ours, score);
   }
   for (const std::string& peer : who) {
-    if (peer == "stock" || peer == "pintle" || peer == "document" || peer == "exact" ||
-        peer == "second_order")
-      continue;
+    if (are_no_peers.count(peer) > 0) continue;
     for (const char* ours : {"pintle", "exact"}) {
       out << "\n## " << ours << " against " << peer << "\n\n";
       compare(out, results, all, ours, peer, true);

@@ -151,7 +151,7 @@ TEST(Steps, GainTheChainMoreEnergyThanTheExactSolver) {
   EXPECT_LT(exact[measures::Error::energy], steps[measures::Error::energy] / 2);
 }
 
-/// Of second order they leave a tenth, with IFToMM's Bricard mechanism, too. (The governor's springs are of first order all the same.)
+/// Steps of second order leave a tenth, with IFToMM's Bricard mechanism, too. (The governor's springs are of first order all the same.)
 TEST(Steps, OfSecondOrderLeaveATenth) {
   for (const Scene& scene :
        {scenes::pendulum_scene(), scenes::four_bar_scene(), scenes::free_pair_scene(),

@@ -91,7 +91,7 @@ TEST_P(EndVelocities, HoldWhereTheStepEnds) {
 INSTANTIATE_TEST_SUITE_P(OfJoint, EndVelocities, testing::ValuesIn(jointsThatHold()),
                          [](const auto& of) { return of.param.name; });
 
-/// Of a chain of rods of 1 m and 1 kg, which falls from the horizontal for 5 s.
+/// A chain of rods of 1 m and 1 kg falls from the horizontal for 5 s.
 struct Fall {
   double error =
       0;  ///< J, over the largest kinetic energy: by how much its energy differs from that of its start

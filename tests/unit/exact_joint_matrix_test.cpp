@@ -90,13 +90,18 @@ TEST(JointMatrix, OtherNumbersAreAnotherMatrix) {
     }
 }
 
+// A body on a joint to the world, with so many rows.
+void analyseOneJoint(JointMatrix& matrix, int rows, Random& random) {
+  matrix.analyse({{-1, 0}}, JointMatrix::Locks(1));
+  matrix.setSizes({rows});
+  matrix.bodies().emplace_back(body(random, false), Matrix3d::Zero());
+}
+
 // What has no solution leaves no factor behind.
 TEST(JointMatrix, ARefusedFactorIsNotKept) {
   Random random(10);
   JointMatrix matrix;
-  matrix.analyse({{-1, 0}}, JointMatrix::Locks(1));
-  matrix.setSizes({3});
-  matrix.bodies().emplace_back(body(random, false), Matrix3d::Zero());
+  analyseOneJoint(matrix, 3, random);
   const auto setRows = [&](const Vector3d& last) {
     for (int i = 0; i < 3; ++i) {
       const Vector3d n = i < 2 ? Vector3d(Vector3d::Unit(i)) : last;
@@ -115,9 +120,7 @@ TEST(JointMatrix, ARefusedFactorIsNotKept) {
 TEST(JointMatrix, RowsMayDifferAlongAxesThatAreHeld) {
   Random random(12);
   JointMatrix matrix;
-  matrix.analyse({{-1, 0}}, JointMatrix::Locks(1));
-  matrix.setSizes({1});
-  matrix.bodies().emplace_back(body(random, false), Matrix3d::Zero());
+  analyseOneJoint(matrix, 1, random);
   matrix.bodies().front().linear.z() = 0;
   const Vector6d v = Vector6d::Unit(2);
   for (const double z : {1., 2.}) {

@@ -250,6 +250,25 @@ TEST(ExactJointSolver, AllocatesNothingOnceItHasSeenAnIsland) {
   EXPECT_EQ(allocations, before);
 }
 
+TEST(ExactJointSolver, AllocatesNothingInStepsOfSecondOrder) {
+  World world(9.81, 10, [] {
+    auto solver = std::make_unique<ExactJointSolver>();
+    pintle::SolverOptions options;
+    options.second_order = true;
+    solver->setOptions(options);
+    return solver;
+  });
+  addFloor(world);
+  world.add_box(1, vec(0.5, 0.5, 0.5), at(5, 0, 0.5), true);
+  world.add_box(1, vec(0.5, 0.5, 0.5), at(9, 0, 5000), true);
+  btRigidBody& swings = world.add_box(1, vec(0.5, 0.1, 0.1), at(0.5, 0, 50));
+  world.add_joint<QuaternionHinge>(swings, vec(-0.5, 0, 0), vec(0, 1, 0));
+  for (int i = 0; i < 180; ++i) world.step(1. / 60);
+  const long before = allocations;
+  for (int i = 0; i < 180; ++i) world.step(1. / 60);
+  EXPECT_EQ(allocations, before);
+}
+
 // --- every joint -------------------------------------------------------------------------------------
 
 class EveryJoint : public testing::TestWithParam<kinds::Kind> {};

@@ -28,6 +28,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using physics::rounding;
+using pintle::inDouble;
 using support::Books;
 using support::gravity;
 using support::scalar;
@@ -35,8 +36,6 @@ using support::vec;
 
 constexpr int samples = 20;  ///< a second
 using Points = std::vector<Vector3d>;
-
-Vector3d inDouble(const btVector3& v) { return {double(v.x()), double(v.y()), double(v.z())}; }
 
 class World : public Books {
  public:
@@ -54,7 +53,7 @@ class World : public Books {
   }
 };
 
-// m: of each body a point that is on none of its axes.
+// m: a point of each body that is on none of its axes.
 Points pointsOf(const World& world) {
   Points points;
   for (const auto& body : world.bodies)
@@ -100,7 +99,7 @@ Motion rods(int n, double seconds) {
                 },
                 seconds,
                 {}};
-  // Of rod i the end of rod k < i is a whole lever, its own centre half of one.
+  // Rod k < i is a whole lever of the centre of rod i, and rod i half of one.
   const auto lever = [](int body, int rod) { return body > rod ? 1. : body == rod ? 0.5 : 0.; };
   MatrixXd m = MatrixXd::Zero(n, n);
   VectorXd c = VectorXd::Zero(n);
@@ -148,7 +147,6 @@ Motion rotor(const Vector3d& inertia, double arm, double tilt, const Vector3d& w
                                        scalar(start.w()));
                   btRigidBody& body =
                       world.addBody(inertia, btTransform(q, quatRotate(q, vec(0, 0, arm))));
-                  if (arm == 0) world.world.setGravity(vec(0, 0, 0)), body.setGravity(vec(0, 0, 0));
                   const Vector3d of = start * w;
                   body.setAngularVelocity(vec(of[0], of[1], of[2]));
                   if (arm > 0)
@@ -236,7 +234,6 @@ TEST(SecondOrder, AFreeRotorKeepsItsAngularMomentum) {
   World world(60);
   world.world.setGravity(vec(0, 0, 0));
   btRigidBody& body = world.addBody({0.02, 0.05, 0.06}, btTransform::getIdentity());
-  body.setGravity(vec(0, 0, 0));
   body.setAngularVelocity(vec(3, 6, 1));
   const auto momentum = [&] {
     return inDouble(body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity());
@@ -275,7 +272,7 @@ TEST(SecondOrder, FreeFallIsExactAtAnyStep) {
   }
 }
 
-// What users add is known at the start of a step alone. So it acts before bodies move, as in Bullet: springs keep their energy, here at
+// Forces that users add are known at the start of a step alone. So they act before bodies move, as in Bullet: springs keep their energy, here at
 // 20 rad/s and 60 Hz, drag of c dt / m = 1.5 slows, and a force for one step gives its impulse.
 TEST(SecondOrder, ForcesOfUsersActAsInBullet) {
   World world(60);

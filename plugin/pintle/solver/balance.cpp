@@ -82,7 +82,7 @@ double scale(const Island& island, const Component& component, bool is_free, dou
     const Vector6d w = v[i] - stays[i];
     const Matrix3d& turn = work.moved[i].turn;
     a += product(bodies[i], turn, w, w);
-    // What acts in halves is booked by how far bodies go.
+    // (Forces in halves are booked by how far bodies go.)
     if (!bodies[i].acts_in_halves) b += bodies[i].product(w, bodies[i].by_forces);
     if (is_free) b += 2 * product(bodies[i], turn, w, stays[i]);
   }
@@ -105,9 +105,7 @@ double energyOfTurns(const Island& island, const Component& component, const Wor
   double sum = 0;
   for (size_t i = 0; i < end.v.size(); ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body) + i];
-    const Vector3d w = end.way[i].tail<3>();
-    const Matrix3d by_way =
-        body.isRotor() ? turnOfRotor(body, w, island.dt) : RotationOfStep(w, island.dt).matrix();
+    const Matrix3d by_way = turnOfStep(body, end.way[i].tail<3>(), island.dt);
     sum += product(body, end.moved[i].turn, end.v[i], end.v[i]) -
            product(body, by_way, end.v[i], end.v[i]);
   }
@@ -116,7 +114,7 @@ double energyOfTurns(const Island& island, const Component& component, const Wor
 
 double balance(const Island& island, const Component& component, const SolverOptions& options,
                ComponentMemory& kept) {
-  if (kept.in_halves && kept.is_even) return 0;
+  if (kept.is_even && actsInHalves(island, component)) return 0;
   const double energy =
       kept.is_even ? std::fmax(kept.ledger.given, 0) + kept.work_done
                    : excess(island, component, kept.work_done, options.ledger_share, kept.ledger);

@@ -24,7 +24,6 @@ struct ComponentMemory {
   bool needed_no_solve = false;  ///< impulses are those with which it began
   bool ends_apart = false;       ///< its velocities are not those of its way (end_velocities.h)
   bool is_even = false;          ///< its joints neither give nor take in this step
-  bool in_halves = false;        ///< forces act half before and half after its bodies move
   bool holds_end = false;        ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;

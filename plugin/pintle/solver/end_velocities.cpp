@@ -186,7 +186,7 @@ bool solve(const Island& island, const Component& component, const SolverOptions
 EndVelocities finishVelocities(const Island& island, const Component& component,
                                const SolverOptions& options, JointMatrix& K, Workspace& work) {
   work.way = work.v;
-  const bool in_halves = island.bodies[size_t(component.first_body)].acts_in_halves;
+  const bool in_halves = actsInHalves(island, component);
   if (!areFollowed(island, work)) return {};
   if (!in_halves && !mayBend(island, options.newton_tolerance, work)) return {};
   const bool any_bounded = findRows(island, component, options.pose_tolerance, work);

@@ -12,9 +12,11 @@ inline namespace PINTLE_PRECISION {
 /// `w`: rad/s, at the start.
 Matrix3d turnOfRotor(const Matrix3d& axes, const Vector3d& inverse_inertia, const Vector3d& w,
                      double dt);
-inline Matrix3d turnOfRotor(const IslandBody& body, const Vector3d& w, double dt) {
-  return turnOfRotor(inDouble(body.start.getBasis()), inDouble(body.body->getInvInertiaDiagLocal()),
-                     w, dt);
+/// The turn of a body in a step of length dt that it begins with w (rad/s): as a rotor, or by w alone, as Bullet turns it.
+inline Matrix3d turnOfStep(const IslandBody& body, const Vector3d& w, double dt) {
+  return body.isRotor() ? turnOfRotor(inDouble(body.start.getBasis()),
+                                      inDouble(body.body->getInvInertiaDiagLocal()), w, dt)
+                        : RotationOfStep(w, dt).matrix();
 }
 
 }  // namespace PINTLE_PRECISION

@@ -17,6 +17,19 @@ const MotionOfBody& MotionsOfBody::lastOf(const btRigidBody& body, const Vector6
   return last;
 }
 
+bool mayActInHalves(const Island& island, const Component& component) {
+  for (int c = 0; c < component.joints; ++c) {
+    const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
+    if (joint.keeps_for_rebound) return false;
+    for (int i = 0; i < joint.rows; ++i) {
+      const AxisLaw& law = island.rows[size_t(joint.first_row + i)].law;
+      for (int k = 0; k < law.parts(); ++k)
+        if (law.part(k).softness > 0 || law.part(k).rebounds()) return false;
+    }
+  }
+  return true;
+}
+
 Vector6d velocityAtEnd(const IslandBody& body, const Matrix3d& turn, const Vector6d& way) {
   Vector6d v = way;
   if (body.isRotor()) {

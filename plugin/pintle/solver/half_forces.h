@@ -32,11 +32,14 @@ struct MotionsOfBody {
   const MotionOfBody& lastOf(const btRigidBody& body, const Vector6d& v, double dt);
 };
 
+/// Neither springs, of which the pull at the end of the step is not known, nor limits that rebound, of which it is not known when in it they do.
+bool mayActInHalves(const Island& island, const Component& component);
+
 /// With which a body that acts in halves ends that has gone its way with `way` and has turned: a rotor keeps its angular momentum, and the
 /// second half of gravity acts.
 Vector6d velocityAtEnd(const IslandBody& body, const Matrix3d& turn, const Vector6d& way);
 
-/// Of the bodies of a component.
+/// Forces on the bodies of a component.
 class HalfForces {
  public:
   /// With the forces of this step, which are whole in the island. `motionsOf(body)` must live longer.

@@ -82,7 +82,7 @@ struct IslandBody {
   /// v* - v0 by forces, without Bullet's gyroscopic term; and the work of that term, J, which is its error.
   Vector6d by_forces;
   double gyroscopic_work;
-  /// Of gravity the second half acts when it has moved (half_forces.h): then it turns as a rotor, if any of its gyroscopic flags is set.
+  /// The second half of gravity acts when it has moved (half_forces.h): then it turns as a rotor, if any of its gyroscopic flags is set.
   bool acts_in_halves;
   Vector6d by_forces_at_end;
 
@@ -128,9 +128,9 @@ struct MovedBody {
   Matrix3d turn;
 
   MovedBody(const Vector6d& velocity, double dt)
-      : v(velocity),
-        move(dt * velocity.head<3>()),
-        turn(RotationOfStep(velocity.tail<3>(), dt).matrix()) {}
+      : MovedBody(velocity, dt, RotationOfStep(velocity.tail<3>(), dt).matrix()) {}
+  MovedBody(const Vector6d& velocity, double dt, const Matrix3d& rotation)
+      : v(velocity), move(dt * velocity.head<3>()), turn(rotation) {}
 
   /// On from there, by `part` of the way of w in a step.
   void goOn(const Vector6d& w, double dt, double part = 1) {
@@ -360,6 +360,11 @@ struct Component {
   double lever = 0;          ///< m: the longest
   bool is_anchored = false;  ///< one holds on to a body that does not move, or that its owner moves
 };
+
+/// Forces act half before and half after its bodies move (half_forces.h): all of them, or none.
+inline bool actsInHalves(const Island& island, const Component& component) {
+  return component.bodies > 0 && island.bodies[size_t(component.first_body)].acts_in_halves;
+}
 
 /// visit(number of the joint in the component, number of the row in the joint, row, its number in the component)
 template <class Visit>

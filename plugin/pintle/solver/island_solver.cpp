@@ -52,7 +52,8 @@ size_t IslandSolver::bytes() const {
   return m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() + m_groups.bytes() +
          m_island.bytes() +
          bytesOf(m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
-                 m_counted, m_bodies_alone, m_blocks);
+                 m_counted, m_bodies_alone, m_blocks, m_free_moved, m_free_velocity) +
+         m_free_forces.bytes();
 }
 
 void IslandSolver::begin(const btContactSolverInfo& info) {
@@ -144,8 +145,9 @@ void IslandSolver::solveInTurns(SolverBodies& bodies, const PassOverOthers& othe
 void IslandSolver::moveFreely(SolverBodies& bodies, WorldMemory& memory) {
   m_counted.assign(size_t(bodies.size()), false);
   for (const IslandBody& body : m_island.bodies) m_counted[size_t(body.solver_body)] = true;
-  HalfForces forces;
-  std::vector<MovedBody> moved;
+  HalfForces& forces = m_free_forces;
+  std::vector<MovedBody>& moved = m_free_moved;
+  std::vector<Vector6d>& v = m_free_velocity;
   for (int number = 0; number < bodies.size(); ++number) {
     if (m_counted[size_t(number)]) continue;
     const int i = m_builder.body(bodies, number);
@@ -158,7 +160,7 @@ void IslandSolver::moveFreely(SolverBodies& bodies, WorldMemory& memory) {
     if (!forces.areTouched()) {
       forces.split(m_island, alone);
       moveBodies(m_island, alone, &body.v_free, moved);
-      const std::vector<Vector6d> v = {velocityAtEnd(body, moved.front().turn, body.v_free)};
+      v.assign(1, velocityAtEnd(body, moved.front().turn, body.v_free));
       findChanges(m_island, alone, v, moved, &change);
       if (v.front().allFinite() &&
           !overflows(body, bodies[number], v.front(), change, m_island.dt)) {
@@ -210,7 +212,8 @@ bool IslandSolver::solveByChord(const Component& component) {
   kept.work_done = workOfJoints(m_island, component, kept.work);
   const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
   // From rest no load is known, and so not whether steps resolve how bodies swing about it.
-  if (kept.in_halves &&
+  const bool in_halves = actsInHalves(m_island, component);
+  if (in_halves &&
       (!end.differ || foreseeLoad(m_island, component, m_options.stable_swing, kept.work)))
     return false;
   kept.work_done += end.work;
@@ -220,33 +223,17 @@ bool IslandSolver::solveByChord(const Component& component) {
   if (!kept.is_even)
     return excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0;
   // In halves what joints give comes back by itself. From rest it is more than a share of what moves.
-  return !kept.in_halves ||
-         kept.ledger.excess(kept.work_done, m_options.ledger_share) <= end.of_arcs;
+  return !in_halves || kept.ledger.excess(kept.work_done, m_options.ledger_share) <= end.of_arcs;
 }
 
 // With forces in halves, where that leads to an end.
 bool IslandSolver::solveInHalves(const Component& component) {
-  ComponentMemory& kept = memoryOf(component);
-  if (kept.forces.areTouched()) return false;
-  // What a spring pulls at the end of the step is not known, nor when in it a stop sends back.
-  bool is_other = false;
-  for (int c = 0; c < component.joints; ++c)
-    is_other = is_other || m_island.joints[size_t(component.first_joint + c)].keeps_for_rebound;
-  forEachRow(m_island, component, [&](int, int, const IslandRow& row, size_t) {
-    for (int i = 0; i < row.law.parts(); ++i) {
-      const LawPart& part = row.law.part(i);
-      is_other = is_other || part.softness > 0 || part.rebounds();
-    }
-  });
-  if (is_other) {
-    kept.forces.join(m_island, component);
-    return false;
+  HalfForces& forces = memoryOf(component).forces;
+  if (!forces.areTouched() && mayActInHalves(m_island, component)) {
+    forces.split(m_island, component);
+    if (solveByChord(component)) return true;
   }
-  kept.forces.split(m_island, component);
-  kept.in_halves = true;
-  if (solveByChord(component)) return true;
-  kept.in_halves = false;
-  kept.forces.join(m_island, component);
+  forces.join(m_island, component);
   return false;
 }
 
@@ -334,7 +321,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     kept.has_factor = is_sound;
     kept.converged = done.converged;
     kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
-    kept.in_halves = kept.holds_end = kept.ends_apart = kept.is_even = false;
+    kept.holds_end = kept.ends_apart = kept.is_even = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
     kept.needed_no_solve = kept.work.is_missed = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
@@ -406,7 +393,6 @@ void IslandSolver::beginComponents(WorldMemory& memory) {
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
     slot->followTurns(m_island, component);
-    slot->in_halves = false;
     if (m_options.second_order) {
       slot->forces.begin(m_island, component, [&](const btRigidBody& body) -> MotionsOfBody& {
         return memory.motionsOf(body);
@@ -491,7 +477,7 @@ void IslandSolver::leaveOverflow(const ContactGroup& group, const SolverBodies& 
       std::none_of(group.rows.begin(), group.rows.end(), ofRow))
     return;
   for (const Component* of : group.components)
-    if (memoryOf(*of).in_halves) memoryOf(*of).forces.join(m_island, *of);
+    if (actsInHalves(m_island, *of)) memoryOf(*of).forces.join(m_island, *of);
   for (const int i : group.bodies) {
     m_velocities[size_t(i)] = m_island.bodies[size_t(i)].v_free;
     m_island.bodies[size_t(i)].push.setZero();

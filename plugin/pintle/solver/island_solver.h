@@ -88,6 +88,10 @@ class IslandSolver {
   std::vector<char> m_counted;            ///< of each body
   ContactGroups m_groups;
   std::vector<BlockOfJoints> m_blocks;
+  // A body without joints.
+  HalfForces m_free_forces;
+  std::vector<MovedBody> m_free_moved;
+  std::vector<Vector6d> m_free_velocity;
   PassMemory m_pass_memory;
   ContactPosesMemory m_poses_memory;
 };

@@ -1,5 +1,6 @@
 #include <pintle/solver/joint_solver.h>
 
+#include <pintle/solver/bytes.h>
 #include <pintle/solver/island_solver.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/joint_report.h>
@@ -38,7 +39,7 @@ int JointSolver<BulletSolver>::getNumRemembered() const {
 }
 template <class BulletSolver>
 size_t JointSolver<BulletSolver>::getMemory() const {
-  return m_memory->bytes() + m_islands->bytes();
+  return m_memory->bytes() + m_islands->bytes() + bytesOf(m_touched);
 }
 
 template <class BulletSolver>
@@ -53,10 +54,10 @@ void JointSolver<BulletSolver>::shareMemoryOf(const JointSolver& other) {
 
 namespace {
 
-// Islands in which something touches something move as Bullet moves them.
+// Islands in which something touches something move as Bullet moves them. `touched`: room for their numbers.
 void touch(Span<btCollisionObject*> bodies, Span<btPersistentManifold*> manifolds, double dt,
-           WorldMemory& memory) {
-  std::vector<int> touched;  // islands
+           WorldMemory& memory, std::vector<int>& touched) {
+  touched.clear();
   for (const btPersistentManifold* manifold : manifolds)
     if (manifold->getNumContacts() > 0)
       for (const btCollisionObject* body : {manifold->getBody0(), manifold->getBody1()})
@@ -91,7 +92,7 @@ void JointSolver<BulletSolver>::enter(const btDispatcher* world, btCollisionObje
   }
   if (options().second_order)
     touch({bodies, size_t(numBodies)}, {manifolds, size_t(numManifolds)}, double(info.m_timeStep),
-          *m_memory);
+          *m_memory, m_touched);
 }
 
 template <class BulletSolver>

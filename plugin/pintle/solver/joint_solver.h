@@ -50,7 +50,7 @@ class JointSolver : public BulletSolver {
   /// The island that follows is of this world.
   void enter(const btDispatcher* world, btCollisionObject** bodies, int numBodies,
              btPersistentManifold** manifolds, int numManifolds, const btContactSolverInfo& info);
-  /// Whether rows are neither joints nor contacts between rigid bodies.
+  /// Rows that are neither joints nor contacts between rigid bodies act in this island.
   virtual bool hasOthers() const { return false; }
   /// One pass over those; empty if there are none.
   virtual std::function<void(int number)> passOverOthers(const btContactSolverInfo&) { return {}; }
@@ -79,6 +79,7 @@ class JointSolver : public BulletSolver {
   const btDispatcher* m_world = nullptr;
   std::shared_ptr<WorldMemory> m_memory;  ///< of the world
   bool m_has_joints = false;              ///< this island
+  std::vector<int> m_touched;             ///< islands in which something touches something
 };
 
 extern template class JointSolver<btSequentialImpulseConstraintSolver>;

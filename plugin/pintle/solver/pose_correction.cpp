@@ -317,7 +317,7 @@ void PoseCorrection::begin() {
   m_u.resize(rows);
   setZero(rows, m_goal);
   m_closes.assign(rows, false);
-  if (m_island.bodies[size_t(m_component.first_body)].acts_in_halves) {  // so nothing pushes them
+  if (actsInHalves(m_island, m_component)) {  // so nothing pushes them
     moveBodies(m_island, m_component, m_work.way.data(), m_work.moved);
   } else {
     m_work.moved.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));

@@ -281,8 +281,7 @@ void moveBodies(const Island& island, const Component& component, const Vector6d
   moved.clear();
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
-    moved.emplace_back(v[i], island.dt);
-    if (body.isRotor()) moved.back().turn = turnOfRotor(body, v[i].tail<3>(), island.dt);
+    moved.emplace_back(v[i], island.dt, turnOfStep(body, v[i].tail<3>(), island.dt));
   }
 }
 

@@ -35,10 +35,10 @@ class VelocityForecast {
     return m_ahead[i] + dt * sum;
   }
 
-  /// Bodies have gone the way of a step of length dt with velocities `way`, and end with `v`. Those of the way go on by as many differences as
-  /// would have told this step best, along and about each body by itself: what is rounding has fewer. All differences tell a blow alike: it goes on by the last change, and no further.
-  /// So with one more of them half of what all miss must be gone. `was_enough`: at most one solve has led to the end of the step. Then no
-  /// more differences are found than before, and the last change alone where the others did not help.
+  /// Bodies have gone the way of a step of length dt with velocities `way`, and end with `v`. Those of the way go on by as many differences
+  /// as would have told this step best, along and about each body by itself: what is rounding has fewer. All differences tell a blow alike: it
+  /// goes on by the last change, and no further. So with one more of them half of what all miss must be gone. `was_enough`: at most one solve has
+  /// led to the end of the step. Then no more differences are found than before, and the last change alone where the others did not help.
   void take(const IslandBody* bodies, const std::vector<Vector6d>& way,
             const std::vector<Vector6d>& v, double dt, bool was_enough) {
     m_ahead.resize(v.size(), Vector6d::Zero());

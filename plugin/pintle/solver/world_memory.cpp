@@ -21,10 +21,12 @@ std::shared_ptr<WorldMemory> WorldMemory::of(const btDispatcher& world,
 void WorldMemory::beginStep(long kept_for) {
   ++m_step;
   m_report = {};
-  for (auto i = m_slots.begin(); i != m_slots.end();)
-    i = m_step - i->second.step > kept_for ? m_slots.erase(i) : std::next(i);
-  for (auto i = m_motions.begin(); i != m_motions.end();)
-    i = m_step - i->second.step > kept_for ? m_motions.erase(i) : std::next(i);
+  const auto forgetOld = [&](auto& all) {
+    for (auto i = all.begin(); i != all.end();)
+      i = m_step - i->second.step > kept_for ? all.erase(i) : std::next(i);
+  };
+  forgetOld(m_slots);
+  forgetOld(m_motions);
 }
 
 MotionsOfBody& WorldMemory::motionsOf(const btRigidBody& body) {
