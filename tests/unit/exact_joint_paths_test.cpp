@@ -24,8 +24,8 @@ TEST(JointMatrix, PathsForgetWhatIsNoNumber) {
   const std::vector<int> sizes(joints, 3);
   matrix.setSizes(sizes);
   const Problem problem(matrix, chain, sizes, true, random);
-  pintle::RowJacobian along{};
-  along.L_b = Vector3d::UnitX();
+  const Vector3d zero = Vector3d::Zero();
+  const pintle::RowJacobian along{zero, zero, Vector3d::UnitX(), zero};
   for (int idle = 0; idle < joints; ++idle) {
     const auto act = [&](bool acts) {
       for (int i = 0; i < 3; ++i) matrix.setActing(matrix.row(idle, i), acts, 0.1);

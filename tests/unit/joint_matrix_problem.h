@@ -32,6 +32,7 @@ inline IslandBody body(Random& random, bool is_locked) {
   of.inverse_inertia = of.inertia.inverse();
   of.scale[0] = std::sqrt(of.mass);
   of.scale[1] = std::sqrt(of.inertia.trace() / 3);
+  of.locked = {};
   if (!is_locked) return of;
   of.locked = {false, true, false, true, true, false};
   of.inverse_mass[1] = 0;
