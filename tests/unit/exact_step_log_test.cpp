@@ -171,7 +171,7 @@ TEST(LastStep, FindsWhichRowsActUnderBlows) {
             vec(random.uniform(-1, 1) * std::exp(random.uniform(-2, 2)), 0, 0));
     of.step();
     const pintle::StepReport step = of.solver.lastStep();
-    not_converged += step.not_converged;
+    not_converged += step.unsettled;
     factors += step.factorisations;
   }
   EXPECT_LE(not_converged, steps / 8);

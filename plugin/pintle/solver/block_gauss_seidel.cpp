@@ -59,7 +59,6 @@ class Passes {
       blocks().emplace_back(island, part, options);
       blocks().back().begin(sweep, velocities, memory.bounds);
     }
-    if (sweep == Sweep::direct) return;
     for (const BlockOfJoints& part : of) memory.response.addJoints(*part.component, *part.K);
     for (ContactRow& row : contacts) {
       memory.response.begin(island, row);
@@ -71,7 +70,8 @@ class Passes {
     m_see_joints = memory.response.leaveOutLongPaths(contacts, options.longest_path);
     beginBounds(0);
     sweepBlocks();
-    if (scaleWarmStart()) sweepBlocks();
+    const bool any = !contacts.empty() || !memory.bounds.empty();
+    if (any && scaleWarmStart()) sweepBlocks();
     for (size_t i = 0; i < of.size(); ++i) takeFactor(i);
     addLimits();
     startResponse();
@@ -86,17 +86,17 @@ class Passes {
     const double largest = sweepBlocks();
     return std::fmax(largest, sweepContacts(m_contacts, m_velocities));
   }
-  /// The active set of a component without contacts.
-  bool findActiveSet() {
-    for (BlockSolver& block : blocks())
-      if (!block.findActiveSet(m_velocities)) return false;
-    return true;
-  }
   void finish() {
     if (m_sweep == Sweep::passes) forEachRow([&](ContactRow& row) { row.push(m_velocities); });
     for (size_t i = 0; i < blocks().size(); ++i)
-      if (blocks()[i].finish(m_velocities, m_memory.bounds) && m_sweep == Sweep::passes)
+      if (blocks()[i].finish(m_velocities, m_memory.bounds, m_contacts.empty()) &&
+          m_sweep == Sweep::passes)
         takeFactor(i);
+  }
+  bool isMet() const {
+    for (const BlockSolver& block : blocks())
+      if (!block.isMet()) return false;
+    return true;
   }
 
  private:
@@ -243,11 +243,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
   SolveReport report;
   Passes passes(island, of, bodies, contacts, options, sweep, velocities, memory);
   report.is_solvable = passes.isSolvable();
-  if (sweep == Sweep::direct) {
-    ++report.steps;
-    report.converged = report.is_solvable = report.is_solvable && passes.findActiveSet();
-  }
-  for (bool go_on = report.is_solvable && sweep != Sweep::direct; go_on;) {
+  for (bool go_on = report.is_solvable; go_on;) {
     report.error = passes.pass(report.steps + 1 >= most) * island.dt;
     ++report.steps;
     report.converged = report.error <= options.contact_tolerance;
@@ -257,6 +253,7 @@ SolveReport solveInVelocity(const Island& island, std::vector<BlockOfJoints>& of
   if (!report.is_solvable) return report;
   passes.finish();
   report.is_solvable = passes.isSolvable();
+  report.converged = report.converged || passes.isMet();
   return report;
 }
 

@@ -43,7 +43,6 @@ void BlockSolver::addLimitsThat(const Are& are, std::vector<ContactRow>& to) {
 
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
                         std::vector<ContactRow>& bounds) {
-  m_is_direct = sweep == Sweep::direct;
   m_work.limits.clear();
   m_work.as_contacts.clear();
   if (sweep == Sweep::one_by_one) {
@@ -56,7 +55,6 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
   measure(velocities);
   changeImpulses(velocities, [&] {
     m_set.choose(m_set.bounded());
-    if (sweep == Sweep::direct) return;
     m_set.takeLimits();
     for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, bounds);
     m_set.release(m_set.bounded());
@@ -103,25 +101,25 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
   return std::fmax(change, solveOnce(velocities, m_options.newton_tolerance) / m_island.dt);
 }
 
-bool BlockSolver::findActiveSet(std::vector<Vector6d>& velocities) {
-  if (!m_has_factor) return false;
-  solveOnce(velocities, m_options.newton_tolerance);
-  return findWhichAct(m_set.bounded(), velocities);
-}
-
 // A set of active rows is the right one where it leads to velocities at which just these are active: so each one is solved for. All
-// rows that come to another piece of their laws take a step there at once, while these steps become fewer, or else that one
-// whose impulse changes most. That may lead back to a set that was, and takes a factor each time: so it has a budget. Returns whether a
-// set is found.
+// rows that come to another piece of their laws take a step there at once, while these steps become fewer, or else, where they may go `one_by_one`,
+// that one whose impulse changes most. That may lead back to a set that was, and takes a factor each time: so it has a budget. Returns
+// whether a set is found.
 bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows,
                                std::vector<Vector6d>& velocities) {
-  int fewest = std::numeric_limits<int>::max(), factors = 0;
-  for (;;) {
+  m_set.measure(rows, own(velocities));
+  bool any = false;
+  changeImpulses(velocities, [&] { any = m_set.choose(rows); });
+  if (any) factorise();
+  if (!m_has_factor) return false;
+  solveOnce(velocities, m_options.newton_tolerance);
+  int fewest = std::numeric_limits<int>::max();
+  for (int left = m_options.max_factors / 2;; --left) {
     m_set.measure(rows, own(velocities));
     const int changes = m_set.countSteps(rows);
     if (changes == 0) return true;
-    if (2 * factors++ >= m_options.max_factors) return false;
     const bool all = changes < fewest;
+    if (left <= 0 || (!all && changes > left)) return false;
     fewest = std::min(fewest, changes);
     changeImpulses(velocities, [&] { all ? m_set.changeAll(rows) : m_set.changeMost(rows); });
     factorise();
@@ -141,19 +139,24 @@ double BlockSolver::solveOnce(std::vector<Vector6d>& velocities, double toleranc
   return error;
 }
 
-bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds) {
+bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds,
+                         bool are_alone) {
   takeBounds(bounds);
   const int factors = m_factors;
-  if (m_has_factor && !holdLimits(velocities) && !m_work.limits.empty()) {
-    releaseLimits(velocities);
-    m_solvable = m_has_factor && solveToTheEnd(velocities);
+  if (m_has_factor) {
+    const auto isLimit = [](const ActiveSet::Place& of) { return pintle::isLimit(of.row->law); };
+    const auto isAny = [](const ActiveSet::Place&) { return true; };
+    const std::vector<Workspace::AsContact>& all = m_work.as_contacts;
+    const bool are_limits = std::all_of(
+        all.begin(), all.end(), [&](const Workspace::AsContact& as) { return isLimit(as.of); });
+    m_is_met = are_alone && !are_limits && hold(isAny, velocities);
+    if (!m_is_met) m_is_met = hold(isLimit, velocities) && are_alone && are_limits;
   }
-  // Rows one by one would be met less still.
-  if (!m_is_direct) m_solvable = m_has_factor || m_swept != nullptr;
+  m_solvable = m_has_factor || m_swept != nullptr;  // rows one by one would be met less still
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
-  splitLimits();
+  splitHeld();
   unscaleImpulses(m_work);
   return m_has_factor && m_factors > factors;
 }
@@ -171,33 +174,26 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// Limits that press are rows of the factor in the end, so that they hold as joints do. Which of them do so is found while the other
-// rows of the passes stay as they are. Returns whether these and equalities are met.
-bool BlockSolver::holdLimits(std::vector<Vector6d>& velocities) {
-  std::vector<ActiveSet::Place>& limits = m_work.limits;
+// Rows of the passes that press are rows of the factor in the end, so that they hold as joints do: those for which are(place). Which of them
+// do so is found while the others stay as they are. Where that is not found they go back to what passes have found of them. Returns whether these
+// and equalities are met.
+template <class Are>
+bool BlockSolver::hold(const Are& are, std::vector<Vector6d>& velocities) {
+  std::vector<ActiveSet::Place>& rows = m_work.held;
+  rows = m_work.limits;
   for (const Workspace::AsContact& as : m_work.as_contacts)
-    if (isLimit(as.of.row->law)) limits.push_back(as.of);
-  if (!limits.empty()) {
-    m_set.measure(limits, own(velocities));
-    bool any = false;
-    changeImpulses(velocities, [&] { any = m_set.choose(limits); });
-    if (any) factorise();
-    if (!m_has_factor) return false;
-    solveOnce(velocities, m_options.newton_tolerance);
-    if (!findWhichAct(limits, velocities)) return false;
-  }
-  m_solvable = solveToTheEnd(velocities);
-  return m_solvable;
-}
-
-// Limits go back to what passes have found of them.
-void BlockSolver::releaseLimits(std::vector<Vector6d>& velocities) {
+    if (are(as.of)) rows.push_back(as.of);
+  if ((rows.empty() || findWhichAct(rows, velocities)) && solveToTheEnd(velocities))
+    return true;
+  if (rows.empty()) return false;
   changeImpulses(velocities, [&] {
-    for (const ActiveSet::Place& of : m_work.limits)
+    for (const ActiveSet::Place& of : rows)
       m_work.y[of.at] = sumOf(m_work.parts[of.r]) * of.row->root_K;
-    m_set.release(m_work.limits);
+    m_set.release(rows);
   });
   factorise();
+  solveToTheEnd(velocities);
+  return false;
 }
 
 void BlockSolver::goOnAsContact(const ActiveSet::Place& of, std::vector<ContactRow>& to) {
@@ -247,9 +243,9 @@ void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
   }
 }
 
-void BlockSolver::splitLimits() {
+void BlockSolver::splitHeld() {
   if (m_work.parts.empty()) return;
-  for (const ActiveSet::Place& of : m_work.limits)
+  for (const ActiveSet::Place& of : m_work.held)
     if (m_work.pieces[of.r].acts || m_work.y[of.at] == 0) m_work.parts[of.r] = partsOf(of);
 }
 

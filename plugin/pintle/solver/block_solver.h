@@ -1,7 +1,8 @@
 // Purpose: the joints of a component as one block, in velocity:
 //   A (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h),   K lambda = target - J v* for the active rows
-// Among contacts the block has the equalities alone, and rows with bounds are rows of the passes (contact_response.h). Without contacts
-// the active set is found by block pivoting (Judice and Pires 1994).
+// The block has the equalities alone, and rows with bounds are rows of the passes (contact_response.h). In the end limits that press are
+// rows of the factor, too, and without contacts all rows with bounds that act: the active set is found by block pivoting, from what passes have
+// found (Judice and Pires 1994).
 #pragma once
 
 #include <pintle/solver/active_set.h>
@@ -18,7 +19,6 @@ struct BlockOfJoints {
 
 /// How the rows of a component are solved.
 enum class Sweep {
-  direct,  ///< all by one factor, with an active set of those with bounds. Not among contacts, and it may not find that set
   passes,  ///< equalities by one factor, rows with bounds by passes on its Schur complement, from the impulses of the last step
   one_by_one  ///< all by passes, from no impulse: it needs no factor
 };
@@ -42,11 +42,12 @@ class BlockSolver {
   void scaleImpulses(double fraction);
   /// One pass over its own rows. Returns the largest change of a row, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
-  /// The active set, for Sweep::direct. Returns whether it is found.
-  bool findActiveSet(std::vector<Vector6d>& velocities);
-  /// To the last digits: rows of the factor. `bounds`: the rows of the passes. Returns whether it has made its factor anew, for limits
-  /// that press.
-  bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds);
+  /// To the last digits: rows of the factor. `bounds`: the rows of the passes. `are_alone`: there are no contacts. Returns whether it has made
+  /// its factor anew, for limits that press.
+  bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds,
+              bool are_alone);
+  /// Whether all its rows with bounds are met to the last digits.
+  bool isMet() const { return m_is_met; }
   /// Adds limits that are reached to the rows of the passes. Returns whether any is.
   bool addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// True where some are not reached.
@@ -62,9 +63,9 @@ class BlockSolver {
   bool isReached(const ActiveSet::Place& of) const;
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
   void takeBounds(const std::vector<ContactRow>& from);
-  void splitLimits();
-  bool holdLimits(std::vector<Vector6d>& velocities);
-  void releaseLimits(std::vector<Vector6d>& velocities);
+  void splitHeld();
+  template <class Are>
+  bool hold(const Are& are, std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   bool findWhichAct(const std::vector<ActiveSet::Place>& rows, std::vector<Vector6d>& velocities);
   template <class Change>
@@ -87,7 +88,7 @@ class BlockSolver {
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
   int m_factors = 0;
-  bool m_is_direct = false, m_has_factor = false, m_solvable = true;
+  bool m_has_factor = false, m_solvable = true, m_is_met = false;
 };
 
 }  // namespace PINTLE_PRECISION

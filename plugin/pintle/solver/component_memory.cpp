@@ -278,7 +278,7 @@ void ComponentMemory::reset() {
   constraints.clear();  // those of no component
   ledger = {};
   residual = work_done = 0;
-  converged = false;
+  is_settled = false;
 }
 
 }  // namespace PINTLE_PRECISION

@@ -27,11 +27,10 @@ struct ComponentMemory {
   bool holds_end = false;        ///< its velocities hold its rows at the end of the step
   /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
   bool is_foreseen = false;
-  bool arrives = true;     ///< its joints hold where its velocities lead
-  double tolerance = 0;    ///< m and rad: how far its joints may be open at the end of the step
-  double residual = 0;     ///< m and rad: how far they miss their goals there
-  bool converged = false;  ///< its contacts and bounded rows have settled
-  bool overflows = false;  ///< its velocities are not finite in this step
+  bool arrives = true;      ///< its joints hold where its velocities lead
+  double residual = 0;      ///< m and rad: how far they miss their goals there
+  bool is_settled = false;  ///< contacts and rows with bounds
+  bool overflows = false;   ///< it is left to forces alone in this step
   Workspace work;
   VelocityForecast forecast;
   HalfForces forces;

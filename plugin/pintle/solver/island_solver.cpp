@@ -202,12 +202,11 @@ bool IslandSolver::solveByChord(const Component& component) {
   const SolveReport done = pintle::solveByChord(m_island, component, m_options,
                                                 kept.ledger.with_forces, kept.K, kept.work);
   m_report.newton_steps += done.steps;
-  kept.converged = done.converged;
+  kept.is_settled = done.converged;
   kept.is_foreseen = done.converged && done.steps <= 1;
   kept.needed_no_solve = done.converged && done.steps == 0;
   if (!done.converged) return false;
   kept.residual = done.error;
-  kept.tolerance = m_options.pose_tolerance;
   kept.has_factor = kept.holds_end = true;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
@@ -308,8 +307,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     for (const Component* of : those) any = stopRebounds(m_island, *of) || any;
     return any && attempt(Sweep::passes);
   };
-  const bool is_sound = (rows.empty() && attempt(Sweep::direct)) || attempt(Sweep::passes) ||
-                        attemptWithoutRebounds();
+  const bool is_sound = attempt(Sweep::passes) || attemptWithoutRebounds();
   if (!is_sound) {
     m_report.one_by_one += int(those.size());
     m_report.tier = 3;
@@ -319,8 +317,7 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
     ComponentMemory& kept = memoryOf(*of);
     kept.work.way = kept.work.v;
     kept.has_factor = is_sound;
-    kept.converged = done.converged;
-    kept.tolerance = done.converged ? m_options.pose_tolerance : m_options.loose_pose_tolerance;
+    kept.is_settled = done.converged;
     kept.holds_end = kept.ends_apart = kept.is_even = false;
     kept.is_foreseen = kept.is_foreseen || !rows.empty();
     kept.needed_no_solve = kept.work.is_missed = false;
@@ -341,7 +338,7 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   // What is left and what is open already are a tolerance together.
   if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
     const PosesReport done =
-        correctPoses(m_island, component, m_options, kept.tolerance, work, kept.K, kept.has_factor);
+        correctPoses(m_island, component, m_options, work, kept.K, kept.has_factor);
     kept.residual = done.open;
     kept.arrives = done.arrives;
     if (done.moves) {
@@ -366,7 +363,9 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
 void IslandSolver::report(const Component& component, ComponentMemory& kept) {
   m_report.factorisations += kept.K.takeFactorisations();
   m_report.residual = std::max(m_report.residual, kept.residual);
-  m_report.not_converged += !kept.converged || !(kept.residual <= kept.tolerance);
+  m_report.overflowed += kept.overflows;
+  m_report.unsettled += !kept.is_settled;
+  m_report.not_converged += kept.overflows || !(kept.residual <= m_options.pose_tolerance);
   for (int c = 0; c < component.joints; ++c)
     m_report.open =
         std::max(m_report.open, m_island.joints[size_t(component.first_joint + c)].error);
@@ -487,7 +486,7 @@ void IslandSolver::leaveOverflow(const ContactGroup& group, const SolverBodies& 
   for (const Component* of : group.components) {
     reportNothing(m_island, *of);
     memoryOf(*of).reset();
-    ++m_report.overflowed;
+    memoryOf(*of).overflows = true;
   }
 }
 

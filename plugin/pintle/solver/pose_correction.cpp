@@ -15,11 +15,11 @@ namespace {
 class PoseCorrection {
  public:
   PoseCorrection(const Island& island, const Component& component, const SolverOptions& options,
-                 double tolerance, Workspace& work, JointMatrix& K)
+                 Workspace& work, JointMatrix& K)
       : m_island(island),
         m_component(component),
         m_options(options),
-        m_tolerance(tolerance),
+        m_tolerance(options.pose_tolerance),
         m_work(work),
         m_K(K) {}
 
@@ -29,6 +29,10 @@ class PoseCorrection {
   void begin();
   bool findGoals();
   bool addPassed();
+  bool rebounds(const IslandRow& row, size_t r) const {
+    const LawPiece& piece = m_work.pieces[r];
+    return piece.acts && pintle::rebounds(row.law, piece.target);
+  }
   bool mayFactorise() const { return m_factors < m_options.max_factors; }
   bool factorise(bool at_end);
   bool straighten();
@@ -74,17 +78,17 @@ bool PoseCorrection::findGoals() {
     const double* const stop = passedStop(row, m_u[r] + open);
     const bool beyond = stop != nullptr;
     // What rebounds has a velocity to end with, and no pose.
-    const bool rebounds = piece.acts && pintle::rebounds(row.law, piece.target);
+    const bool rebounds = this->rebounds(row, r);
     if (hasStops(row) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond)) open = 0;
-    const bool holds = piece.acts && (row.has_position || row.law.isEquality()) && !rebounds;
+    // Nor is anything pulled to a stop that it meets and does not pass.
+    const bool holds = piece.acts && (row.has_position || row.law.isEquality()) && !rebounds &&
+                       (beyond || !isLimit(row.law));
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || open != 0;
     if (!m_closes[r]) return;
-    // Among contacts nothing is pulled to a stop: it stays where it is, so that nothing else moves it beyond.
-    const bool stays = holds && !beyond && isLimit(row.law) && !m_work.parts.empty();
-    const double end = !(holds && row.has_position) || stays ? m_u[r]
-                       : piece.softness > 0                  ? m_work.u[r]
-                                                             : piece.target;
+    const double end = !(holds && row.has_position) ? m_u[r]
+                       : piece.softness > 0         ? m_work.u[r]
+                                                    : piece.target;
     m_goal[r] = (comes_back ? *stop : end) - open;
     all_act = all_act && piece.acts;
   });
@@ -97,7 +101,7 @@ bool PoseCorrection::addPassed() {
   may_pass.assign(m_closes.size(), false);
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
-    may_pass[r] = !m_closes[r] && row.has_position && !m_work.pieces[r].acts;
+    may_pass[r] = !m_closes[r] && row.has_position && !rebounds(row, r);
     any = any || may_pass[r];
   });
   if (!any) return false;
@@ -364,9 +368,9 @@ PosesReport PoseCorrection::run(bool has_factor) {
 }  // namespace
 
 PosesReport correctPoses(const Island& island, const Component& component,
-                         const SolverOptions& options, double tolerance, Workspace& work,
-                         JointMatrix& K, bool has_factor) {
-  return PoseCorrection(island, component, options, tolerance, work, K).run(has_factor);
+                         const SolverOptions& options, Workspace& work, JointMatrix& K,
+                         bool has_factor) {
+  return PoseCorrection(island, component, options, work, K).run(has_factor);
 }
 
 }  // namespace PINTLE_PRECISION

@@ -22,8 +22,8 @@ struct PosesReport {
 /// velocities leave: Newton's iteration for the poses at the end of the step, work.moved. `has_factor`: K is that with which the velocities were
 /// found, of the rows of the start.
 PosesReport correctPoses(const Island& island, const Component& component,
-                         const SolverOptions& options, double tolerance, Workspace& work,
-                         JointMatrix& K, bool has_factor);
+                         const SolverOptions& options, Workspace& work, JointMatrix& K,
+                         bool has_factor);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -20,7 +20,9 @@ struct StepReport {
   int second_tier = 0;  ///< solves of tier 2
   int one_by_one = 0;   ///< and of tier 3
   int not_converged =
-      0;  ///< components of which joints, contacts or bounds were not met to their tolerances
+      0;  ///< components of which joints or limits are open by more than their tolerance
+  int unsettled =
+      0;  ///< components of which the last pass changed contacts, or rows with bounds, by more than theirs
   /// Components that are left to forces alone, for all that contacts join: impulses lead to numbers that Bullet's precision does not
   /// hold. They are not converged, either.
   int overflowed = 0;
@@ -43,6 +45,7 @@ struct StepReport {
     second_tier += of.second_tier;
     one_by_one += of.one_by_one;
     not_converged += of.not_converged;
+    unsettled += of.unsettled;
     overflowed += of.overflowed;
     residual = std::max(residual, of.residual);
     open = std::max(open, of.open);
