@@ -67,7 +67,8 @@ class Passes {
       row.push(velocities);
     }
     if (sweep == Sweep::one_by_one || !isSolvable()) return;
-    m_see_joints = memory.response.leaveOutLongPaths(contacts, options.longest_path);
+    m_see_joints =
+        !contacts.empty() && memory.response.leaveOutLongPaths(contacts, options.longest_path);
     beginBounds(0);
     sweepBlocks();
     const bool any = !contacts.empty() || !memory.bounds.empty();
@@ -112,9 +113,9 @@ class Passes {
       if (block.hasLimits()) return true;
     return false;
   }
-  // Of a block with a factor.
+  // Of a block with a factor. Without contacts paths through it are not worth their time: which rows act is found by factors in the end.
   void takeFactor(size_t of) {
-    if (blocks()[of].isSolvable())
+    if (!m_contacts.empty() && blocks()[of].isSolvable())
       m_memory.response.takeFactor(m_of[of].component->first_body, *m_of[of].K);
   }
   void beginBounds(size_t from) {
