@@ -33,8 +33,16 @@ class PoseCorrection {
     const LawPiece& piece = m_work.pieces[r];
     return piece.acts && pintle::rebounds(row.law, piece.target);
   }
-  bool mayFactorise() const { return m_factors < m_options.max_factors; }
+  /// Of the factors a quarter is for equalities alone, where limits may be in their way.
+  bool mayFactorise() const {
+    return m_factors < m_options.max_factors - (m_may_leave ? m_options.max_factors / 4 : 0);
+  }
+  /// Limits that do not press: they may go back in later steps.
+  bool mayLeave(const IslandRow& row, size_t r) const {
+    return m_closes[r] && !row.law.isEquality() && !m_work.pieces[r].acts;
+  }
   bool factorise(bool at_end);
+  bool leaveLimits();
   bool straighten();
   bool askLess();
   double measure();
@@ -55,6 +63,7 @@ class PoseCorrection {
   Workspace& m_work;
   JointMatrix& m_K;
   int m_factors = 0;
+  bool m_may_leave = false;  ///< limits
   bool m_is_at_end = false;  ///< the factor is of where bodies have come to
   bool m_arrives = true;
   double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
@@ -85,6 +94,7 @@ bool PoseCorrection::findGoals() {
                        (beyond || !isLimit(row.law));
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || open != 0;
+    m_may_leave = m_may_leave || mayLeave(row, r);
     if (!m_closes[r]) return;
     const double end = !(holds && row.has_position) ? m_u[r]
                        : piece.softness > 0         ? m_work.u[r]
@@ -112,6 +122,7 @@ bool PoseCorrection::addPassed() {
     const double* const stop = passedRigidStop(row.law, m_u[r]);
     if (stop == nullptr || !(std::abs(m_u[r] - *stop) * m_island.dt > m_tolerance)) return;
     m_closes[r] = m_bends[r] = any = true;
+    m_may_leave = m_may_leave || mayLeave(row, r);
     m_goal[r] = *stop;
   });
   return any;
@@ -130,6 +141,14 @@ bool PoseCorrection::factorise(bool at_end) {
   });
   m_work.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
+}
+
+// Where limits are too far passed, or leave no way to close all, equalities come first. Returns whether any limit was to be closed.
+bool PoseCorrection::leaveLimits() {
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    if (mayLeave(row, r)) m_closes[r] = false;
+  });
+  return std::exchange(m_may_leave, false);
 }
 
 // Of what is far open, the directions turn with the bodies: there the rows that it has are not how it changes. It closes along those of
@@ -348,10 +367,18 @@ PosesReport PoseCorrection::run(bool has_factor) {
   if (!has_factor && !factorise(false)) return stay();
   double left = closePassed(iterate(open, true));
   while (askLess()) {
-    if (m_is_at_end && !factorise(false)) return stay();
-    left = closePassed(iterate(measure(), true));
+    left = measure();
+    if (m_is_at_end && !factorise(false)) break;
+    left = closePassed(iterate(left, true));
   }
   const double met = m_options.loose_pose_tolerance;  // but for rounding
+  double passed = 0;                                  // of limits that are left
+  if (!(left <= met) && leaveLimits()) {
+    passed = left;
+    m_work.moved = m_nearest;
+    left = measure();
+    if (factorise(true)) left = iterate(left, false);
+  }
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
     if (!factorise(false)) return stay();
@@ -362,7 +389,7 @@ PosesReport PoseCorrection::run(bool has_factor) {
   if (!(left <= met) && m_options.max_factors > 1 && startsClosed(m_island, m_component, met))
     left = follow(left);
   m_work.moved = m_nearest;
-  return {left, m_arrives, true};
+  return {std::fmax(left, passed), m_arrives, true};
 }
 
 }  // namespace
