@@ -44,6 +44,7 @@ void BlockSolver::addLimitsThat(const Are& are, std::vector<ContactRow>& to) {
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
                         std::vector<ContactRow>& bounds) {
   m_work.limits.clear();
+  m_work.held.clear();
   m_work.as_contacts.clear();
   if (sweep == Sweep::one_by_one) {
     std::fill(m_work.y.begin(), m_work.y.end(), 0.);
@@ -102,9 +103,8 @@ double BlockSolver::sweep(std::vector<Vector6d>& velocities) {
 }
 
 // A set of active rows is the right one where it leads to velocities at which just these are active: so each one is solved for. All
-// rows that come to another piece of their laws take a step there at once, while these steps become fewer, or else, where they may go `one_by_one`,
-// that one whose impulse changes most. That may lead back to a set that was, and takes a factor each time: so it has a budget. Returns
-// whether a set is found.
+// rows that come to another piece of their laws take a step there at once, while these steps become fewer, or else that one whose impulse
+// changes most, while as many factors are left as there are steps to be taken. Each takes one: so it has a budget. Returns whether a set is found.
 bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows,
                                std::vector<Vector6d>& velocities) {
   m_set.measure(rows, own(velocities));

@@ -52,12 +52,12 @@ struct SolverOptions {
   double newton_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
   /// m and rad: how far a joint may be open. What is more is closed by moving poses.
   double pose_tolerance = sizeof(Scalar) > 4 ? 1e-9 : 1e-6;
-  /// The same where contacts or bounded rows are still changing: where they lead is not known any better.
+  /// m and rad: what is open by less is as good as closed, where rounding leaves no more.
   double loose_pose_tolerance = sizeof(Scalar) > 4 ? 1e-7 : 1e-6;
   /// Iterations of the first tier, and of the correction of poses.
   int max_iterations = 30;
-  /// Factors that moving the poses of a component may take in a step, each of where the last one has led; as many for its velocities at the
-  /// end; to find which rows with bounds act, a solve for its velocities may take half as many. What is left open goes on in the next step. From 2 on, bodies may go the way of
+  /// Factors that moving the poses of a component may take in a step, each of where the last one has led, a quarter of them for equalities alone; as
+  /// many for its velocities at the end; to find which rows with bounds act, a search may take half as many. What is left open goes on in the next step. From 2 on, bodies may go the way of
   /// the step in parts, and velocities may be solved for again, where the load that was found makes a body unstable with the inertia
   /// that was foreseen.
   int max_factors = 20;
