@@ -112,7 +112,8 @@ bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows,
   changeImpulses(velocities, [&] { any = m_set.choose(rows); });
   if (any) factorise();
   if (!m_has_factor) return false;
-  solveOnce(velocities, m_options.newton_tolerance);
+  // What passes leave of a tolerance would make quiver what is at rest. (Among contacts they leave more.)
+  solveOnce(velocities, m_is_alone ? 0 : m_options.newton_tolerance);
   int fewest = std::numeric_limits<int>::max();
   for (int left = m_options.max_factors / 2;; --left) {
     m_set.measure(rows, own(velocities));
@@ -140,7 +141,8 @@ double BlockSolver::solveOnce(std::vector<Vector6d>& velocities, double toleranc
 }
 
 bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds,
-                         bool are_alone) {
+                         bool is_alone) {
+  m_is_alone = is_alone;
   takeBounds(bounds);
   const int factors = m_factors;
   if (m_has_factor) {
@@ -149,8 +151,8 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
     const std::vector<Workspace::AsContact>& all = m_work.as_contacts;
     const bool are_limits = std::all_of(
         all.begin(), all.end(), [&](const Workspace::AsContact& as) { return isLimit(as.of); });
-    m_is_met = are_alone && !are_limits && hold(isAny, velocities);
-    if (!m_is_met) m_is_met = hold(isLimit, velocities) && are_alone && are_limits;
+    m_is_met = m_is_alone && !are_limits && hold(isAny, velocities);
+    if (!m_is_met) m_is_met = hold(isLimit, velocities) && m_is_alone && are_limits;
   }
   m_solvable = m_has_factor || m_swept != nullptr;  // rows one by one would be met less still
   const auto first = velocities.begin() + m_of.component->first_body;
@@ -183,8 +185,7 @@ bool BlockSolver::hold(const Are& are, std::vector<Vector6d>& velocities) {
   rows = m_work.limits;
   for (const Workspace::AsContact& as : m_work.as_contacts)
     if (are(as.of)) rows.push_back(as.of);
-  if ((rows.empty() || findWhichAct(rows, velocities)) && solveToTheEnd(velocities))
-    return true;
+  if ((rows.empty() || findWhichAct(rows, velocities)) && solveToTheEnd(velocities)) return true;
   if (rows.empty()) return false;
   changeImpulses(velocities, [&] {
     for (const ActiveSet::Place& of : rows)

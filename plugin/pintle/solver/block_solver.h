@@ -42,10 +42,10 @@ class BlockSolver {
   void scaleImpulses(double fraction);
   /// One pass over its own rows. Returns the largest change of a row, m/s or rad/s.
   double sweep(std::vector<Vector6d>& velocities);
-  /// To the last digits: rows of the factor. `bounds`: the rows of the passes. `are_alone`: there are no contacts. Returns whether it has made
+  /// To the last digits: rows of the factor. `bounds`: the rows of the passes. `is_alone`: there are no contacts. Returns whether it has made
   /// its factor anew, for limits that press.
   bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds,
-              bool are_alone);
+              bool is_alone);
   /// Whether all its rows with bounds are met to the last digits.
   bool isMet() const { return m_is_met; }
   /// Adds limits that are reached to the rows of the passes. Returns whether any is.
@@ -88,7 +88,7 @@ class BlockSolver {
   ActiveSet m_set;
   const std::vector<ActiveSet::Place>* m_swept = nullptr;  ///< rows that are solved one by one
   int m_factors = 0;
-  bool m_has_factor = false, m_solvable = true, m_is_met = false;
+  bool m_has_factor = false, m_solvable = true, m_is_alone = false, m_is_met = false;
 };
 
 }  // namespace PINTLE_PRECISION

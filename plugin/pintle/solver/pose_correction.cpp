@@ -35,7 +35,8 @@ class PoseCorrection {
   }
   /// Of the factors a quarter is for equalities alone, where limits may be in their way.
   bool mayFactorise() const {
-    return m_factors < m_options.max_factors - (m_may_leave ? m_options.max_factors / 4 : 0);
+    const bool leaves = m_has_equalities && m_may_leave;
+    return m_factors < m_options.max_factors - (leaves ? m_options.max_factors / 4 : 0);
   }
   /// Limits that do not press: they may go back in later steps.
   bool mayLeave(const IslandRow& row, size_t r) const {
@@ -63,6 +64,7 @@ class PoseCorrection {
   Workspace& m_work;
   JointMatrix& m_K;
   int m_factors = 0;
+  bool m_has_equalities = false;
   bool m_may_leave = false;  ///< limits
   bool m_is_at_end = false;  ///< the factor is of where bodies have come to
   bool m_arrives = true;
@@ -94,6 +96,7 @@ bool PoseCorrection::findGoals() {
                        (beyond || !isLimit(row.law));
     const bool comes_back = beyond && !piece.acts;
     m_closes[r] = holds || comes_back || open != 0;
+    m_has_equalities = m_has_equalities || row.law.isEquality();
     m_may_leave = m_may_leave || mayLeave(row, r);
     if (!m_closes[r]) return;
     const double end = !(holds && row.has_position) ? m_u[r]
@@ -145,6 +148,7 @@ bool PoseCorrection::factorise(bool at_end) {
 
 // Where limits are too far passed, or leave no way to close all, equalities come first. Returns whether any limit was to be closed.
 bool PoseCorrection::leaveLimits() {
+  if (!m_has_equalities) return false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     if (mayLeave(row, r)) m_closes[r] = false;
   });
