@@ -377,12 +377,13 @@ PosesReport PoseCorrection::run(bool has_factor) {
   }
   const double met = m_options.loose_pose_tolerance;  // but for rounding
   double passed = 0;                                  // of limits that are left
-  if (!(left <= met) && leaveLimits()) {
+  if (!(left <= m_options.contact_tolerance) && leaveLimits()) {
     passed = left;
     m_work.moved = m_nearest;
     left = measure();
     if (factorise(true)) left = iterate(left, false);
   }
+  m_may_leave = false;
   if (!(left <= met) && mayFactorise() && straighten()) {
     m_work.moved = m_nearest = m_work.start;
     if (!factorise(false)) return stay();
