@@ -1,8 +1,9 @@
 // Purpose: joints and contacts together, in velocity. Rows are those of the start of the step,
 //   M (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h)
 // Equalities hold whatever happens: they are eliminated by one factor. Rows that can yield, contacts and their friction, limits, motors,
-// servos and friction of joints, are solved by projected Gauss-Seidel on the Schur complement of the equalities (contact_response.h). In
-// the end limits that press are rows of the factor, and hold as joints do.
+// servos and friction of joints, are solved by projected Gauss-Seidel, among contacts on the Schur complement of the equalities
+// (contact_response.h). In the end limits that press are rows of the factor, and hold as joints do. Where nothing touches, so are motors and
+// friction that act.
 //
 // Each step minimises the dual function KE(v) - KE(v*) - lambda . target over some of the impulses. From none on, or from a warm start
 // that is no worse, it never rises: so KE(v) is never above KE(v*), converged or not, but for what targets ask for. What such a

@@ -1,7 +1,8 @@
 // Purpose: joints that are open are brought together by moving poses, which carries no momentum and feeds no kinetic energy: the standard
 // projection (Hairer, Lubich and Wanner 2006, IV.4) of the poses q at the end of the step, in the metric of the masses,
 //   d A d -> min   with   C(q + d) = 0:   d = A^-1 J^T lambda,   K lambda = -C(q),   K = J A^-1 J^T
-// again from each q + d, by a factor of K that is kept while it contracts, with Broyden's corrections (broyden.h).
+// again from each q + d, by a factor of K that is kept while it contracts, with Broyden's corrections (broyden.h). Limits that are passed are
+// among the C. Where they are in the way, equalities are closed without them.
 #pragma once
 
 #include <pintle/solver/joint_matrix.h>
