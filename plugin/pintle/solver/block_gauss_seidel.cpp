@@ -1,5 +1,6 @@
 #include <pintle/solver/block_gauss_seidel.h>
 
+#include <pintle/solver/constants.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/stops.h>
 

@@ -1,6 +1,7 @@
 #include <pintle/solver/chord.h>
 
 #include <pintle/solver/acting_rows.h>
+#include <pintle/solver/constants.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/pose_changes.h>
 #include <pintle/solver/row_velocities.h>

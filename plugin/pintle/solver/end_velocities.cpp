@@ -1,5 +1,6 @@
 #include <pintle/solver/end_velocities.h>
 
+#include <pintle/solver/constants.h>
 #include <pintle/solver/half_forces.h>
 #include <pintle/solver/row_velocities.h>
 #include <pintle/solver/stops.h>
@@ -31,18 +32,17 @@ bool allows(const IslandRow& row, const LawPiece& piece, double impulse) {
 
 // Where steps do not resolve how some bodies swing, or which way they turn against each other, their velocities belong to no pose.
 bool areFollowed(const Island& island, const Workspace& work) {
-  const double most = pi / (2 * island.dt);
+  const double most = followed_turn * 2 * pi / island.dt;
   return work.is_resolved && std::all_of(work.way.begin(), work.way.end(), [&](const Vector6d& v) {
            return v.tail<3>().squaredNorm() <= most * most;
          });
 }
 
-// Rotation of rows while bodies go their way may exceed the tolerance (m or rad): it is d^2 of a body that moves by d (m and rad), by a lever of
-// at least 1 mm.
+// Rotation of rows while bodies go their way may exceed the tolerance (m or rad): it is d^2 of a body that moves by d (m and rad), by a lever.
 bool mayBend(const Island& island, double tolerance, const Workspace& work) {
   double most2 = 0;
   for (const Vector6d& v : work.way) most2 = larger(most2, v.squaredNorm());
-  return most2 * island.dt * island.dt > 1e-3 * tolerance || island.anyUnmovedMoves();
+  return most2 * island.dt * island.dt > least_lever * tolerance || island.anyUnmovedMoves();
 }
 
 // In the workspace, of each row: whether it holds at the end, and what it lacks of that by the velocities of the way, and by those of the end.

@@ -7,6 +7,7 @@
 //   W = (v - v*) M (v + v_0) / 2 - (v* - v_0) M d / dt,   sum of W <= share * peak
 #pragma once
 
+#include <pintle/solver/constants.h>
 #include <pintle/solver/solver_options.h>
 #include <pintle/solver/workspace.h>
 

@@ -2,6 +2,7 @@
 
 #include <pintle/joint_rows.h>
 #include <pintle/solver/client_joint.h>
+#include <pintle/solver/constants.h>
 #include <pintle/solver/inverse_inertia.h>
 #include <pintle/solver/joint_access.h>
 #include <pintle/solver/row_shapes.h>

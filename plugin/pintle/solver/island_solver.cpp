@@ -2,6 +2,7 @@
 
 #include <pintle/solver/balance.h>
 #include <pintle/solver/chord.h>
+#include <pintle/solver/constants.h>
 #include <pintle/solver/end_velocities.h>
 #include <pintle/solver/joint_report.h>
 #include <pintle/solver/load_stiffness.h>

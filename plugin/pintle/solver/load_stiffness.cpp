@@ -1,5 +1,7 @@
 #include <pintle/solver/load_stiffness.h>
 
+#include <pintle/solver/constants.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 

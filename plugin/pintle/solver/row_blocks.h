@@ -2,6 +2,7 @@
 // what rows lack of their aim, x = aim - softness y - J v.
 #pragma once
 
+#include <pintle/solver/constants.h>
 #include <pintle/solver/inverse_inertia.h>
 #include <pintle/solver/linear/block_layout.h>
 #include <pintle/solver/solver_options.h>

@@ -2,6 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/joints/joint.h>
+#include <pintle/solver/constants.h>
 #include <pintle/solver/free_rotor.h>
 #include <pintle/solver/solver_options.h>
 #include <pintle/solver/stops.h>

@@ -1,5 +1,7 @@
 #include <pintle/solver/solver_options.h>
 
+#include <pintle/solver/constants.h>
+
 #include <cmath>
 #include <sstream>
 #include <stdexcept>

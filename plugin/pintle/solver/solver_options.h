@@ -6,45 +6,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Of sums in double precision, beside the largest of what is added: less may be rounding.
-constexpr double rounding_share = 1e-9;
-
-/// Fraction of what the bodies of a contact would give way alone: where joints leave less of it, and the bodies have no way out
-/// without their joints, equalities hold the contact. Robots whose links overlap at their joints stay as calm as on Bullet's solver from
-/// 0.005 to 0.04, and may blow up at 0.003.
-constexpr double held_share = 1e-2;
-
-/// Times the impulses of the last step: with so many at most a solve begins, where these are too little still. By doubling a motor gives all
-/// its bound to a wall within a second at 10 iterations, whatever that is; with 1 one of 100 N m s does not. Without a bound, 9 of 100 machines of
-/// links that collide are wilder than on Bullet's solver, by up to 240 times its energy.
-constexpr double max_warm_start = 2;
-
-/// Of the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
-constexpr double rounding_of_velocities = 1e-12;
-/// Of the energy to which forces alone would lead: what joints give may be rounding, while it is less. Of each body it is twice as much as
-/// of its velocity, and a few bodies add.
-constexpr double rounding_of_work = 10 * rounding_of_velocities;
-
-/// Of the inertia about an axis about which a body does not turn at all: so many times the least one. The body follows rows about that
-/// axis by less than rounding_share, and in world space its matrix still has four digits of the least one.
-constexpr double unturned_inertia = 1e12;
-
-/// Of a row that its joint has along other directions at the end of the step: where each of those is less than this part of it, it has
-/// turned away from all of them, and is taken as it was at the start.
-constexpr double least_part_along = 0.1;
-
-/// (w dt)^2 of a swing of w rad/s, from which on explicit steps are not stable: there a root of z^2 + ((w dt)^2 - 2) z + 1 = 0 leaves
-/// the unit circle.
-constexpr double unstable_swing = 4;
-
-/// Times newton_tolerance, over the length of a step: so fast rows may be where a step ends. A solve leaves them open by that tolerance, and what
-/// closes it is no velocity of theirs. At 1 a taut cable of 30 links climbs in single precision, by 5 J a second; at 10 a limb that lies on
-/// its limits quivers, at 1e-3 rad/s.
-constexpr double end_margin = 3;
-
-/// Rows that differ by less, relative to them, are the same: a step begins with those with which the last one ended, but for rounding.
-constexpr double same_row = 1e-12;
-
 /// Tolerances and bounds of the exact solver. `check` says what each may be.
 struct SolverOptions {
   /// m and rad: how far a joint may be from its goal by the velocities with which the step ends. The energy that a solve creates

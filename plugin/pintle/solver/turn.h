@@ -3,6 +3,8 @@
 //   R = 1 + sin|phi| / |phi| [phi]x + (1 - cos|phi|) / |phi|^2 [phi]x^2
 #pragma once
 
+#include <pintle/solver/constants.h>
+
 #include <pintle/vectors.h>
 
 #include <Eigen/Geometry>
@@ -18,7 +20,8 @@ inline Vector3d rotationVector(const Matrix3d& R) {
   const Vector3d twice_sin(R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1));
   const double sin2 = twice_sin.squaredNorm() / 4;
   // asin, to rounding.
-  if (sin2 < 1e-5 && R.trace() > 1) return (0.5 + sin2 / 12 + sin2 * sin2 * 3 / 80) * twice_sin;
+  if (sin2 < sin2_of_series && R.trace() > 1)
+    return (0.5 + sin2 / 12 + sin2 * sin2 * 3 / 80) * twice_sin;
   const Eigen::AngleAxisd turn(R);
   return turn.angle() * turn.axis();
 }

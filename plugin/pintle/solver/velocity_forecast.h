@@ -5,6 +5,7 @@
 #pragma once
 
 #include <pintle/solver/bytes.h>
+#include <pintle/solver/constants.h>
 #include <pintle/solver/island.h>
 
 #include <algorithm>
@@ -66,7 +67,7 @@ class VelocityForecast {
   }
 
  private:
-  static constexpr int most = 4;  ///< differences
+  static constexpr int most = forecast_differences;
 
   // Of the last of those that are kept, which may be new, it is not known what they would have told.
   void take(size_t i, const IslandBody& body, const Vector6d& acceleration, int kept,

@@ -1,5 +1,7 @@
 #include <pintle/solver/linear/minimum_degree.h>
 
+#include <pintle/solver/constants.h>
+
 #include <algorithm>
 #include <functional>
 #include <queue>
@@ -122,7 +124,7 @@ std::vector<MinimumDegree::Column> MinimumDegree::order(const std::vector<int>& 
   std::vector<int> since(m_degree.size(), 0), height(m_degree.size(), 0);
   const auto degreeOf = [&](int i) {
     const int degree = m_degree[size_t(i)];
-    return height[size_t(i)] < longest_path ? degree : std::max(degree, 2);
+    return height[size_t(i)] < elimination_chain ? degree : std::max(degree, 2);
   };
   const auto push = [&](int i) { queue.push({degreeOf(i), since[size_t(i)], rank[size_t(i)]}); };
   for (const int i : nodes) push(i);

@@ -33,10 +33,6 @@ class MinimumDegree {
   std::vector<Column> order(const std::vector<int>& nodes);
 
  private:
-  /// From a leaf of a tree or a chain, this many nodes are eliminated one after the other, which fills nothing. From there on every
-  /// other one is: that fills as much as a ring, and the rest of the path to the root grows with the logarithm of its length.
-  static constexpr int longest_path = 16;
-
   std::vector<int> reach(int node);
   std::vector<int> findLevels(int root, std::vector<int>& level);
   std::vector<int> orderByLevels(const std::vector<int>& nodes);
