@@ -19,10 +19,10 @@ struct StepReport {
   int tier = 0;
   int second_tier = 0;  ///< solves of tier 2
   int one_by_one = 0;   ///< and of tier 3
-  int not_converged =
-      0;  ///< components of which joints or limits are open by more than their tolerance
-  int unsettled =
-      0;  ///< components of which the last pass changed contacts, or rows with bounds, by more than theirs
+  /// Components of which joints or limits missed what they were to reach in this step by more than their tolerance.
+  int not_converged = 0;
+  /// Components of which the last pass changed contacts, or rows with bounds, by more than theirs.
+  int unsettled = 0;
   /// Components that are left to forces alone, for all that contacts join: impulses lead to numbers that Bullet's precision does not
   /// hold. They are not converged, either.
   int overflowed = 0;
