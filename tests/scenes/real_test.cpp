@@ -183,7 +183,6 @@ TEST(RealScenes, ATrebuchetThrowsItsStone) {
 }
 
 TEST(RealScenes, AHexapodWalksStraightAndUpright) {
-  // (Its contacts have not settled after 10 passes: then poses are closed to loose_pose_tolerance.)
   const Played hexapod = held("hexapod", {5e-8, 1e-5, 5e-8, 1e-5});
   EXPECT_GT(hexapod.place(6, 1).x(), 1.8);
   for (double time = 0.5; time < 6; time += 0.25) {

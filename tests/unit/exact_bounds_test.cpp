@@ -200,7 +200,7 @@ TEST(ExactJointSolver, ASkirtHoldsTogetherWithABudgetOfFactors) {
   std::vector<btGeneric6DofSpringConstraint*> joints;
   const auto join = [&](btRigidBody& a, btRigidBody& b, const btTransform& frame, double swing) {
     auto& joint = world.join<btGeneric6DofSpringConstraint>(a, b, frame, true);
-    // (Of an axis that is locked at where it is just now Bullet makes no row.)
+    // (Bullet makes no row of an axis that is locked at where it is just now.)
     joint.setLinearLowerLimit(vec(1e-6, 1e-6, 1e-6));
     joint.setLinearUpperLimit(vec(1e-6, 1e-6, 1e-6));
     joints.push_back(&joint);

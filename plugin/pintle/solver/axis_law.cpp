@@ -1,7 +1,6 @@
 #include <pintle/solver/axis_law.h>
 
 #include <pintle/solver/constants.h>
-#include <pintle/solver/solver_options.h>
 
 #include <algorithm>
 

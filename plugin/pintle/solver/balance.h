@@ -5,6 +5,7 @@
 
 #include <pintle/solver/component_memory.h>
 #include <pintle/solver/pose_changes.h>
+#include <pintle/solver/solver_options.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

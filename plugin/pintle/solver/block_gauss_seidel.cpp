@@ -114,7 +114,7 @@ class Passes {
       if (block.hasLimits()) return true;
     return false;
   }
-  // Of a block with a factor. Without contacts paths through it are not worth their time: which rows act is found by factors in the end.
+  // Paths through the factor of a block are not worth their time without contacts: which rows act is found by factors in the end.
   void takeFactor(size_t of) {
     if (!m_contacts.empty() && blocks()[of].isSolvable())
       m_memory.response.takeFactor(m_of[of].component->first_body, *m_of[of].K);

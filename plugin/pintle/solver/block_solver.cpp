@@ -112,7 +112,7 @@ bool BlockSolver::findWhichAct(const std::vector<ActiveSet::Place>& rows,
   changeImpulses(velocities, [&] { any = m_set.choose(rows); });
   if (any) factorise();
   if (!m_has_factor) return false;
-  // What passes leave of a tolerance would make quiver what is at rest. (Among contacts they leave more.)
+  // The tolerance that passes leave would make bodies at rest quiver. (Among contacts they leave more.)
   solveOnce(velocities, m_is_alone ? 0 : m_options.newton_tolerance);
   int fewest = std::numeric_limits<int>::max();
   for (int left = m_options.max_factors / 2;; --left) {
@@ -146,13 +146,12 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   takeBounds(bounds);
   const int factors = m_factors;
   if (m_has_factor) {
-    const auto isLimit = [](const ActiveSet::Place& of) { return pintle::isLimit(of.row->law); };
-    const auto isAny = [](const ActiveSet::Place&) { return true; };
     const std::vector<Workspace::AsContact>& all = m_work.as_contacts;
-    const bool are_limits = std::all_of(
-        all.begin(), all.end(), [&](const Workspace::AsContact& as) { return isLimit(as.of); });
-    m_is_met = m_is_alone && !are_limits && hold(isAny, velocities);
-    if (!m_is_met) m_is_met = hold(isLimit, velocities) && m_is_alone && are_limits;
+    const bool are_limits = std::all_of(all.begin(), all.end(), [](const Workspace::AsContact& as) {
+      return isLimit(as.of.row->law);
+    });
+    m_is_met = m_is_alone && !are_limits && hold(false, velocities);
+    if (!m_is_met) m_is_met = hold(true, velocities) && m_is_alone && are_limits;
   }
   m_solvable = m_has_factor || m_swept != nullptr;  // rows one by one would be met less still
   const auto first = velocities.begin() + m_of.component->first_body;
@@ -176,15 +175,14 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
          std::fmax(m_options.contact_tolerance, m_options.newton_tolerance);
 }
 
-// Rows of the passes that press are rows of the factor in the end, so that they hold as joints do: those for which are(place). Which of them
-// do so is found while the others stay as they are. Where that is not found they go back to what passes have found of them. Returns whether these
-// and equalities are met.
-template <class Are>
-bool BlockSolver::hold(const Are& are, std::vector<Vector6d>& velocities) {
+// Rows of the passes that press are rows of the factor in the end, so that they hold as joints do: all, or limits alone. Which of them do so
+// is found while the others stay as they are. Where that is not found they go back to what passes have found of them. Returns whether these and
+// equalities are met.
+bool BlockSolver::hold(bool limits_alone, std::vector<Vector6d>& velocities) {
   std::vector<ActiveSet::Place>& rows = m_work.held;
   rows = m_work.limits;
   for (const Workspace::AsContact& as : m_work.as_contacts)
-    if (are(as.of)) rows.push_back(as.of);
+    if (!limits_alone || isLimit(as.of.row->law)) rows.push_back(as.of);
   if ((rows.empty() || findWhichAct(rows, velocities)) && solveToTheEnd(velocities)) return true;
   if (rows.empty()) return false;
   changeImpulses(velocities, [&] {

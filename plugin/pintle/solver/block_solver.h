@@ -46,7 +46,7 @@ class BlockSolver {
   /// its factor anew, for limits that press.
   bool finish(std::vector<Vector6d>& velocities, const std::vector<ContactRow>& bounds,
               bool is_alone);
-  /// Whether all its rows with bounds are met to the last digits.
+  /// True where all its rows with bounds are met to the last digits.
   bool isMet() const { return m_is_met; }
   /// Adds limits that are reached to the rows of the passes. Returns whether any is.
   bool addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
@@ -64,8 +64,7 @@ class BlockSolver {
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
   void takeBounds(const std::vector<ContactRow>& from);
   void splitHeld();
-  template <class Are>
-  bool hold(const Are& are, std::vector<Vector6d>& velocities);
+  bool hold(bool limits_alone, std::vector<Vector6d>& velocities);
   bool solveToTheEnd(std::vector<Vector6d>& velocities);
   bool findWhichAct(const std::vector<ActiveSet::Place>& rows, std::vector<Vector6d>& velocities);
   template <class Change>

@@ -6,7 +6,7 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Of sums in double precision, beside the largest of what is added: less may be rounding.
+/// Relative to the largest number of a sum in double precision: less may be rounding.
 constexpr double rounding_share = 1e-9;
 
 /// Fraction of what the bodies of a contact would give way alone: where joints leave less of it, and the bodies have no way out
@@ -19,18 +19,18 @@ constexpr double held_share = 1e-2;
 /// links that collide are wilder than on Bullet's solver, by up to 240 times its energy.
 constexpr double max_warm_start = 2;
 
-/// Of the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
+/// Relative to the velocities to which forces lead: less may be rounding, some thousands of roundings of one number.
 constexpr double rounding_of_velocities = 1e-12;
-/// Of the energy to which forces alone would lead: what joints give may be rounding, while it is less. Of each body it is twice as much as
+/// Relative to the energy to which forces alone would lead: what joints give may be rounding, while it is less. Of each body it is twice as much as
 /// of its velocity, and a few bodies add.
 constexpr double rounding_of_work = 10 * rounding_of_velocities;
 
-/// Of the inertia about an axis about which a body does not turn at all: so many times the least one. The body follows rows about that
+/// Inertia about an axis about which a body does not turn at all, relative to the least one. The body follows rows about that
 /// axis by less than rounding_share, and in world space its matrix still has four digits of the least one.
 constexpr double unturned_inertia = 1e12;
 
-/// Of a row that its joint has along other directions at the end of the step: where each of those is less than this part of it, it has
-/// turned away from all of them, and is taken as it was at the start.
+/// Fraction of a row along each direction that its joint has at the end of the step: below it the row has turned away from all of them, and
+/// is taken as it was at the start.
 constexpr double least_part_along = 0.1;
 
 /// (w dt)^2 of a swing of w rad/s, from which on explicit steps are not stable: there a root of z^2 + ((w dt)^2 - 2) z + 1 = 0 leaves
@@ -45,10 +45,10 @@ constexpr double end_margin = 3;
 /// Rows that differ by less, relative to them, are the same: a step begins with those with which the last one ended, but for rounding.
 constexpr double same_row = 1e-12;
 
-/// m: of the shortest lever that turns rows. By d of their bodies (m and rad) they change by d^2 over it.
+/// Length of the shortest lever that turns rows, m. By d of their bodies (m and rad) they change by d^2 over it.
 constexpr double least_lever = 1e-3;
 
-/// Of a turn: bodies that turn by more of it in a step may have gone either way round.
+/// Revolutions in a step: bodies that turn by more may have gone either way round.
 constexpr double followed_turn = 0.25;
 
 /// sin^2 of an angle: below it, it is found by a series, to rounding.

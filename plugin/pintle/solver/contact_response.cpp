@@ -1,7 +1,6 @@
 #include <pintle/solver/contact_response.h>
 
 #include <pintle/solver/constants.h>
-#include <pintle/solver/solver_options.h>
 
 #include <algorithm>
 #include <cmath>

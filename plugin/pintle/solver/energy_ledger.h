@@ -8,7 +8,6 @@
 #pragma once
 
 #include <pintle/solver/constants.h>
-#include <pintle/solver/solver_options.h>
 #include <pintle/solver/workspace.h>
 
 namespace pintle {

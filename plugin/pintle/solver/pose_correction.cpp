@@ -33,7 +33,7 @@ class PoseCorrection {
     const LawPiece& piece = m_work.pieces[r];
     return piece.acts && pintle::rebounds(row.law, piece.target);
   }
-  /// Of the factors a quarter is for equalities alone, where limits may be in their way.
+  /// A quarter of the factors is for equalities alone, where limits may be in their way.
   bool mayFactorise() const {
     const bool leaves = m_has_equalities && m_may_leave;
     return m_factors < m_options.max_factors - (leaves ? m_options.max_factors / 4 : 0);

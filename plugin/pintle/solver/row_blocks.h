@@ -5,7 +5,6 @@
 #include <pintle/solver/constants.h>
 #include <pintle/solver/inverse_inertia.h>
 #include <pintle/solver/linear/block_layout.h>
-#include <pintle/solver/solver_options.h>
 
 #include <array>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <pintle/joints/joint.h>
 #include <pintle/solver/constants.h>
 #include <pintle/solver/free_rotor.h>
-#include <pintle/solver/solver_options.h>
 #include <pintle/solver/stops.h>
 
 #include <Eigen/QR>

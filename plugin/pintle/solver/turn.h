@@ -4,7 +4,6 @@
 #pragma once
 
 #include <pintle/solver/constants.h>
-
 #include <pintle/vectors.h>
 
 #include <Eigen/Geometry>

@@ -43,9 +43,9 @@ class VelocityForecast {
   void take(const IslandBody* bodies, const std::vector<Vector6d>& way,
             const std::vector<Vector6d>& v, double dt, bool was_enough) {
     m_ahead.resize(v.size(), Vector6d::Zero());
-    const int kept = was_enough ? m_known : std::min(m_known + 1, most);
+    const int kept = was_enough ? m_known : std::min(m_known + 1, forecast_differences);
     for (int k = 0; k < kept; ++k) m_difference[size_t(k)].resize(v.size(), Vector6d::Zero());
-    double missed2[most] = {};  // by the first 1, 2, ... of them, J / s^2
+    double missed2[forecast_differences] = {};  // by the first 1, 2, ... of them, J / s^2
     if (kept > 1) m_best.resize(v.size());
     for (size_t i = 0; i < v.size(); ++i) {
       const Vector6d acceleration = (way[i] - bodies[i].v0 - m_ahead[i]) / dt;
@@ -67,8 +67,6 @@ class VelocityForecast {
   }
 
  private:
-  static constexpr int most = forecast_differences;
-
   // Of the last of those that are kept, which may be new, it is not known what they would have told.
   void take(size_t i, const IslandBody& body, const Vector6d& acceleration, int kept,
             double* missed2) {
@@ -93,9 +91,10 @@ class VelocityForecast {
   }
 
   std::vector<Vector6d> m_ahead;
-  std::array<std::vector<Vector6d>, most> m_difference;  ///< of each body's acceleration
+  std::array<std::vector<Vector6d>, forecast_differences>
+      m_difference;  ///< of each body's acceleration
   /// Of each body, by the first 1, 2, ... of them, along and about: the last one of those that told the step best.
-  std::vector<std::array<std::array<signed char, 2>, most>> m_best;
+  std::vector<std::array<std::array<signed char, 2>, forecast_differences>> m_best;
   int m_known = 1;  ///< of them, so many
   int m_last = 0;   ///< of these, the last one by which velocities go on
 };
