@@ -30,7 +30,7 @@ failing() {  # prints the tests that fail, a line each; of a build that fails, o
       echo "[  FAILED  ] (does not end)"; } >build/mechanisms/log.$shard &
   done
   wait
-  sed -n 's/^\[  FAILED  \] \([^ ,]*\|(.*)\).*/\1/p' build/mechanisms/log.? | grep -v '^[0-9]*$' | sort -u
+  sed -n 's/^\[  FAILED  \] \([^ ,]*\|(.*)\).*/\1/p' build/mechanisms/log.? | { grep -v '^[0-9]*$' || true; } | sort -u
 }
 
 # name: what it is for / file / lines with - and then +, up to an empty line.

@@ -130,6 +130,21 @@ Scene net_scene(int size) {
   return scene;
 }
 
+Scene hanging_net_scene(int size) {
+  Scene scene;
+  const int first = add_net(scene, size);
+  scene.connect(Kind::ball, 0, first, at(Vector3d(-0.5, -0.5, 0)));
+  scene.connect(Kind::ball, 0, first + size - 1, at(Vector3d(size - 0.5, -0.5, 0)));
+  return scene;
+}
+
+Scene lying_net_scene(int size) {
+  Scene scene;
+  scene.bodies[0] = solid(box(0, {200, 200, 1}, {0, 0, -1.2}));
+  add_net(scene, size);
+  return scene;
+}
+
 Scene taut_net_scene(int size) {
   Scene scene;
   const int first = add_net(scene, size);

@@ -18,6 +18,9 @@ Scene doors_scene(int count = 100);
 Scene vehicles_scene(int count = 20);
 // A square net of plates, each tied to its neighbours by a ball joint, falls on a ball that stays.
 Scene net_scene(int size = 15);
+// The same, hung by two of its corners, and on the ground.
+Scene hanging_net_scene(int size = 15);
+Scene lying_net_scene(int size = 15);
 // The same, flat in a frame that holds all of its rim, and a ball of 50 kg falls on it.
 Scene taut_net_scene(int size = 15);
 // Planks hang between two banks, and a load of so many planks' mass is dropped on the middle.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints what a step of a whole world costs on the exact solver beside Bullet's, in double precision, scene by scene: instructions, by
 # callgrind, and time. Of chains, trees and stars also how that grows with their joints: the exponents of a step's instructions and
-# time, by least squares of their logarithms. Takes some ten minutes.
+# time, by least squares of their logarithms. Takes some twenty minutes.
 #   linear.sh [--page FOLDER] [SCENE]...   default: all, of which `pintle_solver_double costs` has the names; --page: as tables, too
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

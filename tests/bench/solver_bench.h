@@ -58,6 +58,9 @@ inline std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_fac
   solver->setOptions(options);
   return solver;
 }
+inline std::unique_ptr<btConstraintSolver> toAMicrometre() {
+  return exactTo(1e-6, pintle::SolverOptions().max_factors);
+}
 
 // Runs all in turn and keeps the shortest time of each.
 template <class Result>

@@ -27,10 +27,11 @@ struct Length {
 
 // Of a scene whose joints are of all kinds.
 Measured play(const scenes::Scene& scene, bool is_exact, Purpose purpose, const Length& length,
-              double hz = 60, bool sleeps = false) {
-  const auto engine = is_exact
-                          ? engines::make_bullet(scene, 10, engines::make_conditioned_joint, exact)
-                          : engines::make_bullet(scene, 10, engines::make_stock_joint);
+              double hz = 60, bool sleeps = false,
+              const scenes::SolverFactory& make_exact = exact) {
+  const auto engine =
+      is_exact ? engines::make_bullet(scene, 10, engines::make_conditioned_joint, make_exact)
+               : engines::make_bullet(scene, 10, engines::make_stock_joint);
   if (sleeps)
     for (size_t i = 1; i < scene.bodies.size(); ++i)
       engine->body(int(i)).forceActivationState(ISLAND_SLEEPING);
@@ -68,6 +69,18 @@ Cost netCost(const char* name, const char* title, int size, NetBy by) {
           }};
 }
 
+// Nets of one kind, as they grow.
+void addNets(const char* name, const char* title, scenes::Scene (*make)(int size),
+             std::vector<Cost>& all) {
+  for (const int size : {10, 15, 20, 30, 40})
+    all.push_back({name + ("-" + std::to_string(size)),
+                   "net of " + std::to_string(size) + " x " + std::to_string(size) + ", " + title,
+                   size > 20 ? 1 : 3, [make, size](bool is_exact, Purpose purpose) {
+                     return play(make(size), is_exact, purpose, {90, 60, size > 20 ? 5 : 30}, 60,
+                                 false, toAMicrometre);
+                   }});
+}
+
 Cost growth(const std::string& shape, int joints) {
   return {shape + "-" + std::to_string(joints), shape, joints <= 1000 ? 25 : 3,
           [=](bool is_exact, Purpose purpose) {
@@ -98,6 +111,10 @@ std::vector<Cost> costs() {
        }},
       crowd("boxes", "100 boxes without joints", scenes::boxes_scene(), 7),
       crowd("asleep", "20 ragdolls asleep", scenes::ragdolls_scene(), 15, true)};
+  addNets("hangs", "hangs", scenes::hanging_net_scene, all);
+  addNets("lies", "on the ground", scenes::lying_net_scene, all);
+  addNets("ball", "on a ball", scenes::net_scene, all);
+  addNets("taut", "taut, a ball on it", scenes::taut_net_scene, all);
   for (const char* shape : {"chain", "tree"})
     for (const int joints : {10, 100, 1000, 10000, 100000}) all.push_back(growth(shape, joints));
   for (const int joints : {100, 300, 1000}) all.push_back(growth("star", joints));

@@ -15,9 +15,6 @@ using bench::cell;
 using pintle::ExactJointSolver;
 using scenes::SolverFactory;
 
-std::unique_ptr<btConstraintSolver> toAMicrometre() {
-  return exactTo(1e-6, pintle::SolverOptions().max_factors);
-}
 std::unique_ptr<btConstraintSolver> coarse() { return exactTo(1e-4, 1); }
 
 struct Each {

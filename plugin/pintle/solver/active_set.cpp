@@ -1,5 +1,4 @@
 #include <pintle/solver/active_set.h>
-
 #include <pintle/solver/stops.h>
 
 #include <algorithm>
@@ -41,8 +40,10 @@ void ActiveSet::set(const IslandRow& row, size_t r, size_t at, const LawPiece& p
 bool ActiveSet::choose(const std::vector<Place>& rows) {
   bool any = false;
   for (const Place& of : rows) {
-    set(*of.row, of.r, of.at, pieceOf(*of.row, of.r, of.at));
-    any = any || m_work.pieces[of.r].acts;
+    const LawPiece before = m_work.pieces[of.r], to = pieceOf(*of.row, of.r, of.at);
+    any = any || before.acts != to.acts ||
+          (to.acts && (before.target != to.target || before.softness != to.softness));
+    set(*of.row, of.r, of.at, to);
   }
   return any;
 }

@@ -17,7 +17,8 @@ class ActiveSet {
             JointMatrix& K, Workspace& work);
 
   using Place = Workspace::Place;
-  /// Puts these rows on the pieces that they come to at velocities work.u and impulses work.y. Returns whether any acts there.
+  /// Puts these rows on the pieces that they come to at velocities work.u and impulses work.y. Returns whether others act there, or to other
+  /// ends.
   bool choose(const std::vector<Place>& rows);
   /// Steps that these rows are from the pieces to which they would come.
   int countSteps(const std::vector<Place>& rows) const;

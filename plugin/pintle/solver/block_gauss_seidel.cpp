@@ -1,9 +1,9 @@
 #include <pintle/solver/block_gauss_seidel.h>
-
 #include <pintle/solver/constants.h>
 #include <pintle/solver/load_stiffness.h>
 #include <pintle/solver/stops.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pintle {
@@ -56,10 +56,6 @@ class Passes {
     memory.bounds.clear();
     blocks().clear();
     blocks().reserve(of.size());
-    for (const BlockOfJoints& part : of) {
-      blocks().emplace_back(island, part, options);
-      blocks().back().begin(sweep, velocities, memory.bounds);
-    }
     for (const BlockOfJoints& part : of) memory.response.addJoints(*part.component, *part.K);
     for (ContactRow& row : contacts) {
       memory.response.begin(island, row);
@@ -67,11 +63,16 @@ class Passes {
       row.before = 0;
       row.push(velocities);
     }
+    for (const BlockOfJoints& part : of) {
+      blocks().emplace_back(island, part, options);
+      blocks().back().begin(sweep, velocities, memory.bounds);
+    }
     if (sweep == Sweep::one_by_one || !isSolvable()) return;
     m_see_joints =
         !contacts.empty() && memory.response.leaveOutLongPaths(contacts, options.longest_path);
     beginBounds(0);
     sweepBlocks();
+    if (hasPressingLimits() && releaseLimits()) sweepBlocks();
     const bool any = !contacts.empty() || !memory.bounds.empty();
     if (any && scaleWarmStart()) sweepBlocks();
     for (size_t i = 0; i < of.size(); ++i) takeFactor(i);
@@ -114,6 +115,11 @@ class Passes {
       if (block.hasLimits()) return true;
     return false;
   }
+  bool hasPressingLimits() const {
+    for (const BlockSolver& block : blocks())
+      if (block.hasPressingLimits()) return true;
+    return false;
+  }
   // Paths through the factor of a block are not worth their time without contacts: which rows act is found by factors in the end.
   void takeFactor(size_t of) {
     if (!m_contacts.empty() && blocks()[of].isSolvable())
@@ -136,6 +142,7 @@ class Passes {
   }
   bool scaleWarmStart();
   bool hasNews();
+  bool releaseLimits();
   void startResponse() {
     for (const int i : m_bodies) m_memory.response.setVelocity(i, m_velocities[size_t(i)]);
     for (const BlockOfJoints& part : m_of)
@@ -213,7 +220,7 @@ double Passes::passWithFactor(bool is_last) {
     const bool is_converged = largest * m_island.dt <= m_options.contact_tolerance;
     if (m_see_joints && !is_last && !is_converged && m_passes < m_next_look) return largest;
     if (m_passes >= m_next_look) m_next_look *= 2;
-    if ((m_see_joints && !hasLimits()) || !hasNews()) return largest;
+    if ((m_see_joints && !hasLimits() && !hasPressingLimits()) || !hasNews()) return largest;
     if (!is_last) return infinity;
   }
 }
@@ -221,8 +228,37 @@ double Passes::passWithFactor(bool is_last) {
 bool Passes::hasNews() {
   forEachRow([&](ContactRow& row) { row.push(m_velocities); });
   sweepBlocks();
-  const bool any = addLimits();
+  const bool any = addLimits(), is_released = hasPressingLimits() && releaseLimits();
+  if (is_released) {
+    sweepBlocks();
+    scaleWarmStart();
+    sweepBlocks();
+  }
   startResponse();
+  return any || is_released;
+}
+
+// Limits that pull, and those that hold what contacts are to move.
+bool Passes::releaseLimits() {
+  bool any = false;
+  for (size_t i = 0; i < blocks().size(); ++i) {
+    const Component& component = *m_of[i].component;
+    const auto isOn = [&](const ContactRow& row) {
+      return std::any_of(row.body.begin(), row.body.end(), [&](int body) {
+        return body >= component.first_body && body < component.first_body + component.bodies;
+      });
+    };
+    const bool all = std::any_of(m_contacts.begin(), m_contacts.end(),
+                                 [&](const ContactRow& row) { return row.is_held && isOn(row); });
+    const size_t first = m_memory.bounds.size();
+    if (!blocks()[i].releaseLimits(all, m_memory.bounds, m_velocities)) continue;
+    any = true;
+    beginBounds(first);
+    takeFactor(i);
+    forEachRow([&](ContactRow& row) {
+      if (isOn(row)) m_memory.response.begin(m_island, row);
+    });
+  }
   return any;
 }
 

@@ -1,6 +1,5 @@
-#include <pintle/solver/block_solver.h>
-
 #include <pintle/solver/acting_rows.h>
+#include <pintle/solver/block_solver.h>
 #include <pintle/solver/row_velocities.h>
 #include <pintle/solver/stops.h>
 
@@ -44,6 +43,7 @@ void BlockSolver::addLimitsThat(const Are& are, std::vector<ContactRow>& to) {
 void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
                         std::vector<ContactRow>& bounds) {
   m_work.limits.clear();
+  m_work.pressing.clear();
   m_work.held.clear();
   m_work.as_contacts.clear();
   if (sweep == Sweep::one_by_one) {
@@ -57,6 +57,7 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
   changeImpulses(velocities, [&] {
     m_set.choose(m_set.bounded());
     m_set.takeLimits();
+    takePressing();
     for (const ActiveSet::Place& of : m_set.bounded()) goOnAsContact(of, bounds);
     m_set.release(m_set.bounded());
     for (const ActiveSet::Place& of : m_work.limits)
@@ -65,6 +66,45 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
     addLimitsThat([&](const ActiveSet::Place& of) { return m_work.y[of.at] != 0; }, bounds);
   });
   factorise();
+}
+
+void BlockSolver::takePressing() {
+  std::vector<ActiveSet::Place>& limits = m_work.limits;
+  const auto pressing =
+      std::stable_partition(limits.begin(), limits.end(), [&](const ActiveSet::Place& of) {
+        const LawPiece& piece = m_work.pieces[of.r];
+        return !piece.acts || (rebounds(of.row->law, piece.target) &&
+                               std::abs(piece.target) * m_island.dt > m_options.newton_tolerance);
+      });
+  m_work.pressing.assign(pressing, limits.end());
+  limits.erase(pressing, limits.end());
+}
+
+bool BlockSolver::pulls(const ActiveSet::Place& of) const {
+  const double y = m_work.y[of.at];
+  const LawPart* const stop = pressedStop(of.row->law, y);
+  return (stop == nullptr || stop->target != m_work.pieces[of.r].target) &&
+         std::abs(y) * of.row->root_K * m_island.dt > m_options.newton_tolerance;
+}
+
+bool BlockSolver::releaseLimits(bool all, std::vector<ContactRow>& to,
+                                std::vector<Vector6d>& velocities) {
+  std::vector<ActiveSet::Place>& pressing = m_work.pressing;
+  const auto leave =
+      std::stable_partition(pressing.begin(), pressing.end(),
+                            [&](const ActiveSet::Place& of) { return !all && !pulls(of); });
+  if (leave == pressing.end()) return false;
+  const std::vector<ActiveSet::Place> those(leave, pressing.end());
+  pressing.erase(leave, pressing.end());
+  changeImpulses(velocities, [&] {
+    for (const ActiveSet::Place& of : those) {
+      if (pulls(of)) m_work.y[of.at] = 0;
+      goOnAsContact(of, to);
+    }
+    m_set.release(those);
+  });
+  factorise();
+  return true;
 }
 
 void BlockSolver::addTo(DualFunction& of) const {
@@ -145,19 +185,24 @@ bool BlockSolver::finish(std::vector<Vector6d>& velocities, const std::vector<Co
   m_is_alone = is_alone;
   takeBounds(bounds);
   const int factors = m_factors;
+  bool is_found = false;
   if (m_has_factor) {
     const std::vector<Workspace::AsContact>& all = m_work.as_contacts;
     const bool are_limits = std::all_of(all.begin(), all.end(), [](const Workspace::AsContact& as) {
       return isLimit(as.of.row->law);
     });
     m_is_met = m_is_alone && !are_limits && hold(false, velocities);
-    if (!m_is_met) m_is_met = hold(true, velocities) && m_is_alone && are_limits;
+    is_found = m_is_met || hold(true, velocities);
+    m_is_met = m_is_met || (is_found && m_is_alone && are_limits);
   }
   m_solvable = m_has_factor || m_swept != nullptr;  // rows one by one would be met less still
   const auto first = velocities.begin() + m_of.component->first_body;
   m_work.v.assign(first, first + m_of.component->bodies);
   measure(velocities);
-  splitHeld();
+  if (is_found) splitHeld();
+  if (m_swept != nullptr)  // whatever their impulses have come to, poses close them
+    for (const ActiveSet::Place& of : *m_swept)
+      if (of.row->law.isEquality()) m_work.pieces[of.r] = of.row->law.meet(0, of.row->K);
   unscaleImpulses(m_work);
   return m_has_factor && m_factors > factors;
 }
@@ -181,6 +226,7 @@ bool BlockSolver::solveToTheEnd(std::vector<Vector6d>& velocities) {
 bool BlockSolver::hold(bool limits_alone, std::vector<Vector6d>& velocities) {
   std::vector<ActiveSet::Place>& rows = m_work.held;
   rows = m_work.limits;
+  rows.insert(rows.end(), m_work.pressing.begin(), m_work.pressing.end());
   for (const Workspace::AsContact& as : m_work.as_contacts)
     if (!limits_alone || isLimit(as.of.row->law)) rows.push_back(as.of);
   if ((rows.empty() || findWhichAct(rows, velocities)) && solveToTheEnd(velocities)) return true;
@@ -230,8 +276,10 @@ bool BlockSolver::addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& 
 
 // What passes have found of the parts of their laws.
 void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
-  if (m_work.as_contacts.empty() && m_work.limits.empty()) return;
+  if (m_work.as_contacts.empty() && m_work.limits.empty() && m_work.pressing.empty()) return;
   m_work.parts.assign(m_work.pieces.size(), {});
+  for (const ActiveSet::Place& of : m_work.pressing)
+    if (!pulls(of)) m_work.parts[of.r] = partsOf(of);
   for (const Workspace::AsContact& as : m_work.as_contacts) {
     AxisLaw::Parts& parts = m_work.parts[as.of.r];
     for (int i = 0; i < as.of.row->law.parts(); ++i)
@@ -244,8 +292,7 @@ void BlockSolver::takeBounds(const std::vector<ContactRow>& from) {
 
 void BlockSolver::splitHeld() {
   if (m_work.parts.empty()) return;
-  for (const ActiveSet::Place& of : m_work.held)
-    if (m_work.pieces[of.r].acts || m_work.y[of.at] == 0) m_work.parts[of.r] = partsOf(of);
+  for (const ActiveSet::Place& of : m_work.held) m_work.parts[of.r] = partsOf(of);
 }
 
 double BlockSolver::sweepRows(std::vector<Vector6d>& velocities) {

@@ -1,8 +1,9 @@
 // Purpose: the joints of a component as one block, in velocity:
 //   A (v - v*) = J^T lambda,   J v and lambda of each row on its law (axis_law.h),   K lambda = target - J v* for the active rows
-// The block has the equalities alone, and rows with bounds are rows of the passes (contact_response.h). In the end limits that press are
-// rows of the factor, too, and without contacts all rows with bounds that act: the active set is found by block pivoting, from what passes have
-// found (Judice and Pires 1994).
+// The block has the equalities, and limits that would press with the impulses of the last step: what lies on these is then as on a joint. Those that
+// turn out to pull, or that hold what contacts are to move, leave it. Other rows with bounds are rows of the passes (contact_response.h). In
+// the end limits that press are rows of the factor, and without contacts all rows with bounds that act: the active set is found by block
+// pivoting, from what passes have found (Judice and Pires 1994).
 #pragma once
 
 #include <pintle/solver/active_set.h>
@@ -52,6 +53,10 @@ class BlockSolver {
   bool addLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// True where some are not reached.
   bool hasLimits() const { return !m_work.limits.empty(); }
+  /// True where some are rows of the factor.
+  bool hasPressingLimits() const { return !m_work.pressing.empty(); }
+  /// Those that pull, or all, leave the factor, for the rows of the passes. Returns whether any does.
+  bool releaseLimits(bool all, std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// Whether there is a factor where one is needed.
   bool isSolvable() const { return m_solvable; }
 
@@ -62,6 +67,10 @@ class BlockSolver {
   void addLimitsThat(const Are& are, std::vector<ContactRow>& to);
   bool isReached(const ActiveSet::Place& of) const;
   AxisLaw::Parts partsOf(const ActiveSet::Place& of) const;
+  /// Limits that would press begin as rows of the factor.
+  void takePressing();
+  /// A limit of the factor pulls, by more than the tolerance.
+  bool pulls(const ActiveSet::Place& of) const;
   void takeBounds(const std::vector<ContactRow>& from);
   void splitHeld();
   bool hold(bool limits_alone, std::vector<Vector6d>& velocities);

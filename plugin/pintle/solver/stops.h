@@ -55,6 +55,15 @@ inline bool rebounds(const AxisLaw& law, double u) {
   return false;
 }
 
+/// The stop of a limit that an impulse presses on; null: on none.
+inline const LawPart* pressedStop(const AxisLaw& law, double impulse) {
+  for (int i = 0; i < law.parts(); ++i)
+    if (const LawPart& part = law.part(i);
+        impulse != 0 && part.lower <= impulse && impulse <= part.upper)
+      return &part;
+  return nullptr;
+}
+
 /// Stops give back nothing of the speed with which they are met. Returns whether they did.
 inline bool stopRebounds(AxisLaw& law) {
   bool any = false;

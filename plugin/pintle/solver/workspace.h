@@ -65,7 +65,7 @@ struct Workspace {
     int joint;
     size_t r, at;  ///< among the rows of the component, and among the unknowns of K
   };
-  std::vector<Place> bounded, limits, held, all;  ///< rows
+  std::vector<Place> bounded, limits, pressing, held, all;  ///< rows
   /// Rows that go on as contacts do, and where these are.
   struct AsContact {
     Place of;
@@ -87,8 +87,8 @@ struct Workspace {
                     last_stiffness, most_stiffness);
     pintle::reserve(joints, of_loop);
     pintle::reserve(rows, u, lambda, at_end, last_at_end, load, pieces, softness, scales, straight,
-                    goal, J, closes, bends, may_pass, bounded, limits, held, parts, as_contacts,
-                    last_load);
+                    goal, J, closes, bends, may_pass, bounded, limits, pressing, held, parts,
+                    as_contacts, last_load);
     pintle::reserve(unknowns, y, x, aim, open);
     broyden.reserve(unknowns);
   }
@@ -96,8 +96,8 @@ struct Workspace {
   size_t bytes() const {
     return bytesOf(v, way, u, lambda, at_end, last_at_end, load, pieces, parts, softness, stiffness,
                    of_loop, y, x, aim, scales, base, moved, straight, goal, J, closes, bends,
-                   may_pass, bounded, limits, held, as_contacts, all, stays, open, start, nearest,
-                   first, last_load, last_stiffness, most_stiffness) +
+                   may_pass, bounded, limits, pressing, held, as_contacts, all, stays, open, start,
+                   nearest, first, last_load, last_stiffness, most_stiffness) +
            broyden.bytes();
   }
 };
