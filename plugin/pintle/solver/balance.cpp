@@ -114,9 +114,9 @@ double energyOfTurns(const Island& island, const Component& component, const Wor
 
 double balance(const Island& island, const Component& component, const SolverOptions& options,
                ComponentMemory& kept) {
-  if (kept.is_even && actsInHalves(island, component)) return 0;
+  if (kept.solution == Solution::even && actsInHalves(island, component)) return 0;
   const double energy =
-      kept.is_even ? std::fmax(kept.ledger.given, 0) + kept.work_done
+      kept.solution == Solution::even ? std::fmax(kept.ledger.given, 0) + kept.work_done
                    : excess(island, component, kept.work_done, options.ledger_share, kept.ledger);
   if (energy == 0) return 0;
   const bool is_free = !component.is_anchored;

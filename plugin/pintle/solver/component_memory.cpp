@@ -173,10 +173,10 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
                                    bool has_contacts, double least_pivot) {
   m_lambda = work.lambda;
   m_at_end = work.at_end;
-  if (holds_end)
+  if (holdsEnd())
     for (size_t r = 0; r < m_lambda.size(); ++r) m_lambda[r] += work.last_at_end[r] - m_at_end[r];
   m_borne.clear();
-  if (needed_no_solve) return;  // so they were before
+  if (solves == 0) return;  // so they were before
   MostImpulse most(island.bodies[size_t(component.first_body)], component.lever);
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
@@ -188,7 +188,7 @@ void ComponentMemory::keepImpulses(const Island& island, const Component& compon
     is_allowed = is_allowed && (row.law.hasDrives() || most.of(row, m_lambda[r]) == m_lambda[r]);
   });
   if (is_allowed) return;
-  const bool knows_forces = has_factor && K.factorise(least_pivot);
+  const bool knows_forces = hasFactor() && K.factorise(least_pivot);
   const auto bound = [&](bool with_contacts, std::vector<double>& impulses) {
     impulses = work.lambda;
     if (knows_forces) findWhatOthersAsk(island, component, with_contacts);
@@ -254,7 +254,7 @@ void ComponentMemory::followVelocities(const Island& island, const Component& co
 
 void ComponentMemory::keep(const Island& island, const Component& component) {
   forecast.take(&island.bodies[size_t(component.first_body)], work.way, work.v, island.dt,
-                is_foreseen);
+                solves <= 1);
   m_rows = sizes;
   addLoad(m_borne.empty() ? m_lambda : m_borne, work);
   m_load.swap(work.load);  // begin fills it anew

@@ -13,6 +13,16 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// How the velocities of a component were found, and which they are.
+enum class Solution {
+  even,         ///< in the first tier; those of the poses at the end (end_velocities.h), and joints neither give nor take
+  at_end,       ///< in the first tier; those of the poses at the end
+  of_way,       ///< in the first tier; those that lead to the end
+  in_velocity,  ///< in the second tier
+  one_by_one,   ///< in the third tier, without a factor
+  overflows     ///< none: it is left to forces alone in this step
+};
+
 struct ComponentMemory {
   std::vector<btTypedConstraint*> constraints;
   std::vector<std::array<int, 2>> bodies;  ///< of each, counted from the component's first
@@ -20,22 +30,23 @@ struct ComponentMemory {
   std::vector<int> sizes;                  ///< of each: rows
   JointMatrix::Locks locks;                ///< of each body
   JointMatrix K;
-  bool has_factor = false;       ///< K is that of the step, and has a factor or can have one
-  bool needed_no_solve = false;  ///< impulses are those with which it began
-  bool ends_apart = false;       ///< its velocities are not those of its way (end_velocities.h)
-  bool is_even = false;          ///< its joints neither give nor take in this step
-  bool holds_end = false;        ///< its velocities hold its rows at the end of the step
-  /// At most one solve led from what was foreseen to the end of the step, or contacts made it needless to foresee that.
-  bool is_foreseen = false;
+  Solution solution = Solution::one_by_one;
+  /// Solves that led from what was foreseen to the end of the step; 0: impulses are those with which it began. Contacts make it needless to
+  /// foresee that, as if it were 1.
+  int solves = 0;
   bool arrives = true;      ///< its joints hold where its velocities lead
   double residual = 0;      ///< m and rad: how far they miss their goals there
   bool is_settled = false;  ///< contacts and rows with bounds
-  bool overflows = false;   ///< it is left to forces alone in this step
   Workspace work;
   VelocityForecast forecast;
   HalfForces forces;
   EnergyLedger ledger;
   double work_done = 0;  ///< J: by its joints, in this step
+
+  /// Its velocities lead to where its rows hold.
+  bool holdsEnd() const { return solution <= Solution::of_way; }
+  /// K is that of the step, and has a factor or can have one.
+  bool hasFactor() const { return solution <= Solution::in_velocity; }
 
   /// Where the solve begins: velocities and impulses of `work`.
   void begin(const Island& island, const Component& component);

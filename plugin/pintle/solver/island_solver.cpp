@@ -199,16 +199,14 @@ ComponentMemory& IslandSolver::begin(const Component& component) {
 // The first tier. Returns false where it does not converge, or where its joints would give too much.
 bool IslandSolver::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
-  kept.holds_end = kept.ends_apart = kept.is_even = false;
   const SolveReport done = pintle::solveByChord(m_island, component, m_options,
                                                 kept.ledger.with_forces, kept.K, kept.work);
   m_report.newton_steps += done.steps;
   kept.is_settled = done.converged;
-  kept.is_foreseen = done.converged && done.steps <= 1;
-  kept.needed_no_solve = done.converged && done.steps == 0;
+  kept.solves = done.converged ? done.steps : std::max(done.steps, 2);
   if (!done.converged) return false;
   kept.residual = done.error;
-  kept.has_factor = kept.holds_end = true;
+  kept.solution = Solution::of_way;
   kept.work_done = workOfJoints(m_island, component, kept.work);
   const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
   // From rest no load is known, and so not whether steps resolve how bodies swing about it.
@@ -217,10 +215,11 @@ bool IslandSolver::solveByChord(const Component& component) {
       (!end.differ || foreseeLoad(m_island, component, m_options.stable_swing, kept.work)))
     return false;
   kept.work_done += end.work;
-  kept.ends_apart = end.differ;
-  kept.is_even = end.differ && kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
-                 isEven(m_island, component, m_options.loose_pose_tolerance, kept.work);
-  if (!kept.is_even)
+  if (end.differ) kept.solution = Solution::at_end;
+  if (end.differ && kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
+      isEven(m_island, component, m_options.loose_pose_tolerance, kept.work))
+    kept.solution = Solution::even;
+  if (kept.solution != Solution::even)
     return excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0;
   // In halves what joints give comes back by itself. From rest it is more than a share of what moves.
   return !in_halves || kept.ledger.excess(kept.work_done, m_options.ledger_share) <= end.of_arcs;
@@ -317,11 +316,10 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
   for (const Component* of : those) {
     ComponentMemory& kept = memoryOf(*of);
     kept.work.way = kept.work.v;
-    kept.has_factor = is_sound;
+    kept.solution = is_sound ? Solution::in_velocity : Solution::one_by_one;
     kept.is_settled = done.converged;
-    kept.holds_end = kept.ends_apart = kept.is_even = false;
-    kept.is_foreseen = kept.is_foreseen || !rows.empty();
-    kept.needed_no_solve = kept.work.is_missed = false;
+    kept.solves = rows.empty() ? std::max(kept.solves, 1) : 1;
+    kept.work.is_missed = false;
     kept.work_done = rows.empty() ? workOfJoints(m_island, *of, kept.work)
                                   : workAmongContacts(m_island, *of, kept.work);
   }
@@ -330,16 +328,16 @@ void IslandSolver::solveInVelocity(const ContactGroup& group) {
 void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
   kept.arrives = true;
-  kept.overflows =
-      !std::all_of(work.v.begin(), work.v.end(), [](const Vector6d& v) { return v.allFinite(); });
-  if (kept.overflows) return;  // leaveOverflows
+  if (!std::all_of(work.v.begin(), work.v.end(), [](const Vector6d& v) { return v.allFinite(); }))
+    kept.solution = Solution::overflows;
+  if (kept.solution == Solution::overflows) return;  // leaveOverflows
   kept.keepImpulses(m_island, component, m_groups.has(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
-  bool moves = kept.ends_apart;  // beside velocities
+  bool moves = kept.solution <= Solution::at_end;  // beside velocities
   // What is left and what is open already are a tolerance together.
-  if (!kept.holds_end || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
+  if (!kept.holdsEnd() || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
     const PosesReport done =
-        correctPoses(m_island, component, m_options, work, kept.K, kept.has_factor);
+        correctPoses(m_island, component, m_options, work, kept.K, kept.hasFactor());
     kept.residual = done.open;
     kept.arrives = done.arrives;
     if (done.moves) {
@@ -364,9 +362,10 @@ void IslandSolver::finish(const Component& component, ComponentMemory& kept) {
 void IslandSolver::report(const Component& component, ComponentMemory& kept) {
   m_report.factorisations += kept.K.takeFactorisations();
   m_report.residual = std::max(m_report.residual, kept.residual);
-  m_report.overflowed += kept.overflows;
+  const bool overflows = kept.solution == Solution::overflows;
+  m_report.overflowed += overflows;
   m_report.unsettled += !kept.is_settled;
-  m_report.not_converged += kept.overflows || !(kept.residual <= m_options.pose_tolerance);
+  m_report.not_converged += overflows || !(kept.residual <= m_options.pose_tolerance);
   for (int c = 0; c < component.joints; ++c)
     m_report.open =
         std::max(m_report.open, m_island.joints[size_t(component.first_joint + c)].error);
@@ -431,7 +430,7 @@ bool IslandSolver::breakOverloaded() {
 void IslandSolver::holdJoints(std::vector<Vector6d>& velocities) {
   for (const Component& component : m_components) {
     ComponentMemory& kept = memoryOf(component);
-    if (!m_groups.has(component) || !kept.has_factor) continue;
+    if (!m_groups.has(component) || !kept.hasFactor()) continue;
     Vector6d* const v = velocities.data() + component.first_body;
     if (std::all_of(v, v + component.bodies, [](const Vector6d& of) { return of.isZero(0); }))
       continue;
@@ -464,7 +463,7 @@ void IslandSolver::leaveOverflows(const SolverBodies& bodies) {
 void IslandSolver::leaveOverflow(const ContactGroup& group, const SolverBodies& bodies) {
   const auto ofComponent = [&](const Component* of) {
     const ComponentMemory& kept = memoryOf(*of);
-    return kept.overflows || overflows(kept.work.lambda, m_island.dt);
+    return kept.solution == Solution::overflows || overflows(kept.work.lambda, m_island.dt);
   };
   const auto ofBody = [&](int i) {
     const IslandBody& of = m_island.bodies[size_t(i)];
@@ -487,7 +486,7 @@ void IslandSolver::leaveOverflow(const ContactGroup& group, const SolverBodies& 
   for (const Component* of : group.components) {
     reportNothing(m_island, *of);
     memoryOf(*of).reset();
-    memoryOf(*of).overflows = true;
+    memoryOf(*of).solution = Solution::overflows;
   }
 }
 
