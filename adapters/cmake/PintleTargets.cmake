@@ -70,8 +70,7 @@ function(pintle_add_library precision wanted)
   pintle_compile_library(${target} ${precision})
   # The exact solver is in double, and so packs what it can: a tenth of its step. It is compiled a few files at once, for Eigen's
   # headers take longest. (A precompiled header would bring its own options.)
-  file(GLOB solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp"
-    "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/linear/*.cpp")
+  file(GLOB_RECURSE solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp")
   add_library(${target}_solver OBJECT ${solver})
   target_compile_features(${target}_solver PUBLIC cxx_std_17)
   target_include_directories(${target}_solver PRIVATE "${PROJECT_SOURCE_DIR}/adapters" "${PROJECT_SOURCE_DIR}/plugin")

@@ -1,6 +1,6 @@
 // Where a row meets the law of its impulse.
-#include <pintle/solver/axis_law.h>
-#include <pintle/solver/pool.h>
+#include <pintle/solver/model/axis_law.h>
+#include <pintle/solver/linalg/memory.h>
 
 #include <gtest/gtest.h>
 

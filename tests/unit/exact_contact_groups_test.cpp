@@ -1,5 +1,5 @@
 // What contacts join.
-#include <pintle/solver/contact_groups.h>
+#include <pintle/solver/model/contact_groups.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/joint.h>
 #include <pintle/rows/row.h>
-#include <pintle/solver/island.h>
+#include <pintle/solver/model/island.h>
 
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // What the ledger books as the work of a joint: of one body on one row, of which no step needs to be played.
-#include <pintle/solver/energy_ledger.h>
+#include <pintle/solver/energy/energy_ledger.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // A sparse symmetric matrix of blocks: the order of its elimination, and its factor against Eigen's dense one.
-#include <pintle/solver/linear/minimum_degree.h>
-#include <pintle/solver/linear/symmetric_factor.h>
+#include <pintle/solver/linalg/minimum_degree.h>
+#include <pintle/solver/linalg/symmetric_factor.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // K = J A^-1 J^T of a component, factorised, against Eigen's dense one: whatever hangs together how.
-#include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/system/joint_matrix.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What joints do to impulses on their bodies, by paths through the factor, against dense matrices.
-#include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/system/joint_matrix.h>
 
 #include <gtest/gtest.h>
 

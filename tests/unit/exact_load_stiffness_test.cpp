@@ -1,5 +1,5 @@
 // What bodies get as inertia where they swing about the loads of their joints faster than steps resolve.
-#include <pintle/solver/load_stiffness.h>
+#include <pintle/solver/system/load_stiffness.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which joints may be in a loop.
-#include <pintle/solver/softness.h>
+#include <pintle/solver/system/softness.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Steps of second order, against equations of motion that are solved by Runge and Kutta's method of order 4, and what interrupts them.
 #include <pintle/joints/ball_joint.h>
-#include <pintle/solver/free_rotor.h>
+#include <pintle/solver/model/free_rotor.h>
 #include <pintle/solver/solver_options.h>
 
 #include <Eigen/Cholesky>

@@ -1,5 +1,5 @@
 // How a body turns in a step: against Bullet's own integration, and Eigen's rotations.
-#include <pintle/solver/turn.h>
+#include <pintle/solver/model/turn.h>
 
 #include <LinearMath/btTransformUtil.h>
 #include <gtest/gtest.h>

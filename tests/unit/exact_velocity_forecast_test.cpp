@@ -1,5 +1,5 @@
 // Where velocities go in the next step.
-#include <pintle/solver/velocity_forecast.h>
+#include <pintle/solver/cache/velocity_forecast.h>
 
 #include <gtest/gtest.h>
 

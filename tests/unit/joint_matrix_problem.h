@@ -1,7 +1,7 @@
 // The rows of any graph of joints in a JointMatrix, and in Eigen's dense ones, against which it is tested.
 #pragma once
 
-#include <pintle/solver/joint_matrix.h>
+#include <pintle/solver/system/joint_matrix.h>
 
 #include <gtest/gtest.h>
 

@@ -209,7 +209,7 @@ class Joint : public btTypedConstraint {
   bool m_rests : 1;         ///< its rows are left out of Bullet's passes
   bool m_starts_apart : 1;  ///< its pivots are being brought together
   bool m_shows_passes : 1;  ///< Bullet's solver did so in the last step
-  bool m_type_is_known : 1, m_is_clients : 1;  ///< solver/client_joint.h
+  bool m_type_is_known : 1, m_is_clients : 1;  ///< solver/joint_access.h
   signed char m_solver_row_count = 0;          ///< of Bullet's: an axis may have one for each part
   /// Bullet's over the rows: all, and those until what the last one leaves is known.
   short m_passes = 0, m_passes_left = 0;

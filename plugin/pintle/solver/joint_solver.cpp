@@ -1,11 +1,10 @@
 #include <pintle/solver/joint_solver.h>
 
-#include <pintle/solver/bytes.h>
-#include <pintle/solver/island_solver.h>
-#include <pintle/solver/joint_access.h>
-#include <pintle/solver/joint_report.h>
-#include <pintle/solver/prefetch.h>
-#include <pintle/solver/world_memory.h>
+#include <pintle/solver/linalg/memory.h>
+#include <pintle/solver/solve/step.h>
+#include <pintle/solver/bullet/joint_access.h>
+#include <pintle/solver/bullet/joint_report.h>
+#include <pintle/solver/cache/world_memory.h>
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
@@ -17,7 +16,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 template <class BulletSolver>
-JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandSolver), m_memory(new WorldMemory) {}
+JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandStep), m_memory(new WorldMemory) {}
 template <class BulletSolver>
 JointSolver<BulletSolver>::~JointSolver() = default;
 template <class BulletSolver>

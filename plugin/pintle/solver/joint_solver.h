@@ -1,4 +1,4 @@
-// Purpose: one of Bullet's solvers, of which an IslandSolver solves the joints, and the contacts of their islands.
+// Purpose: one of Bullet's solvers, of which an IslandStep solves the joints, and the contacts of their islands.
 #pragma once
 
 #include <pintle/precision.h>
@@ -15,7 +15,7 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 class ExactJointSolverPool;
-class IslandSolver;
+class IslandStep;
 class WorldMemory;
 
 /// What ExactJointSolver and ExactMultiBodyJointSolver have in common.
@@ -75,7 +75,7 @@ class JointSolver : public BulletSolver {
   /// What either keeps of the world, the other one goes on from.
   void shareMemoryOf(const JointSolver& other);
 
-  std::unique_ptr<IslandSolver> m_islands;
+  std::unique_ptr<IslandStep> m_islands;
   const btDispatcher* m_world = nullptr;
   std::shared_ptr<WorldMemory> m_memory;  ///< of the world
   bool m_has_joints = false;              ///< this island

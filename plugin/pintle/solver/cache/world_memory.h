@@ -1,0 +1,52 @@
+// Purpose: what the solvers of a world keep from step to step. Those of a pool share it, for any of them may solve an island.
+#pragma once
+
+#include <pintle/solver/cache/component_memory.h>
+#include <pintle/solver/step_report.h>
+
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+class btDispatcher;
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// May be used by several threads at once.
+class WorldMemory {
+ public:
+  /// That of all solvers that are given this dispatcher: they solve islands of its world. `own`: it becomes this one if there is none.
+  static std::shared_ptr<WorldMemory> of(const btDispatcher& world,
+                                         const std::shared_ptr<WorldMemory>& own);
+
+  /// What no island has used in the last step is forgotten: its joints sleep, or are gone.
+  void beginStep();
+  /// Of a component, by its first joint. Bullet's own pool does not tell its solvers when a step begins: one begins when a component
+  /// comes again.
+  std::unique_ptr<ComponentMemory>& slot(const btTypedConstraint* first_joint);
+  /// Where steps are of second order.
+  MotionsOfBody& motionsOf(const btRigidBody& body);
+  /// Of this step, from one of its islands.
+  void add(const StepReport& island);
+  StepReport report() const;
+  /// Components.
+  int size() const;
+  size_t bytes() const;
+
+ private:
+  struct Slot {
+    std::unique_ptr<ComponentMemory> memory;
+    long step = -1;  ///< in which it was used
+  };
+  void beginStep(long kept_for);
+
+  mutable std::mutex m_mutex;
+  std::unordered_map<const btTypedConstraint*, Slot> m_slots;
+  std::unordered_map<const btRigidBody*, MotionsOfBody> m_motions;
+  long m_step = 0;
+  StepReport m_report;
+};
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
