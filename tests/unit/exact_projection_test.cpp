@@ -60,7 +60,7 @@ struct OpenChain : IslandProblem {
     work.x.assign(K.vectorSize(), 0.);
     work.y = work.x;
     for (const pintle::IslandRow& row : island.rows) work.pieces.push_back(row.law.meet(0, row.K));
-    return projectPoses(island, components.front(), options, work, K, false);
+    return projectPoses(island, components.front(), options, work, K, false, memory);
   }
   /// Of all bodies: by how much each has moved and turned, m and rad.
   Eigen::VectorXd moved() const {
@@ -97,6 +97,7 @@ struct OpenChain : IslandProblem {
   pintle::SolverOptions options;
   pintle::JointMatrix K;
   pintle::Workspace work;
+  pintle::ProjectionMemory memory;
 };
 
 TEST(Projection, ClosesWhatIsOpen) {

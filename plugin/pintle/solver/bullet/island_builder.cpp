@@ -2,9 +2,9 @@
 
 #include <pintle/joint_rows.h>
 #include <pintle/solver/bullet/joint_access.h>
+#include <pintle/solver/bullet/row_shapes.h>
 #include <pintle/solver/constants.h>
 #include <pintle/solver/model/inverse_inertia.h>
-#include <pintle/solver/bullet/row_shapes.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include <pintle/solver/bullet/joint_report.h>
 
-#include <pintle/solver/energy/energy_ledger.h>
 #include <pintle/solver/bullet/joint_access.h>
+#include <pintle/solver/energy/energy_ledger.h>
 #include <pintle/solver/model/row_velocities.h>
 
 namespace pintle {

@@ -11,7 +11,7 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Half of the digits: what a body has turned for a while rounds some of them.
-const double rounding = std::sqrt(double(std::numeric_limits<Scalar>::epsilon()));
+const double rounding_of_scalar = std::sqrt(double(std::numeric_limits<Scalar>::epsilon()));
 
 // The lever r of a body, of which rows 0 and 1 of three along n have the moment A = r x n. Returns whether they do.
 bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
@@ -20,8 +20,8 @@ bool findLever(const Vector3d (&n)[3], const Vector3d (&A)[3], Vector3d& r) {
   r = n[0].dot(across_1) * n[0] + n[1].dot(across_0) * n[1] +
       n[2].dot(across_0 + across_1) / 2 * n[2];
   const double size = A[0].norm() + A[1].norm();
-  return (A[0] - cross(r, n[0])).norm() <= rounding * size &&
-         (A[1] - cross(r, n[1])).norm() <= rounding * size;
+  return (A[0] - cross(r, n[0])).norm() <= rounding_of_scalar * size &&
+         (A[1] - cross(r, n[1])).norm() <= rounding_of_scalar * size;
 }
 
 // Laws of three rows at right angles become those of rows along the axes of the world: there factors hold bodies, and what they bear in one
@@ -59,9 +59,9 @@ void setDot(IslandRow& row, const Vector3d& a, const Vector3d& b) {
 bool findPoint(IslandRow* rows) {
   for (int i = 0; i < 3; ++i) {
     const RowJacobian& J = rows[i].J;
-    if (!rows[i].law.isEquality() || !(std::abs(J.L_b.squaredNorm() - 1) < rounding) ||
-        !((J.L_a + J.L_b).norm() < rounding) ||
-        !(std::abs(J.L_b.dot(rows[(i + 1) % 3].J.L_b)) < rounding))
+    if (!rows[i].law.isEquality() || !(std::abs(J.L_b.squaredNorm() - 1) < rounding_of_scalar) ||
+        !((J.L_a + J.L_b).norm() < rounding_of_scalar) ||
+        !(std::abs(J.L_b.dot(rows[(i + 1) % 3].J.L_b)) < rounding_of_scalar))
       return false;
   }
   Vector3d r[2];
@@ -98,10 +98,10 @@ bool findTurn(IslandRow* const* rows, int count, const Vector3d& w_a, const Vect
   for (int i = 0; i < count; ++i) {
     const RowJacobian& J = rows[i]->J;
     size[i] = J.A_b.norm();
-    if (!(size[i] > 0) || !((J.A_a + J.A_b).norm() <= rounding * size[i])) return false;
+    if (!(size[i] > 0) || !((J.A_a + J.A_b).norm() <= rounding_of_scalar * size[i])) return false;
     n[i] = J.A_b / size[i];
     for (int k = 0; k < i; ++k)
-      if (!(std::abs(n[i].dot(n[k])) <= rounding)) return false;
+      if (!(std::abs(n[i].dot(n[k])) <= rounding_of_scalar)) return false;
   }
   const Vector3d h = cross(n[0], n[1]);
   const Vector3d p = size[0] * n[1], q = -size[1] * n[0];

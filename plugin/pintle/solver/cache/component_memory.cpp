@@ -219,7 +219,7 @@ void ComponentMemory::findImpulses(const std::vector<Vector6d>& change) {
 // v - A^-1 (M v_0 + J^T lambda).
 void ComponentMemory::findWhatOthersAsk(const Island& island, const Component& component,
                                         bool with_contacts) {
-  std::vector<Vector6d>& change = work.stays;
+  std::vector<Vector6d>& change = work.change;
   change.assign(size_t(component.bodies), Vector6d::Zero());
   if (with_contacts) K.addResponse(work.y.data(), change.data());
   for (int i = 0; i < component.bodies; ++i) {
@@ -240,7 +240,7 @@ void ComponentMemory::followVelocities(const Island& island, const Component& co
     are_rigid = are_rigid && row.law.isEquality() && !(work.pieces[r].softness > 0);
   });
   if (!are_rigid || !K.factorise(least_pivot)) return;
-  std::vector<Vector6d>& change = work.stays;
+  std::vector<Vector6d>& change = work.change;
   change.clear();
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];

@@ -2,10 +2,10 @@
 // the forecast of velocities with which the next step begins, and its energies.
 #pragma once
 
-#include <pintle/solver/energy/energy_ledger.h>
 #include <pintle/solver/cache/half_forces.h>
-#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/cache/velocity_forecast.h>
+#include <pintle/solver/energy/energy_ledger.h>
+#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/system/workspace.h>
 
 #include <memory>

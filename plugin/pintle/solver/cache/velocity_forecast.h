@@ -4,8 +4,8 @@
 // The nearer a solve begins to where it ends, the fewer steps it takes.
 #pragma once
 
-#include <pintle/solver/linalg/memory.h>
 #include <pintle/solver/constants.h>
+#include <pintle/solver/linalg/memory.h>
 #include <pintle/solver/model/island.h>
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 // of a contact are 0 and none (Signorini), those of its friction are +-mu p of the contact (Coulomb).
 #pragma once
 
-#include <pintle/solver/model/island.h>
 #include <pintle/solver/linalg/memory.h>
+#include <pintle/solver/model/island.h>
 
 #include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 

@@ -3,8 +3,8 @@
 
 #include <pintle/rows/row.h>
 #include <pintle/rows/row_shape.h>
-#include <pintle/solver/model/axis_law.h>
 #include <pintle/solver/linalg/memory.h>
+#include <pintle/solver/model/axis_law.h>
 #include <pintle/solver/model/turn.h>
 #include <pintle/vectors.h>
 

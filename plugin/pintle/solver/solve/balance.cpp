@@ -71,7 +71,7 @@ bool isFree(const Island& island, const Component& component) {
 double scale(const Island& island, const Component& component, bool is_free, double energy,
              Workspace& work) {
   const IslandBody* const bodies = &island.bodies[size_t(component.first_body)];
-  std::vector<Vector6d>&v = work.v, &stays = work.stays;
+  std::vector<Vector6d>&v = work.v, &stays = work.change;
   stays.assign(v.size(), Vector6d::Zero());
   if (is_free) {
     const AsOne as_one(bodies, v, work.moved);

@@ -1,7 +1,7 @@
-#include <pintle/solver/system/active_set.h>
-#include <pintle/solver/solve/block_solver.h>
 #include <pintle/solver/model/row_velocities.h>
 #include <pintle/solver/model/stops.h>
+#include <pintle/solver/solve/block_solver.h>
+#include <pintle/solver/system/active_set.h>
 
 #include <algorithm>
 #include <cmath>

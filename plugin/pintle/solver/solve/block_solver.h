@@ -6,8 +6,8 @@
 // pivoting, from what passes have found (Judice and Pires 1994).
 #pragma once
 
-#include <pintle/solver/system/active_set.h>
 #include <pintle/solver/model/contacts.h>
+#include <pintle/solver/system/active_set.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

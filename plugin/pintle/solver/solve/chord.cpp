@@ -1,10 +1,10 @@
 #include <pintle/solver/solve/chord.h>
 
-#include <pintle/solver/system/active_set.h>
 #include <pintle/solver/constants.h>
-#include <pintle/solver/system/load_stiffness.h>
-#include <pintle/solver/solve/pose_changes.h>
 #include <pintle/solver/model/row_velocities.h>
+#include <pintle/solver/solve/pose_changes.h>
+#include <pintle/solver/system/active_set.h>
+#include <pintle/solver/system/load_stiffness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,28 +16,30 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Velocities without impulses of joints: M (v - v*) + S (v - v_0) = 0, S the stiffness.
-void findBase(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
-  work.base.clear();
+void findBase(const Island& island, const Component& component, JointMatrix& K,
+              const Workspace& work, std::vector<Vector6d>& to) {
+  to.clear();
   for (int i = 0; i < component.bodies; ++i) {
     const IslandBody& body = island.bodies[size_t(component.first_body + i)];
     Vector6d base = body.v_free;
     if (!work.is_resolved)
       base.tail<3>() -= K.bodies()[size_t(i)].angular *
                         (work.stiffness[size_t(i)] * (body.v_free - body.v0).tail<3>());
-    work.base.push_back(base);
+    to.push_back(base);
   }
 }
 
 class Chord {
  public:
   Chord(const Island& island, const Component& component, const SolverOptions& options,
-        double energy_by_forces, JointMatrix& K, Workspace& work)
+        double energy_by_forces, JointMatrix& K, Workspace& work, ChordMemory& memory)
       : m_island(island),
         m_component(component),
         m_options(options),
         m_energy_by_forces(energy_by_forces),
         m_K(K),
         m_work(work),
+        m_memory(memory),
         m_set(island, component, options, K, work) {}
 
   SolveReport run();
@@ -50,7 +52,7 @@ class Chord {
     measureAtEnd(m_island, m_component, m_work.moved, m_work.u);
   }
   void findVelocities() {
-    m_work.v = m_work.base;
+    m_work.v = m_memory.base;
     m_K.addResponse(m_work.y.data(), m_work.v.data());
   }
   int countSteps();
@@ -63,14 +65,15 @@ class Chord {
   const double m_energy_by_forces;
   JointMatrix& m_K;
   Workspace& m_work;
+  ChordMemory& m_memory;
   ActiveSet m_set;
   SolveReport m_report;
 };
 
 // At the velocities that are foreseen rows bend as they will. From there to those of the impulses they are taken to be straight.
 void Chord::findWhatForeseenMisses() {
-  std::vector<Vector6d>& change = m_work.stays;
-  change = m_work.base;
+  std::vector<Vector6d>& change = m_memory.change;
+  change = m_memory.base;
   m_K.addResponse(m_work.y.data(), change.data());
   for (size_t i = 0; i < change.size(); ++i) change[i] -= m_work.v[i];
   findResidual(m_island.dt, m_work);
@@ -94,7 +97,7 @@ bool Chord::isForeseen() {
   const IslandBody* const bodies = &m_island.bodies[size_t(m_component.first_body)];
   missed2 = 0;
   for (size_t i = 0; i < m_work.v.size(); ++i)
-    missed2 += bodies[i].product(m_work.stays[i], m_work.stays[i]);
+    missed2 += bodies[i].product(m_memory.change[i], m_memory.change[i]);
   return missed2 <= most2;
 }
 
@@ -119,7 +122,7 @@ int Chord::end() {
 // which are met up to the tolerance, nor where joints start open.
 void Chord::meetClosely() {
   if (!m_set.bounded().empty() || !startsClosed(m_island, m_component, m_options.pose_tolerance) ||
-      !m_work.broyden.step(m_K, m_work.x, m_work.y))
+      !m_memory.broyden.step(m_K, m_work.x, m_work.y))
     return;
   findVelocities();
   measureEnd();
@@ -134,12 +137,12 @@ SolveReport Chord::run() {
   // rounding allows, and come back by two solves, for ever. So they are solved for once more, and then are right.
   const bool was_missed = std::exchange(m_work.is_missed, !isForeseen());
   if (!was_missed && !m_work.is_missed) {
-    for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_work.stays[i];
+    for (size_t i = 0; i < m_work.v.size(); ++i) m_work.v[i] += m_memory.change[i];
     m_report.converged = true;
     unscaleImpulses(m_work);
     return m_report;
   }
-  Broyden& broyden = m_work.broyden;
+  Broyden& broyden = m_memory.broyden;
   broyden.begin();
   if (!m_K.factorise(m_options.least_pivot) || !broyden.step(m_K, m_work.x, m_work.y))
     return m_report;
@@ -170,10 +173,10 @@ SolveReport Chord::run() {
 
 SolveReport solveByChord(const Island& island, const Component& component,
                          const SolverOptions& options, double energy_by_forces, JointMatrix& K,
-                         Workspace& work) {
+                         Workspace& work, ChordMemory& memory) {
   stiffen(island, component, work, K);
-  findBase(island, component, K, work);
-  return Chord(island, component, options, energy_by_forces, K, work).run();
+  findBase(island, component, K, work, memory.base);
+  return Chord(island, component, options, energy_by_forces, K, work, memory).run();
 }
 
 }  // namespace PINTLE_PRECISION

@@ -14,9 +14,22 @@ inline namespace PINTLE_PRECISION {
 /// Solves the component from work.v and work.lambda to there. `work.stiffness` is added to the inertia of its bodies. Where it does
 /// not converge, work.v stays. What is missed by next to nothing of the kinetic energy to which forces alone would lead (J) is not
 /// solved for: then the report has no steps, and K no factor.
+/// Memory of the first tier.
+struct ChordMemory {
+  void reserve(size_t bodies, size_t unknowns) {
+    pintle::reserve(bodies, base, change);
+    broyden.reserve(unknowns);
+  }
+  size_t bytes() const { return bytesOf(base, change) + broyden.bytes(); }
+
+  std::vector<Vector6d> base;    ///< of each body: its velocity without impulses of joints
+  std::vector<Vector6d> change;  ///< of each body: of the velocity that is foreseen
+  Broyden broyden;
+};
+
 SolveReport solveByChord(const Island& island, const Component& component,
                          const SolverOptions& options, double energy_by_forces, JointMatrix& K,
-                         Workspace& work);
+                         Workspace& work, ChordMemory& memory);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

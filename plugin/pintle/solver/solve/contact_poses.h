@@ -4,8 +4,8 @@
 #pragma once
 
 #include <pintle/solver/linalg/memory.h>
-#include <pintle/solver/system/contact_response.h>
 #include <pintle/solver/solve/projection.h>
+#include <pintle/solver/system/contact_response.h>
 
 #include <functional>
 

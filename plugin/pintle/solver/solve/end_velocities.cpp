@@ -1,7 +1,7 @@
 #include <pintle/solver/solve/end_velocities.h>
 
-#include <pintle/solver/constants.h>
 #include <pintle/solver/cache/half_forces.h>
+#include <pintle/solver/constants.h>
 #include <pintle/solver/model/row_velocities.h>
 #include <pintle/solver/model/stops.h>
 
@@ -45,15 +45,10 @@ bool mayBend(const Island& island, double tolerance, const Workspace& work) {
   return most2 * island.dt * island.dt > least_lever * tolerance || island.anyUnmovedMoves();
 }
 
-// In the workspace, of each row: whether it holds at the end, and what it lacks of that by the velocities of the way, and by those of the end.
-std::vector<char>& holds(Workspace& work) { return work.closes; }
-std::vector<double>& lackOfWay(Workspace& work) { return work.aim; }
-std::vector<double>& lackOfEnd(Workspace& work) { return work.open; }
-std::vector<double>& impulses(Workspace& work) { return work.x; }
-
 // Returns whether any of the rows that hold has bounds.
-bool findRows(const Island& island, const Component& component, double tolerance, Workspace& work) {
-  std::vector<char>& holds_end = holds(work);
+bool findRows(const Island& island, const Component& component, double tolerance, Workspace& work,
+              EndMemory& memory) {
+  std::vector<char>& holds_end = memory.holds;
   holds_end.resize(size_t(component.rows));
   bool any_bounded = false;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
@@ -63,17 +58,17 @@ bool findRows(const Island& island, const Component& component, double tolerance
     holds_end[r] = is;
     any_bounded = any_bounded || (is && !row.law.isEquality());
   });
-  differentiateAtEnd(island, component, work.moved, holds_end, work.J);
+  differentiateAtEnd(island, component, work.moved, holds_end, memory.J);
   return any_bounded;
 }
 
 // Target of a row that holds, less the velocity of static and kinematic bodies.
 double targetOf(const Island& island, const Component& component, int c, size_t r,
-                const Workspace& work) {
+                const Workspace& work, const EndMemory& memory) {
   const double target = work.pieces[r].target;
   if (!island.anyUnmovedMoves()) return target;
   const IslandJoint& joint = island.joints[size_t(component.first_joint + c)];
-  return target - island.velocityOfUnmoved(joint, work.J[r]);
+  return target - island.velocityOfUnmoved(joint, memory.J[r]);
 }
 
 void turnInertia(const Island& island, const Component& component, JointMatrix& K,
@@ -85,18 +80,19 @@ void turnInertia(const Island& island, const Component& component, JointMatrix& 
 }
 
 // In the units of the next step, of which this is the start.
-void setRows(const Island& island, const Component& component, JointMatrix& K, Workspace& work) {
-  const std::vector<char>& holds_end = holds(work);
-  std::vector<double>&target = work.goal, &left = lackOfWay(work);
+void setRows(const Island& island, const Component& component, JointMatrix& K, Workspace& work,
+             EndMemory& memory) {
+  const std::vector<char>& holds_end = memory.holds;
+  std::vector<double>&target = memory.target, &left = memory.lack_of_way;
   target.resize(size_t(component.rows));
   setZero(K.vectorSize(), left);
   forEachRow(island, component, [&](int c, int i, const IslandRow& row, size_t r) {
     Workspace::Scale& of = work.scales[r];
-    of.root_K = K.setRowByItsK(c, i, work.J[r], row.root_K);
+    of.root_K = K.setRowByItsK(c, i, memory.J[r], row.root_K);
     of.by_root_K = 1 / of.root_K;
     K.setActing(of.at, holds_end[r], work.softness[r]);
     if (!holds_end[r]) return;
-    target[r] = targetOf(island, component, c, r, work);
+    target[r] = targetOf(island, component, c, r, work, memory);
     left[of.at] = target[r] * of.by_root_K;
   });
   K.subtractVelocities(work.v.data(), left.data());
@@ -104,9 +100,9 @@ void setRows(const Island& island, const Component& component, JointMatrix& K, W
 
 // Returns whether the laws of all rows allow their impulses. Others hold no longer.
 bool solve(const Island& island, const Component& component, bool any_bounded, JointMatrix& K,
-           Workspace& work) {
-  std::vector<char>& holds_end = holds(work);
-  std::vector<double>&x = impulses(work), &left = lackOfWay(work);
+           const Workspace& work, EndMemory& memory) {
+  std::vector<char>& holds_end = memory.holds;
+  std::vector<double>&x = memory.impulses, &left = memory.lack_of_way;
   x = left;
   K.solve(x.data());
   bool all_allowed = true;
@@ -130,21 +126,24 @@ double largest(const Island& island, const std::vector<double>& u, const Workspa
 }
 
 // m or rad: what velocities of the end lack of their targets in a step. Those of rows that contradict each other do.
-double missOfEnd(const Island& island, const JointMatrix& K, Workspace& work) {
-  std::vector<double>& missed = lackOfEnd(work);
+double missOfEnd(const Island& island, const JointMatrix& K, const Workspace& work,
+                 EndMemory& memory) {
+  std::vector<double>& missed = memory.lack_of_end;
   setZero(K.vectorSize(), missed);
-  const std::vector<char>& holds_end = holds(work);
+  const std::vector<char>& holds_end = memory.holds;
   for (size_t r = 0; r < work.scales.size(); ++r)
-    if (holds_end[r]) missed[work.scales[r].at] = work.goal[r] * work.scales[r].by_root_K;
+    if (holds_end[r]) missed[work.scales[r].at] = memory.target[r] * work.scales[r].by_root_K;
   K.subtractVelocities(work.v.data(), missed.data());
   return largest(island, missed, work);
 }
 
-EndVelocities book(const Island& island, const Component& component, Workspace& work) {
+EndVelocities book(const Island& island, const Component& component, Workspace& work,
+                   const EndMemory& memory) {
   EndVelocities end;
   end.differ = true;
-  const std::vector<char>& holds_end = holds(work);
-  const std::vector<double>&x = impulses(work), &left = lackOfWay(work), &missed = lackOfEnd(work);
+  const std::vector<char>& holds_end = memory.holds;
+  const std::vector<double>&x = memory.impulses, &left = memory.lack_of_way,
+        &missed = memory.lack_of_end;
   forEachRow(island, component, [&](int, int, const IslandRow& row, size_t r) {
     if (!holds_end[r]) return;
     const Workspace::Scale& of = work.scales[r];
@@ -171,40 +170,41 @@ EndVelocities book(const Island& island, const Component& component, Workspace& 
 
 // Solves for impulses along the rows of the end. Returns whether there are any.
 bool solve(const Island& island, const Component& component, const SolverOptions& options,
-           bool any_bounded, JointMatrix& K, Workspace& work) {
+           bool any_bounded, JointMatrix& K, const Workspace& work, EndMemory& memory) {
   for (int factors = 0;; ++factors) {
-    const double most = largest(island, lackOfWay(work), work);
+    const double most = largest(island, memory.lack_of_way, work);
     if (!(most > end_margin * options.newton_tolerance) ||
         factors >= std::max(options.max_factors, 1) || !K.factorise(options.least_pivot))
       return false;
-    if (solve(island, component, any_bounded, K, work)) return true;
+    if (solve(island, component, any_bounded, K, work, memory)) return true;
   }
 }
 
 }  // namespace
 
 EndVelocities finishVelocities(const Island& island, const Component& component,
-                               const SolverOptions& options, JointMatrix& K, Workspace& work) {
+                               const SolverOptions& options, JointMatrix& K, Workspace& work,
+                               EndMemory& memory) {
   work.way = work.v;
   const bool in_halves = actsInHalves(island, component);
   if (!areFollowed(island, work)) return {};
   if (!in_halves && !mayBend(island, options.newton_tolerance, work)) return {};
-  const bool any_bounded = findRows(island, component, options.pose_tolerance, work);
+  const bool any_bounded = findRows(island, component, options.pose_tolerance, work, memory);
   turnInertia(island, component, K, work);
   if (in_halves)
     for (size_t i = 0; i < work.v.size(); ++i)
       work.v[i] = velocityAtEnd(island.bodies[size_t(component.first_body) + i], work.moved[i].turn,
                                 work.way[i]);
-  setRows(island, component, K, work);
-  const bool any = solve(island, component, options, any_bounded, K, work);
+  setRows(island, component, K, work, memory);
+  const bool any = solve(island, component, options, any_bounded, K, work, memory);
   if (!any && !in_halves) return {};
   if (any)
-    K.addResponse(impulses(work).data(), work.v.data());
+    K.addResponse(memory.impulses.data(), work.v.data());
   else
-    setZero(K.vectorSize(), impulses(work));
-  const double missed = missOfEnd(island, K, work);
+    setZero(K.vectorSize(), memory.impulses);
+  const double missed = missOfEnd(island, K, work, memory);
   if (missed <= (any ? options.loose_pose_tolerance : end_margin * options.newton_tolerance))
-    return book(island, component, work);
+    return book(island, component, work, memory);
   work.v = work.way;
   return {};
 }

@@ -6,12 +6,28 @@
 // not allow has no p_1. What yields by its softness has none either.
 #pragma once
 
-#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/solver_options.h>
+#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/system/workspace.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+
+/// Memory of it.
+struct EndMemory {
+  void reserve(size_t rows, size_t unknowns) {
+    pintle::reserve(rows, holds, target, J);
+    pintle::reserve(unknowns, lack_of_way, lack_of_end, impulses);
+  }
+  size_t bytes() const { return bytesOf(holds, target, J, lack_of_way, lack_of_end, impulses); }
+
+  // Of each row:
+  std::vector<char> holds;     ///< at the end
+  std::vector<double> target;  ///< m/s or rad/s, less the velocity of static and kinematic bodies
+  std::vector<RowJacobian> J;  ///< there
+  // In the units of K: what rows that hold lack by the velocities of the way, and by those of the end; and p_1.
+  std::vector<double> lack_of_way, lack_of_end, impulses;
+};
 
 struct EndVelocities {
   /// From those of the way. Not where forces act in halves: then the step is no such one, and is to be solved as others are.
@@ -25,7 +41,8 @@ struct EndVelocities {
 /// From work.v, with which bodies go their way to work.moved, to velocities that hold there; work.way keeps the others. Impulses are added to
 /// work.lambda and kept in work.at_end. K is that of the end, if anything was to be solved.
 EndVelocities finishVelocities(const Island& island, const Component& component,
-                               const SolverOptions& options, JointMatrix& K, Workspace& work);
+                               const SolverOptions& options, JointMatrix& K, Workspace& work,
+                               EndMemory& memory);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -2,9 +2,9 @@
 // not in single precision.
 #pragma once
 
-#include <pintle/solver/solve/chord.h>
 #include <pintle/solver/model/contacts.h>
 #include <pintle/solver/model/island.h>
+#include <pintle/solver/solve/chord.h>
 #include <pintle/solver/solve/pose_changes.h>
 
 namespace pintle {

@@ -1,7 +1,7 @@
-#include <pintle/solver/solve/passes.h>
 #include <pintle/solver/constants.h>
-#include <pintle/solver/system/load_stiffness.h>
 #include <pintle/solver/model/stops.h>
+#include <pintle/solver/solve/passes.h>
+#include <pintle/solver/system/load_stiffness.h>
 
 #include <algorithm>
 #include <cmath>

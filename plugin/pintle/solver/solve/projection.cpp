@@ -1,8 +1,8 @@
 #include <pintle/solver/solve/projection.h>
 
-#include <pintle/solver/system/load_stiffness.h>
 #include <pintle/solver/model/row_velocities.h>
 #include <pintle/solver/model/stops.h>
+#include <pintle/solver/system/load_stiffness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,13 @@ namespace {
 class Projection {
  public:
   Projection(const Island& island, const Component& component, const SolverOptions& options,
-             Workspace& work, JointMatrix& K)
+             Workspace& work, JointMatrix& K, ProjectionMemory& memory)
       : m_island(island),
         m_component(component),
         m_options(options),
         m_tolerance(options.pose_tolerance),
         m_work(work),
+        m_memory(memory),
         m_K(K) {}
 
   PosesReport run(bool has_factor);
@@ -62,6 +63,7 @@ class Projection {
   const SolverOptions& m_options;
   const double m_tolerance;
   Workspace& m_work;
+  ProjectionMemory& m_memory;
   JointMatrix& m_K;
   int m_factors = 0;
   bool m_has_equalities = false;
@@ -71,12 +73,12 @@ class Projection {
   double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
   double m_asked = 1;  ///< of what Bullet's rows are to close
   double m_most_bend = infinity;  ///< m or rad: a larger bend is by what other rows ask for
-  std::vector<double>&m_u = m_work.straight, &m_goal = m_work.goal;
-  std::vector<char>& m_closes = m_work.closes;
+  std::vector<double>&m_u = m_memory.u, &m_goal = m_memory.goal;
+  std::vector<char>& m_closes = m_memory.closes;
   std::vector<char>& m_bends =
-      m_work.bends;  ///< of each row that closes: whether it is measured at the end
-  std::vector<double>& m_open = m_work.open;  ///< what was open at first, in the units of K
-  std::vector<MovedBody>& m_nearest = m_work.nearest;  ///< where least is open
+      m_memory.bends;  ///< of each row that closes: whether it is measured at the end
+  std::vector<double>& m_open = m_memory.open;  ///< what was open at first, in the units of K
+  std::vector<MovedBody>& m_nearest = m_memory.nearest;  ///< where least is open
 };
 
 // What each row is to measure over the step. Returns whether K has all rows that are to be moved.
@@ -110,7 +112,7 @@ bool Projection::findGoals() {
 
 // A stop that was met by nothing else but where poses have been moved to: it closes, too. Returns whether there is any.
 bool Projection::addPassed() {
-  std::vector<char>& may_pass = m_work.may_pass;
+  std::vector<char>& may_pass = m_memory.may_pass;
   may_pass.assign(m_closes.size(), false);
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
@@ -137,12 +139,12 @@ bool Projection::factorise(bool at_end) {
   ++m_factors;
   m_is_at_end = at_end;
   stiffen(m_island, m_component, m_work, m_K);
-  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_work.J);
+  if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_memory.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    m_K.setRow(c, i, at_end ? m_work.J[r] : row.J, row.root_K, row.by_root_K);
+    m_K.setRow(c, i, at_end ? m_memory.J[r] : row.J, row.root_K, row.by_root_K);
     m_K.setActing(m_K.row(c, i), m_closes[r], m_options.dependent_softness);
   });
-  m_work.broyden.begin();
+  m_memory.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
 }
 
@@ -179,14 +181,14 @@ bool Projection::askLess() {
   };
   forEachAsked([&](double left, size_t) { open = larger(open, m_asked * m_island.dt * left); });
   if (!(open > m_tolerance)) return false;
-  const double bend = bendOfRows(m_island, m_component, m_closes, m_work.start, m_nearest);
+  const double bend = bendOfRows(m_island, m_component, m_closes, m_memory.start, m_nearest);
   if (!(bend > open)) return false;
   m_asked *= bend <= m_most_bend ? open / (2 * bend) : 0;
   m_most_bend = open / 2;
-  m_work.moved = m_nearest = m_work.start;
+  m_work.moved = m_nearest = m_memory.start;
   measure();
   forEachAsked([&](double left, size_t r) { m_goal[r] = m_u[r] + m_asked * left; });
-  m_work.broyden.begin();
+  m_memory.broyden.begin();
   return true;
 }
 
@@ -212,10 +214,10 @@ double Projection::findResidual() {
 // With the factor at hand from where bodies are. Returns what is open then. A step of a new factor is shortened until it closes
 // something (the monotonicity test of Deuflhard 2004, 3.1).
 double Projection::step(double open, bool is_fresh) {
-  if (!m_work.broyden.step(m_K, m_work.x, m_work.y)) return infinity;
-  std::vector<Vector6d>& w = m_work.base;
+  if (!m_memory.broyden.step(m_K, m_work.x, m_work.y)) return infinity;
+  std::vector<Vector6d>& w = m_memory.way;
   w.assign(size_t(m_component.bodies), Vector6d::Zero());
-  m_K.addResponse(m_work.broyden.last(), w.data());
+  m_K.addResponse(m_memory.broyden.last(), w.data());
   for (double part = 1;; part /= 2) {
     for (size_t b = 0; b < w.size(); ++b) m_work.moved[b].goOn(part * w[b], m_island.dt);
     const double now = measure();
@@ -228,7 +230,7 @@ double Projection::step(double open, bool is_fresh) {
 double Projection::leftBySoftness() const {
   double largest = 0;
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    if (m_closes[r]) largest = larger(largest, row.root_K * m_work.broyden.last()[m_K.row(c, i)]);
+    if (m_closes[r]) largest = larger(largest, row.root_K * m_memory.broyden.last()[m_K.row(c, i)]);
   });
   return m_options.dependent_softness * largest * m_island.dt;
 }
@@ -255,7 +257,7 @@ bool Projection::getsThere(double left) {
 // Returns what is left open. `goes_on_anyhow`: where an angle is far from what its row says, so that nothing closes it, the first step is
 // what can be had.
 double Projection::iterate(double open, bool goes_on_anyhow) {
-  std::vector<MovedBody>& first = m_work.first;
+  std::vector<MovedBody>& first = m_memory.first;
   first.clear();
   bool is_fresh = false, is_of_softness = false, closes_any = false;
   for (int steps = 0; steps < m_options.max_iterations; ++steps) {
@@ -299,7 +301,7 @@ double Projection::closePassed(double left) {
 // Each one is closed before the next one, and halved where it is too long. Where none is short enough they stay: there their joints hold.
 // What starts open has no such way. Returns what is left open.
 double Projection::follow(double left) {
-  std::vector<MovedBody>& reached = m_work.first;
+  std::vector<MovedBody>& reached = m_memory.first;
   reached.assign(size_t(m_component.bodies), MovedBody(Vector6d::Zero(), m_island.dt));
   double gone = 0;
   for (double part = 0.5; gone < 1 && part >= m_options.least_part;) {
@@ -360,10 +362,10 @@ PosesReport Projection::run(bool has_factor) {
   double open = findResidual();
   if (open <= m_tolerance) return {open};
   m_open = m_work.x;
-  m_work.start = m_nearest = m_work.moved;
-  m_work.broyden.begin();
+  m_memory.start = m_nearest = m_work.moved;
+  m_memory.broyden.begin();
   const auto stay = [&]() -> PosesReport {
-    m_work.moved = m_work.start;
+    m_work.moved = m_memory.start;
     return {open, m_arrives};
   };
   // (Nothing is done where K has its factor.)
@@ -385,7 +387,7 @@ PosesReport Projection::run(bool has_factor) {
   }
   m_may_leave = false;
   if (!(left <= met) && mayFactorise() && straighten()) {
-    m_work.moved = m_nearest = m_work.start;
+    m_work.moved = m_nearest = m_memory.start;
     if (!factorise(false)) return stay();
     open = measure();
     left = iterate(open, true);
@@ -401,8 +403,8 @@ PosesReport Projection::run(bool has_factor) {
 
 PosesReport projectPoses(const Island& island, const Component& component,
                          const SolverOptions& options, Workspace& work, JointMatrix& K,
-                         bool has_factor) {
-  return Projection(island, component, options, work, K).run(has_factor);
+                         bool has_factor, ProjectionMemory& memory) {
+  return Projection(island, component, options, work, K, memory).run(has_factor);
 }
 
 }  // namespace PINTLE_PRECISION

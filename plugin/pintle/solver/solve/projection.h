@@ -5,9 +5,10 @@
 // among the C. Where they are in the way, equalities are closed without them.
 #pragma once
 
-#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/solve/pose_changes.h>
 #include <pintle/solver/solver_options.h>
+#include <pintle/solver/system/broyden.h>
+#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/system/workspace.h>
 
 namespace pintle {
@@ -19,12 +20,38 @@ struct PosesReport {
   bool moves = false;   ///< bodies are moved beside the way of their velocities
 };
 
+/// Memory of it.
+struct ProjectionMemory {
+  void reserve(size_t bodies, size_t rows, size_t unknowns) {
+    pintle::reserve(bodies, start, nearest, first, way);
+    pintle::reserve(rows, u, goal, J, closes, bends, may_pass);
+    pintle::reserve(unknowns, open);
+    broyden.reserve(unknowns);
+  }
+  size_t bytes() const {
+    return bytesOf(start, nearest, first, way, u, goal, J, closes, bends, may_pass, open) +
+           broyden.bytes();
+  }
+
+  // Of each body:
+  std::vector<MovedBody> start, nearest,
+      first;                  ///< at the end of the step; where least is open; an earlier one
+  std::vector<Vector6d> way;  ///< of an iteration, as a velocity
+  // Of each row:
+  std::vector<double> u, goal;  ///< what it measures over the step, and is to
+  std::vector<RowJacobian> J;   ///< where bodies are
+  std::vector<char> closes, bends,
+      may_pass;              ///< it closes; it is measured at the end; it may be passed
+  std::vector<double> open;  ///< what was open at first, in the units of K
+  Broyden broyden;
+};
+
 /// Of each body of the component: the least move, in the metric of the masses, that closes what its rows have open, and what the
 /// velocities leave: Newton's iteration for the poses at the end of the step, work.moved. `has_factor`: K is that with which the velocities were
 /// found, of the rows of the start.
 PosesReport projectPoses(const Island& island, const Component& component,
                          const SolverOptions& options, Workspace& work, JointMatrix& K,
-                         bool has_factor);
+                         bool has_factor, ProjectionMemory& memory);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

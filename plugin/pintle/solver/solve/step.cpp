@@ -1,13 +1,13 @@
 #include <pintle/solver/solve/step.h>
 
+#include <pintle/solver/bullet/joint_report.h>
+#include <pintle/solver/constants.h>
+#include <pintle/solver/model/row_velocities.h>
 #include <pintle/solver/solve/balance.h>
 #include <pintle/solver/solve/chord.h>
-#include <pintle/solver/constants.h>
 #include <pintle/solver/solve/end_velocities.h>
-#include <pintle/solver/bullet/joint_report.h>
-#include <pintle/solver/system/load_stiffness.h>
 #include <pintle/solver/solve/overflow.h>
-#include <pintle/solver/model/row_velocities.h>
+#include <pintle/solver/system/load_stiffness.h>
 #include <pintle/solver/system/softness.h>
 
 #include <algorithm>
@@ -50,8 +50,9 @@ void write(const Vector6d& v, btSolverBody& to) {
 }  // namespace
 
 size_t IslandStep::bytes() const {
-  return m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() + m_groups.bytes() +
-         m_island.bytes() +
+  return m_builder.bytes() + m_pass_memory.bytes() + m_poses_memory.bytes() +
+         m_chord_memory.bytes() + m_end_memory.bytes() + m_projection_memory.bytes() +
+         m_groups.bytes() + m_island.bytes() +
          bytesOf(m_components, m_kept, m_contacts, m_velocities, m_pose_changes, m_before_others,
                  m_counted, m_bodies_alone, m_blocks, m_free_moved, m_free_velocity) +
          m_free_forces.bytes();
@@ -199,8 +200,8 @@ ComponentMemory& IslandStep::begin(const Component& component) {
 // The first tier. Returns false where it does not converge, or where its joints would give too much.
 bool IslandStep::solveByChord(const Component& component) {
   ComponentMemory& kept = begin(component);
-  const SolveReport done = pintle::solveByChord(m_island, component, m_options,
-                                                kept.ledger.with_forces, kept.K, kept.work);
+  const SolveReport done = pintle::solveByChord(
+      m_island, component, m_options, kept.ledger.with_forces, kept.K, kept.work, m_chord_memory);
   m_report.newton_steps += done.steps;
   kept.is_settled = done.converged;
   kept.solves = done.converged ? done.steps : std::max(done.steps, 2);
@@ -208,7 +209,8 @@ bool IslandStep::solveByChord(const Component& component) {
   kept.residual = done.error;
   kept.solution = Solution::of_way;
   kept.work_done = workOfJoints(m_island, component, kept.work);
-  const EndVelocities end = finishVelocities(m_island, component, m_options, kept.K, kept.work);
+  const EndVelocities end =
+      finishVelocities(m_island, component, m_options, kept.K, kept.work, m_end_memory);
   // From rest no load is known, and so not whether steps resolve how bodies swing about it.
   const bool in_halves = actsInHalves(m_island, component);
   if (in_halves &&
@@ -336,8 +338,8 @@ void IslandStep::finish(const Component& component, ComponentMemory& kept) {
   bool moves = kept.solution <= Solution::at_end;  // beside velocities
   // What is left and what is open already are a tolerance together.
   if (!kept.holdsEnd() || isOpen(m_island, component, work, m_options.pose_tolerance / 2)) {
-    const PosesReport done =
-        projectPoses(m_island, component, m_options, work, kept.K, kept.hasFactor());
+    const PosesReport done = projectPoses(m_island, component, m_options, work, kept.K,
+                                          kept.hasFactor(), m_projection_memory);
     kept.residual = done.open;
     kept.arrives = done.arrives;
     if (done.moves) {
@@ -391,6 +393,11 @@ void IslandStep::beginComponents(WorldMemory& memory) {
         memory.slot(m_island.joints[size_t(component.first_joint)].constraint);
     remember(m_island, component, slot);
     m_kept.push_back(slot.get());
+    // For any way that a solve may take: hardly a step allocates because it is the first one that takes another.
+    const auto of_it = size_t(component.bodies), rows = size_t(component.rows);
+    m_chord_memory.reserve(of_it, slot->K.vectorSize());
+    m_end_memory.reserve(rows, slot->K.vectorSize());
+    m_projection_memory.reserve(of_it, rows, slot->K.vectorSize());
     slot->followTurns(m_island, component);
     if (m_options.second_order) {
       slot->forces.begin(m_island, component, [&](const btRigidBody& body) -> MotionsOfBody& {

@@ -1,13 +1,15 @@
 // Purpose: solves the joints and the contacts of an island. Bullet's solvers hand it their bodies and rows (joint_solver.h).
 #pragma once
 
-#include <pintle/solver/solve/passes.h>
-#include <pintle/solver/model/contact_groups.h>
-#include <pintle/solver/solve/contact_poses.h>
 #include <pintle/solver/bullet/island_builder.h>
+#include <pintle/solver/cache/world_memory.h>
+#include <pintle/solver/model/contact_groups.h>
+#include <pintle/solver/solve/chord.h>
+#include <pintle/solver/solve/contact_poses.h>
+#include <pintle/solver/solve/end_velocities.h>
+#include <pintle/solver/solve/passes.h>
 #include <pintle/solver/solve/projection.h>
 #include <pintle/solver/solver_options.h>
-#include <pintle/solver/cache/world_memory.h>
 
 #include <functional>
 
@@ -94,6 +96,9 @@ class IslandStep {
   std::vector<Vector6d> m_free_velocity;
   PassMemory m_pass_memory;
   ContactPosesMemory m_poses_memory;
+  ChordMemory m_chord_memory;
+  EndMemory m_end_memory;
+  ProjectionMemory m_projection_memory;
 };
 
 }  // namespace PINTLE_PRECISION

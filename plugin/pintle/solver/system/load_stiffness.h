@@ -4,8 +4,8 @@
 // Where that is faster than a step resolves, they get the least inertia S with which it is not: dt^2 G <= stable_swing (I + S).
 #pragma once
 
-#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/solver_options.h>
+#include <pintle/solver/system/joint_matrix.h>
 #include <pintle/solver/system/workspace.h>
 
 namespace pintle {

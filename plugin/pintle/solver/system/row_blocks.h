@@ -3,8 +3,8 @@
 #pragma once
 
 #include <pintle/solver/constants.h>
-#include <pintle/solver/model/inverse_inertia.h>
 #include <pintle/solver/linalg/block_columns.h>
+#include <pintle/solver/model/inverse_inertia.h>
 
 #include <array>
 #include <vector>

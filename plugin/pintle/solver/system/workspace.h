@@ -1,7 +1,6 @@
 // Purpose: what the solve of a component of joints works with, and what it leaves.
 #pragma once
 
-#include <pintle/solver/system/broyden.h>
 #include <pintle/solver/linalg/memory.h>
 #include <pintle/solver/model/island.h>
 
@@ -53,13 +52,7 @@ struct Workspace {
     size_t at;
   };
   std::vector<Scale> scales;
-  std::vector<Vector6d> base;  ///< of each body: its velocity without impulses of joints
   std::vector<MovedBody> moved;
-  std::vector<double> straight, goal;  ///< of each row: other velocities
-  std::vector<RowJacobian> J;          ///< of each row at the end of the step
-  std::vector<char> closes,
-      bends,  ///< of each row: whether moving poses closes it, and whether it is measured at the end
-      may_pass;  ///< whether it may be passed by them
   struct Place {
     const IslandRow* row;
     int joint;
@@ -72,33 +65,25 @@ struct Workspace {
     size_t first;
   };
   std::vector<AsContact> as_contacts;
-  std::vector<Vector6d> stays;  ///< of each body: another velocity, or a part that is not scaled
-  std::vector<double> open;     ///< what poses are to close, in the units of K
-  std::vector<MovedBody> start, nearest, first;  ///< of each body: where corrections of poses lead
+  std::vector<Vector6d> change;  ///< of each body: of its velocity
   std::vector<double> last_load;
   std::vector<double> most_stiffness;  ///< of each body: a bound, kg m^2; 0: it needs none
   std::vector<Matrix3d> last_stiffness;
-  Broyden broyden;
 
   /// For any solve of a component of this size: hardly a step allocates because it is the first one that takes another way. (The
   /// first contact does.)
   void reserve(size_t bodies, size_t joints, size_t rows, size_t unknowns) {
-    pintle::reserve(bodies, v, way, stiffness, base, moved, stays, start, nearest, first,
-                    last_stiffness, most_stiffness);
+    pintle::reserve(bodies, v, way, stiffness, moved, change, last_stiffness, most_stiffness);
     pintle::reserve(joints, of_loop);
-    pintle::reserve(rows, u, lambda, at_end, last_at_end, load, pieces, softness, scales, straight,
-                    goal, J, closes, bends, may_pass, bounded, limits, pressing, held, parts,
-                    as_contacts, last_load);
-    pintle::reserve(unknowns, y, x, aim, open);
-    broyden.reserve(unknowns);
+    pintle::reserve(rows, u, lambda, at_end, last_at_end, load, pieces, softness, scales, bounded,
+                    limits, pressing, held, parts, as_contacts, last_load);
+    pintle::reserve(unknowns, y, x, aim);
   }
 
   size_t bytes() const {
     return bytesOf(v, way, u, lambda, at_end, last_at_end, load, pieces, parts, softness, stiffness,
-                   of_loop, y, x, aim, scales, base, moved, straight, goal, J, closes, bends,
-                   may_pass, bounded, limits, pressing, held, as_contacts, all, stays, open, start,
-                   nearest, first, last_load, last_stiffness, most_stiffness) +
-           broyden.bytes();
+                   of_loop, y, x, aim, scales, moved, bounded, limits, pressing, held, as_contacts,
+                   all, change, last_load, last_stiffness, most_stiffness);
   }
 };
 
