@@ -1,4 +1,4 @@
-// What is kept of a component from step to step: by its joints and bodies, row by row, and its ledger.
+// Memory of a component from step to step: by its joints and bodies, row by row, and its ledger.
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/solver/cache/component_memory.h>
 

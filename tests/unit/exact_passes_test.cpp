@@ -10,7 +10,7 @@
 
 #include "support.h"
 
-namespace exact_block_gauss_seidel_test {
+namespace exact_passes_test {
 
 using pintle::AxisLaw;
 using pintle::Matrix3d;
@@ -305,4 +305,4 @@ TEST_F(Chain, ContactsThatSeeTheirJointsAreFoundInFewPasses) {
   EXPECT_LT(seeing, blind / 5);
 }
 
-}  // namespace exact_block_gauss_seidel_test
+}  // namespace exact_passes_test

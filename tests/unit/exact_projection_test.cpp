@@ -1,11 +1,8 @@
 // The projection of poses, without a step: what is open closes, by the least move in the metric of the masses.
 #include <pintle/joints/ball_joint.h>
-#include <pintle/solver/bullet/island_builder.h>
 #include <pintle/solver/solve/projection.h>
-#include <pintle/solver/system/softness.h>
 
 #include <gtest/gtest.h>
-#include <scenes/world.h>
 
 #include <Eigen/Dense>
 
@@ -62,7 +59,7 @@ struct OpenChain : IslandProblem {
     for (const pintle::IslandRow& row : island.rows) work.pieces.push_back(row.law.meet(0, row.K));
     return projectPoses(island, components.front(), options, work, K, false, memory);
   }
-  /// Of all bodies: by how much each has moved and turned, m and rad.
+  /// Move and turn of each body, m and rad.
   Eigen::VectorXd moved() const {
     Eigen::VectorXd by(6 * work.moved.size());
     for (size_t i = 0; i < work.moved.size(); ++i) {
@@ -111,7 +108,7 @@ TEST(Projection, ClosesWhatIsOpen) {
   }
 }
 
-// What is nearly closed moves by d = -A^-1 J^T (J A^-1 J^T)^-1 C, but for terms of second order.
+// Nearly closed joints move by d = -A^-1 J^T (J A^-1 J^T)^-1 C, but for terms of second order.
 TEST(Projection, MovesByTheLeast) {
   constexpr double open = 1e-3;
   Random random(4);
@@ -149,7 +146,9 @@ TEST(Projection, SaysWhatABudgetLeavesOpen) {
     OpenChain chain(random, 6, 0.5, true);
     chain.options.max_factors = 1;
     const pintle::PosesReport done = chain.project();
-    EXPECT_NEAR(done.open, chain.open(), 0.5 * chain.open() + 1e-6) << n;
+    // (That of a row; a joint has three.)
+    EXPECT_GE(chain.open(), done.open * (1 - 1e-4)) << n;
+    EXPECT_LE(chain.open(), std::sqrt(3.) * done.open * (1 + 1e-4)) << n;
     left += done.open > chain.options.pose_tolerance;
   }
   EXPECT_GT(left, 0);

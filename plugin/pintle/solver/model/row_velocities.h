@@ -31,8 +31,8 @@ void turnStops(Island& island, const Component& component);
 void measureAtStart(const Island& island, const Component& component, const Vector6d* v,
                     std::vector<double>& u);
 
-/// Of the body of a joint, with v at the end of the step (those of the component): its mean velocity from the one that it starts with (IslandBody::v0, or
-/// v_free).
+/// Mean velocity of the body of a joint from the one that it starts with (IslandBody::v0, or v_free) to v at the end of the step (those of the
+/// component).
 Vector6d meanVelocity(const Island& island, const IslandJoint& joint, int side,
                       const Component& component, const std::vector<Vector6d>& v,
                       Vector6d IslandBody::*start = &IslandBody::v0);

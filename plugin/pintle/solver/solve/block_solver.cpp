@@ -103,7 +103,8 @@ bool BlockSolver::releaseLimits(Span<const char> is_held, std::vector<ContactRow
       pressing.begin(), pressing.end(),
       [&](const ActiveSet::Place& of) { return !(all || (any && holds(of)) || pulls(of)); });
   if (leave == pressing.end()) return false;
-  const std::vector<ActiveSet::Place> those(leave, pressing.end());
+  std::vector<ActiveSet::Place>& those = m_work.held;  // none is, before the end
+  those.assign(leave, pressing.end());
   pressing.erase(leave, pressing.end());
   changeImpulses(velocities, [&] {
     for (const ActiveSet::Place& of : those) {

@@ -26,7 +26,7 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
     ContactRow& out = rows.emplace_back(row);
     out.target = out.aim = speedOut(row);
     out.softness = out.compliance = out.recovery = out.impulse = out.before = 0;
-    response.forgetOld(out);
+    response.forgetOld(island, out);
   }
   if (rows.empty()) return false;
   std::vector<Vector6d>& push = memory.push;

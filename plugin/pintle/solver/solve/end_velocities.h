@@ -21,7 +21,7 @@ struct EndMemory {
   }
   size_t bytes() const { return bytesOf(holds, target, J, lack_of_way, lack_of_end, impulses); }
 
-  // Of each row:
+  // Row by row:
   std::vector<char> holds;     ///< at the end
   std::vector<double> target;  ///< m/s or rad/s, less the velocity of static and kinematic bodies
   std::vector<RowJacobian> J;  ///< there

@@ -52,6 +52,7 @@ class Passes {
     for (const int i : bodies) velocities[size_t(i)] = island.bodies[size_t(i)].v_free;
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
     memory.base.resize(velocities.size());
+    memory.is_held.reserve(velocities.size());
     for (const int i : bodies) memory.base[size_t(i)] = velocities[size_t(i)];
     memory.bounds.clear();
     blocks().clear();
@@ -72,7 +73,7 @@ class Passes {
         !contacts.empty() && memory.response.leaveOutLongPaths(contacts, options.longest_path);
     beginBounds(0);
     sweepBlocks();
-    if (hasPressingLimits() && releaseLimits()) sweepBlocks();
+    if (releaseLimits()) sweepBlocks();
     const bool any = !contacts.empty() || !memory.bounds.empty();
     if (any && scaleWarmStart()) sweepBlocks();
     for (size_t i = 0; i < of.size(); ++i) takeFactor(i);
@@ -228,11 +229,10 @@ double Passes::passWithFactor(bool is_last) {
 bool Passes::hasNews() {
   forEachRow([&](ContactRow& row) { row.push(m_velocities); });
   sweepBlocks();
-  const bool any = addLimits(), is_released = hasPressingLimits() && releaseLimits();
+  const bool any = addLimits(), is_released = releaseLimits();
   if (is_released) {
     sweepBlocks();
-    scaleWarmStart();
-    sweepBlocks();
+    if (scaleWarmStart()) sweepBlocks();
   }
   startResponse();
   return any || is_released;
@@ -240,6 +240,7 @@ bool Passes::hasNews() {
 
 // Limits that pull, and those that hold what contacts are to move.
 bool Passes::releaseLimits() {
+  if (!hasPressingLimits()) return false;
   std::vector<char>& is_held = m_memory.is_held;
   is_held.assign(m_island.bodies.size(), false);
   for (const ContactRow& row : m_contacts)
@@ -252,15 +253,8 @@ bool Passes::releaseLimits() {
     any = true;
     beginBounds(first);
     takeFactor(i);
-    const Component& of = *m_of[i].component;
-    forEachRow([&](ContactRow& row) {
-      for (const int body : row.body)
-        if (body >= of.first_body && body < of.first_body + of.bodies) {
-          m_memory.response.begin(m_island, row);
-          break;
-        }
-    });
   }
+  if (any) forEachRow([&](ContactRow& row) { m_memory.response.forgetOld(m_island, row); });
   return any;
 }
 

@@ -33,16 +33,18 @@ struct ProjectionMemory {
            broyden.bytes();
   }
 
-  // Of each body:
-  std::vector<MovedBody> start, nearest,
-      first;                  ///< at the end of the step; where least is open; an earlier one
-  std::vector<Vector6d> way;  ///< of an iteration, as a velocity
-  // Of each row:
-  std::vector<double> u, goal;  ///< what it measures over the step, and is to
+  // Body by body:
+  std::vector<MovedBody> start;    ///< at the end of the step
+  std::vector<MovedBody> nearest;  ///< where least is open
+  std::vector<MovedBody> first;    ///< where an earlier iteration or part of the way has led
+  std::vector<Vector6d> way;       ///< an iteration, as a velocity
+  // Row by row:
+  std::vector<double> u, goal;  ///< measured over the step, and wanted
   std::vector<RowJacobian> J;   ///< where bodies are
-  std::vector<char> closes, bends,
-      may_pass;              ///< it closes; it is measured at the end; it may be passed
-  std::vector<double> open;  ///< what was open at first, in the units of K
+  std::vector<char> closes;     ///< poses close it
+  std::vector<char> bends;      ///< it is measured at the end
+  std::vector<char> may_pass;   ///< poses may pass it
+  std::vector<double> open;     ///< what was open at first, in the units of K
   Broyden broyden;
 };
 

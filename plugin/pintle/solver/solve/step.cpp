@@ -217,10 +217,11 @@ bool IslandStep::solveByChord(const Component& component) {
       (!end.differ || foreseeLoad(m_island, component, m_options.stable_swing, kept.work)))
     return false;
   kept.work_done += end.work;
-  if (end.differ) kept.solution = Solution::at_end;
-  if (end.differ && kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
-      isEven(m_island, component, m_options.loose_pose_tolerance, kept.work))
-    kept.solution = Solution::even;
+  if (end.differ) {
+    const bool is_even = kept.work_done <= end.of_arcs && -kept.work_done <= end.of_first &&
+                         isEven(m_island, component, m_options.loose_pose_tolerance, kept.work);
+    kept.solution = is_even ? Solution::even : Solution::at_end;
+  }
   if (kept.solution != Solution::even)
     return excess(m_island, component, kept.work_done, m_options.ledger_share, kept.ledger) == 0;
   // In halves what joints give comes back by itself. From rest it is more than a share of what moves.
@@ -330,9 +331,10 @@ void IslandStep::solveInVelocity(const ContactGroup& group) {
 void IslandStep::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
   kept.arrives = true;
-  if (!std::all_of(work.v.begin(), work.v.end(), [](const Vector6d& v) { return v.allFinite(); }))
-    kept.solution = Solution::overflows;
-  if (kept.solution == Solution::overflows) return;  // leaveOverflows
+  if (!std::all_of(work.v.begin(), work.v.end(), [](const Vector6d& v) { return v.allFinite(); })) {
+    kept.solution = Solution::overflows;  // leaveOverflows
+    return;
+  }
   kept.keepImpulses(m_island, component, m_groups.has(component), m_options.least_pivot);
   PoseChange* const changes = m_pose_changes.data() + component.first_body;
   bool moves = kept.solution <= Solution::at_end;  // beside velocities

@@ -31,10 +31,10 @@ class ContactResponse {
   void takeFactor(int first, JointMatrix& joints);
   /// M^-1 J^T of each body of the row, and K of these alone.
   void begin(const Island& island, ContactRow& row) const;
-  /// The response of a row is found anew, if a body of it has another factor.
-  void forgetOld(ContactRow& row) const {
-    for (const int body : row.body)
-      if (body >= 0 && m_bodies[size_t(body)].is_new) row.parts = 0;
+  /// Again, if a body of the row has another factor: its response is then found anew.
+  void forgetOld(const Island& island, ContactRow& row) const {
+    const auto isNew = [this](int body) { return body >= 0 && m_bodies[size_t(body)].is_new; };
+    if (isNew(row.body[0]) || isNew(row.body[1])) begin(island, row);
   }
 
   /// The state of a body.

@@ -289,7 +289,7 @@ size_t JointMatrix::bytes() const {
                        m_path);
 }
 
-// Of JointMatrix, what joints do to impulses on their bodies, by the paths of these through the factor.
+// Joints answer to impulses on their bodies by the paths of these through the factor.
 
 // x += R of an impulse that gives this to the body. Returns the first node that has a part of it: all others are on its path. Of a body
 // that stays, its velocity is an unknown.
