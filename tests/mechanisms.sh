@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Switches off each mechanism of the exact solver (mechanisms.txt), one at a time, and prints which tests fail without it. What none misses
-# can go. In double precision.
+# can go. In double precision, and where none fails there, in single, then the scenes'.
 #   mechanisms.sh [NAME]...    default: all, some 40 minutes; NAME: those whose names begin with it
 #   mechanisms.sh --publish    all, and to the table in plugin/docs/exact-solver.md
 set -euo pipefail
@@ -21,12 +21,12 @@ solver=$copy/plugin/pintle/solver
 (cd plugin/pintle/solver && find . -type f) | while IFS= read -r file; do  # a run that was broken off has left a line changed
   cmp -s "plugin/pintle/solver/$file" "$solver/$file" || cp "plugin/pintle/solver/$file" "$solver/$file"
 done
-cmake -S "$copy" -B build/mechanisms/build -DCMAKE_BUILD_TYPE=Release -DPINTLE_SINGLE=OFF -DPINTLE_BENCHMARKS=OFF -DPINTLE_WARNINGS_AS_ERRORS=OFF >/dev/null
+cmake -S "$copy" -B build/mechanisms/build -DCMAKE_BUILD_TYPE=Release -DPINTLE_BENCHMARKS=OFF -DPINTLE_WARNINGS_AS_ERRORS=OFF >/dev/null
 
-failing() {  # prints the tests that fail, a line each; of a build that fails, or a run that does not end, that alone
-  cmake --build build/mechanisms/build --parallel "$(nproc)" --target pintle_tests_solver_double >/dev/null 2>&1 || { echo "(does not compile)"; return; }
+failing() {  # BINARY: prints the tests of it that fail, a line each; of a build that fails, or a run that does not end, that alone
+  cmake --build build/mechanisms/build --parallel "$(nproc)" --target "$1" >/dev/null 2>&1 || { echo "(does not compile)"; return; }
   for shard in 0 1; do
-    { GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$shard timeout 300 build/mechanisms/build/tests/pintle_tests_solver_double 2>&1 || [ $? != 124 ] ||
+    { GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$shard timeout 300 "build/mechanisms/build/tests/$1" 2>&1 || [ $? != 124 ] ||
       echo "[  FAILED  ] (does not end)"; } >build/mechanisms/log.$shard &
   done
   wait
@@ -55,8 +55,11 @@ finish() {
   [ "$wanted" = 0 ] || return 0
   cp -p "$file" build/mechanisms/kept
   FROM=$from TO=$to perl -0pi -e '$n = s/\Q$ENV{FROM}\E/$ENV{TO}/; END { exit !$n }' "$file" || { echo "mechanisms.sh: $name: its line is not in $file" >&2; exit 1; }
-  local tests
-  tests=$(failing)
+  local tests other
+  tests=$(failing pintle_tests_solver_double)
+  for other in pintle_tests_solver_single pintle_scene_tests_single; do
+    [ -n "$tests" ] || tests=$(failing $other)
+  done
   cp build/mechanisms/kept "$file"
   printf '%s\n%s\n\n' "$name" "${tests:-    none}" | sed '2,$s/^\([^ ]\)/    \1/'
   # Three of them are enough to tell.
