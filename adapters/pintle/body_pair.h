@@ -3,6 +3,7 @@
 // of Bullet's own numbers, so that a joint pays for what it reads.
 #pragma once
 
+#include <pintle/finite.h>
 #include <pintle/vectors.h>
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -47,7 +48,7 @@ class PosePair {
   const btTransform& pose_a() const { return m_pose_a; }
   const btTransform& pose_b() const { return m_pose_b; }
 
-  static bool is_finite(Scalar s) { return s - s == Scalar(0); }
+  static bool is_finite(Scalar s) { return isFinite(s); }
 
  private:
   const btTransform& m_pose_a;

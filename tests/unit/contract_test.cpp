@@ -224,6 +224,7 @@ TEST_P(Contract, RowsAreFiniteAndWholeOfDegenerateBodies) {
   }
 }
 
+// (Of which sanitizers take the first steps.)
 void expectFiniteAfterASecond(scenes::World& world, const Pair& pair, btTypedConstraint& joint) {
   btSphereShape shape(1);  // Bullet's world asks for one
   for (btRigidBody* body : {pair.a.get(), pair.b.get()}) {
@@ -232,7 +233,7 @@ void expectFiniteAfterASecond(scenes::World& world, const Pair& pair, btTypedCon
     world.bullet().addRigidBody(body, 0, 0);
   }
   world.bullet().addConstraint(&joint, true);
-  for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+  for (int i = 0; i < support::trials(60); ++i) world.step(1.0 / 60);
   EXPECT_TRUE(support::is_finite(*pair.a));
   EXPECT_TRUE(support::is_finite(*pair.b));
   world.bullet().removeConstraint(&joint);
@@ -437,7 +438,7 @@ TEST_P(Contract, TheOtherBodiesOfAWorldStayFinite) {
                                            scenes::pose_at(vec(-0.5, 0, 0)), variant));
         world.step(1.0 / 60);
         poison.put(*bodies[1], value);
-        for (int i = 0; i < 20; ++i) world.step(1.0 / 60);
+        for (int i = 0; i < support::trials(60); ++i) world.step(1.0 / 60);
         EXPECT_FALSE(support::is_finite(*bodies[1]));
         for (const int i : {0, 2, 3}) EXPECT_TRUE(support::is_finite(*bodies[i])) << "body " << i;
       }

@@ -41,7 +41,7 @@ constexpr Range ranges[] = {{-30, 50, 0},     {-180, 180, 0},     {-270, 270, 0}
 // A rig that stands inside of the range, in the right turn, with the limit set.
 Rig& limit(Rig& rig, const Range& range) {
   rig.hinge().setAccumulatedHingeAngle(btScalar(radians(range.start)));
-  rig.hinge().setLimit(btScalar(radians(range.low)), btScalar(radians(range.high)));
+  rig.hinge().setAccumulatedLimit(btScalar(radians(range.low)), btScalar(radians(range.high)));
   return rig;
 }
 
@@ -130,7 +130,7 @@ TEST(LimitOfLessThanATurn, HoldsInTheTurnOfTheJointWithoutBeingTold) {
   for (const Range& range :
        {Range{400, 700, 500}, Range{-900, -700, -800}, Range{3590, 3610, 3600}}) {
     Rig rig(at(range, Partner::fixed_b, false));
-    rig.hinge().setLimit(btScalar(radians(range.low)), btScalar(radians(range.high)));
+    rig.hinge().setAccumulatedLimit(btScalar(radians(range.low)), btScalar(radians(range.high)));
     EXPECT_NEAR(double(rig.hinge().getAccumulatedHingeAngle()), radians(range.start), 1e-4)
         << range;
   }

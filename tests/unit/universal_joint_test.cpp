@@ -447,7 +447,7 @@ TEST(Universal, LimitsBeyondStocksRangeHold) {
       SCOPED_TRACE(testing::Message() << axis << ": " << range.low << " to " << range.high);
       Rig<Ours> rig;
       setFree(rig.joint());
-      rig.joint().setLimit(axis, scalar(range.low), scalar(range.high));
+      rig.joint().setAccumulatedLimit(axis, scalar(range.low), scalar(range.high));
       for (const double way : {1., -1.}) {
         double overshoot = 0, error = 0, away = 0;
         for (int i = 0; i < 400; ++i) {

@@ -123,8 +123,7 @@ void ConeTwistJoint::setUp(const btTransform& frame_a, const btTransform& frame_
 // --- settings ------------------------------------------------------------------------------------
 
 Scalar ConeTwistJoint::span(const char* field, Scalar value) const {
-  if (value != value) reject(field, value, "must be a number");
-  return btMax(Scalar(-BT_LARGE_FLOAT), btMin(value, Scalar(BT_LARGE_FLOAT)));
+  return btMax(Scalar(-BT_LARGE_FLOAT), btMin(number(field, value), Scalar(BT_LARGE_FLOAT)));
 }
 
 void ConeTwistJoint::setLimit(btScalar swingSpan1, btScalar swingSpan2, btScalar twistSpan,
@@ -170,7 +169,7 @@ void ConeTwistJoint::setFixThresh(btScalar fixThresh) {
 void ConeTwistJoint::setSwingLimits(btScalar min_1, btScalar max_1, btScalar min_2,
                                     btScalar max_2) {
   const auto side = [this](const char* field, Scalar value, Scalar outwards) {
-    if (!(outwards * value >= 0)) reject(field, value, "must be min <= 0 <= max");
+    if (outwards * number(field, value) < 0) reject(field, value, "must be min <= 0 <= max");
     return span(field, value);
   };
   const Scalar low_1 = side("swing 1 min", min_1, -1), high_1 = side("swing 1 max", max_1, 1);
@@ -184,7 +183,7 @@ void ConeTwistJoint::setSwingLimits(btScalar min_1, btScalar max_1, btScalar min
 
 void ConeTwistJoint::setTwistLimit(btScalar low, btScalar high) {
   const auto check = [this](const char* field, Scalar value) {
-    if (!(btFabs(value) <= Scalar(2 * pi) * (1 + SIMD_EPSILON)))
+    if (btFabs(number(field, value)) > Scalar(2 * pi) * (1 + SIMD_EPSILON))
       reject(field, value, "must be within 2 pi of 0");
   };
   check("twist low", low);
@@ -591,8 +590,7 @@ inline equations::AngularRow<Scalar> ConeTwistJoint::coneRow(
 
 inline void ConeTwistJoint::addConeLimit(const At& at, const Turning& turning, Rows& rows) const {
   // The edge is no nearer than the smallest span is: no more is asked of a swing that is well inside.
-  if (!m_cone_look.isFarInside(at.cosine, turning.max))
-    addNearConeLimit(at, turning, rows);
+  if (!m_cone_look.isFarInside(at.cosine, turning.max)) addNearConeLimit(at, turning, rows);
 }
 
 void ConeTwistJoint::addNearConeLimit(const At& at, const Turning& turning, Rows& rows) const {
@@ -626,7 +624,8 @@ void ConeTwistJoint::addOneSwingLimit(const At& at, const Turning& turning, Rows
   if (!(to.length > near_target)) return;  // first the lock has to bring it back
   const Vec3 J_b = to.J_b();
   const Scalar angle = inTurnOf(m_swing, -to.angle());
-  if (turning.along(-J_b, J_b.norm()).of(m_swing).reaches(m_swing, angle)) addRange(rows, swing_axis, J_b, angle, m_swing);
+  if (turning.along(-J_b, J_b.norm()).of(m_swing).reaches(m_swing, angle))
+    addRange(rows, swing_axis, J_b, angle, m_swing);
 }
 
 inline void ConeTwistJoint::addTwistLimit(const At& at, const Turning& turning, Rows& rows) const {

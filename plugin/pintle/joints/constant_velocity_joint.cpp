@@ -151,7 +151,7 @@ void ConstantVelocityJoint::enableBendMotor(bool on) { m_bend.enable(on); }
 
 void ConstantVelocityJoint::setBendServo(btScalar target_bend, btScalar frequency_hz,
                                          btScalar damping_ratio, btScalar max_torque) {
-  if (!(target_bend >= 0 && target_bend <= SIMD_PI))
+  if (finite("servo target bend", target_bend) < 0 || target_bend > SIMD_PI)
     reject("servo target bend", target_bend, "must be in [0, pi]");
   setAxisServo(m_bend, target_bend, frequency_hz, damping_ratio, max_torque);
 }
@@ -193,9 +193,8 @@ PINTLE_NOINLINE bool ConstantVelocityJoint::bendMayReachLimit(const Observation&
   const AngularReach reach = rows.turn();
   if (m_bend_look.isFarInside(cosine, reach.max())) return false;
   const Vec3 now = seen.x_b - seen.x_a;
-  const Vec3 moved = rows.moved([&](const BodyPair& v) {
-    return Vec3(cross(v.w_b(), seen.x_b) - cross(v.w_a(), seen.x_a));
-  });
+  const Vec3 moved = rows.moved(
+      [&](const BodyPair& v) { return Vec3(cross(v.w_b(), seen.x_b) - cross(v.w_a(), seen.x_a)); });
   // At twice the speed of now, as the step may be longer than the last.
   const Vec3 next = now + 2 * moved;
   const Scalar chord = btSqrt(btMax(now.dot(now), next.dot(next)));
@@ -205,9 +204,10 @@ PINTLE_NOINLINE bool ConstantVelocityJoint::bendMayReachLimit(const Observation&
 inline void ConstantVelocityJoint::constrain(const Observation& seen, Rows& rows) const {
   const bool document = getFormulation() == Formulation::document;
   const Mat3 F = seen.a.axes();
-  const auto row = document ? equations::constant_velocity_dot_row<Scalar>(
-                                  {seen.a.b(), seen.a.c()}, {seen.b.b(), seen.b.c()})
-                            : equations::constant_velocity_row<Scalar>(seen.turn(F), F, Vec3::UnitX());
+  const auto row = document
+                       ? equations::constant_velocity_dot_row<Scalar>({seen.a.b(), seen.a.c()},
+                                                                      {seen.b.b(), seen.b.c()})
+                       : equations::constant_velocity_row<Scalar>(seen.turn(F), F, Vec3::UnitX());
   const Scalar length2 = row.J_b.dot(row.J_b);
   if (document) {
     rows.addAngular(row.J_b, row.C).max_speed = getMaxCorrectionSpeed() * btSqrt(length2);
@@ -219,9 +219,11 @@ inline void ConstantVelocityJoint::constrain(const Observation& seen, Rows& rows
   }
   addPivotRows({seen.a.r(), seen.b.r(), seen.d}, rows);
 
-  const bool near_limit = m_bend.high < infinity && bendMayReachLimit(seen, seen.x_a.dot(seen.x_b), rows);
+  const bool near_limit =
+      m_bend.high < infinity && bendMayReachLimit(seen, seen.x_a.dot(seen.x_b), rows);
   if (near_limit || m_bend.driven()) {
-    const auto bend = equations::cone_row(equations::swing(seen.x_a, seen.x_b), seen.x_a, Scalar(0));
+    const auto bend =
+        equations::cone_row(equations::swing(seen.x_a, seen.x_b), seen.x_a, Scalar(0));
     // A spring acts from beyond its limit only.
     const bool limit =
         near_limit && (bend.C > m_bend.high || !(m_bend.limit_spring.angular_frequency > 0));

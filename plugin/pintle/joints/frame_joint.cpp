@@ -14,7 +14,7 @@ void FrameJoint::setFrames(const btTransform& frameInA, const btTransform& frame
 }
 
 void FrameJoint::held(const char* field, Scalar limit) const {
-  if (limit != 0) reject(field, limit, "must be 0: the axis is held");
+  if (finite(field, limit) != 0) reject(field, limit, "must be 0: the axis is held");
 }
 
 void FrameJoint::held(const char* field, const btVector3& limits) const {

@@ -133,15 +133,25 @@ void HingeBase::setLimit(btScalar low, btScalar high, btScalar softness, btScala
   finite("softness", softness);
   notNegative("bias factor", biasFactor);
   notNegative("relaxation factor", relaxationFactor);
-  const bool moved = low != m_axis.low || high != m_axis.high;
-  setAxisLimit(m_axis, low, high);
+  const Axis before = m_axis;
+  setAngleLimit(m_axis, low, high);
   m_limit_softness = softness;
   m_axis.bias = biasFactor;
   m_axis.relaxation = relaxationFactor;
+  turnTowardsLimit(before);
+}
 
+void HingeBase::setAccumulatedLimit(btScalar low, btScalar high) {
+  const Axis before = m_axis;
+  setAxisLimit(m_axis, low, high);
+  turnTowardsLimit(before);
+}
+
+void HingeBase::turnTowardsLimit(const Axis& before) {
   limitChanged();
-
-  if (moved && !m_turn_given && m_axis.limited() && high - low < SIMD_2_PI)
+  const Scalar low = m_axis.low, high = m_axis.high;
+  if ((low != before.low || high != before.high) && !m_turn_given && m_axis.limited() &&
+      high - low < SIMD_2_PI)
     m_twist.turnTowards(m_sign * (low + high) / 2);
 }
 

@@ -56,13 +56,15 @@ class HingeBase : public FrameJoint {
   btScalar getMaxMotorImpulse() { return m_axis.max_motor_impulse; }
 
   /// low <= accumulated angle <= high (rad), over any number of turns. low = high locks, low > high
-  /// frees, an infinite side is free. The bias factor scales the speed of the correction, bias
+  /// frees, and so does (-pi, pi), as in Bullet; an infinite side is free. The bias factor scales the speed of the correction, bias
   /// times relaxation is the rebound (0: none). As in Bullet the softness has no effect. A new
   /// limit of less than a turn holds, as in Bullet, in the turn that the joint is in: the
   /// accumulated angle changes by whole turns to lie inside it or as near as can be. Not if the
   /// turn was given by setAccumulatedHingeAngle.
   void setLimit(btScalar low, btScalar high, btScalar softness = 0.9f, btScalar biasFactor = 0.3f,
                 btScalar relaxationFactor = 1.0f);
+  /// The same limits and no others: also at -pi and pi.
+  void setAccumulatedLimit(btScalar low, btScalar high);
   ///@{
   /// What setLimit set.
   btScalar getLimitSoftness() const { return m_limit_softness; }
@@ -95,7 +97,7 @@ class HingeBase : public FrameJoint {
   bool getUseReferenceFrameA() const { return m_use_reference_frame_a; }
   void setUseReferenceFrameA(bool useReferenceFrameA) {
     m_use_reference_frame_a = useReferenceFrameA;
-  ///@}
+    ///@}
   }
   ///@{
   /// Bullet's way to rows that converge; here it is setBlockRows.
@@ -169,6 +171,8 @@ class HingeBase : public FrameJoint {
   void begin(const btTransform& rbAFrame);
 
   void framesChanged() override;
+  /// Another limit was set: the angle is in the turn in which it holds, or nearest to it.
+  void turnTowardsLimit(const Axis& before);
   /// The limit or its spring was set.
   virtual void limitChanged() {}
 

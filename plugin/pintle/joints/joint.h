@@ -147,6 +147,7 @@ class Joint : public btTypedConstraint {
 
   // Throw std::invalid_argument naming the joint, `field` and the value.
   [[noreturn]] void reject(const char* field, double value, const char* why) const;
+  Scalar number(const char* field, Scalar value) const;  ///< finite or infinite
   Scalar finite(const char* field, Scalar value) const;
   Scalar notNegative(const char* field, Scalar value) const;  ///< finite and >= 0
   Scalar positive(const char* field, Scalar value) const;     ///< finite and > 0
@@ -158,6 +159,8 @@ class Joint : public btTypedConstraint {
   static const char* parameterName(int num);
   // What a setter of an axis does, checks included.
   void setAxisLimit(Axis& axis, Scalar low, Scalar high) const;
+  /// The same of an angle: as in Bullet (-pi, pi) is free.
+  void setAngleLimit(Axis& axis, Scalar low, Scalar high) const;
   void setAxisSpring(Axis& axis, Scalar frequency_hz, Scalar damping_ratio) const;
   void setAxisMotor(Axis& axis, bool on, Scalar velocity, Scalar max_impulse) const;
   /// The same, bounded by a force (N, or N m of an angle).

@@ -1,7 +1,7 @@
 // Purpose: how settings are checked and kept. Nothing here is called in a step.
 #include <pintle/joints/joint.h>
 
-#include <pintle/body_pair.h>
+#include <pintle/finite.h>
 
 #include <sstream>
 #include <stdexcept>
@@ -24,7 +24,12 @@ void Joint::reject(const char* field, double value, const char* why) const {
 }
 
 Scalar Joint::finite(const char* field, Scalar value) const {
-  if (!BodyPair::is_finite(value)) reject(field, value, "must be finite");
+  if (!isFinite(value)) reject(field, value, "must be finite");
+  return value;
+}
+
+Scalar Joint::number(const char* field, Scalar value) const {
+  if (!isNumber(value)) reject(field, value, "must be a number");
   return value;
 }
 
@@ -39,7 +44,7 @@ Scalar Joint::positive(const char* field, Scalar value) const {
 }
 
 Scalar Joint::bound(const char* field, Scalar value) const {
-  if (!(value >= 0)) reject(field, value, "must not be negative");
+  if (number(field, value) < 0) reject(field, value, "must not be negative");
   return btMin(value, infinity);
 }
 
@@ -80,12 +85,20 @@ const char* Joint::parameterName(int num) {
 }
 
 void Joint::setAxisLimit(Axis& axis, Scalar low, Scalar high) const {
-  if (low != low) reject("lower limit", low, "must be a number");
-  if (high != high) reject("upper limit", high, "must be a number");
+  number("lower limit", low);
+  number("upper limit", high);
   if (low <= high && low >= infinity) reject("lower limit", low, "leaves no position");
   if (low <= high && high <= -infinity) reject("upper limit", high, "leaves no position");
   axis.low = low;
   axis.high = high;
+  axis.is_any_angle = false;
+}
+
+void Joint::setAngleLimit(Axis& axis, Scalar low, Scalar high) const {
+  // Bullet's clients write pi in either precision, or by five digits.
+  constexpr Scalar of_pi = Scalar(1e-5);
+  setAxisLimit(axis, low, high);
+  axis.is_any_angle = btFabs(low + SIMD_PI) <= of_pi && btFabs(high - SIMD_PI) <= of_pi;
 }
 
 void Joint::setAxisSpring(Axis& axis, Scalar frequency_hz, Scalar damping_ratio) const {

@@ -161,9 +161,21 @@ void SliderJoint::setUpperAngLimit(btScalar upperLimit) {
 }
 
 void SliderJoint::setAngularLimits(Scalar low, Scalar high) {
-  const bool moved = low != m_angular.low || high != m_angular.high;
+  const Axis before = m_angular;
+  setAngleLimit(m_angular, low, high);
+  turnTowardsLimits(before);
+}
+
+void SliderJoint::setAccumulatedAngLimits(btScalar low, btScalar high) {
+  const Axis before = m_angular;
   setAxisLimit(m_angular, low, high);
-  if (moved && !m_turn_given && m_angular.limited() && high - low < SIMD_2_PI)
+  turnTowardsLimits(before);
+}
+
+void SliderJoint::turnTowardsLimits(const Axis& before) {
+  const Scalar low = m_angular.low, high = m_angular.high;
+  if ((low != before.low || high != before.high) && !m_turn_given && m_angular.limited() &&
+      high - low < SIMD_2_PI)
     m_twist.turnTowards((low + high) / 2);
 }
 
@@ -317,7 +329,7 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
   const bool document = getFormulation() == Formulation::document, locked = angleIsLocked();
   if (document) addDocumentAngularRows(seen, rows);
   Acting turn;
-  Vec3 turn_row;
+  Vec3 turn_row = Vec3::Zero();
   if (!locked) {
     const auto swing = equations::swing(seen.a.a(), seen.b.a());
     if (!document) addSwingRows(swing, getMaxCorrectionSpeed(), rows, group(directions));

@@ -52,7 +52,7 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// m.
   btScalar getUpperLinLimit() const { return m_linear.high; }
   /// lower <= accumulated angle <= upper (rad), over any number of turns. lower = upper (as at first,
-  /// 0) locks, lower > upper frees, an infinite side is free. New limits of less than a turn hold,
+  /// 0) locks, lower > upper frees, and so does (-pi, pi), as in Bullet; an infinite side is free. New limits of less than a turn hold,
   /// as in Bullet, in the turn that the joint is in: the accumulated angle changes by whole turns
   /// to lie inside them or as near as can be. Not if the turn was given by
   /// setAccumulatedAngularPos.
@@ -191,6 +191,9 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   /// Says which turn the joint is in, for instance after a teleport: the angle becomes the one that
   /// fits the pose and is nearest to `angle`.
   void setAccumulatedAngularPos(btScalar angle);
+  /// Both limits of the accumulated angle (rad), as setLowerAngLimit and setUpperAngLimit set them: also -pi and pi, which
+  /// set by these are no limit, as in Bullet.
+  void setAccumulatedAngLimits(btScalar low, btScalar high);
 
   ///@{
   /// Makes a limit a spring and damper (document, 2.4): frequency (Hz) and damping ratio (>= 0; 1 is
@@ -241,7 +244,7 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
 
  private:
   friend ObservedJoint;
-  enum { angular, linear, axes };                         // the last one's impulse is known best
+  enum { angular, linear, axes };                          // the last one's impulse is known best
   enum { across, directions, locked_angle, group_count };  // Row::group
 
   /// What Bullet keeps for each of six cases.
@@ -267,10 +270,9 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
            : position < axis.low ? position - axis.low
                                  : Scalar(0);
   }
-  unsigned char group(int i) const {
-    return m_erp_cfm_differs ? static_cast<unsigned char>(i) : 0;
-  }
+  unsigned char group(int i) const { return m_erp_cfm_differs ? static_cast<unsigned char>(i) : 0; }
   void setAngularLimits(Scalar low, Scalar high);
+  void turnTowardsLimits(const Axis& before);
   void setSoftness(BulletTuning& tuning, Scalar softness);
   void setRestitution(BulletTuning& tuning, Scalar restitution);
   void setDamping(BulletTuning& tuning, Scalar damping);

@@ -202,10 +202,16 @@ void UniversalJoint::setDefaults() {
 }
 
 void UniversalJoint::setHingeLimit(int index, Scalar low, Scalar high) {
-  Hinge& hinge = m_hinges[index];
-  const bool moved = low != hinge.axis.low || high != hinge.axis.high;
-  setAxisLimit(hinge.axis, low, high);
-  if (moved && !hinge.turn_given && low <= high && high - low < SIMD_2_PI)
+  const Axis before = m_hinges[index].axis;
+  setAngleLimit(m_hinges[index].axis, low, high);
+  turnTowardsLimit(index, before);
+}
+
+void UniversalJoint::turnTowardsLimit(int index, const Axis& before) {
+  const Hinge& hinge = m_hinges[index];
+  const Scalar low = hinge.axis.low, high = hinge.axis.high;
+  if ((low != before.low || high != before.high) && !hinge.turn_given && hinge.axis.limited() &&
+      high - low < SIMD_2_PI)
     angle(index).turnTowards(sign * (low + high) / 2);
 }
 
@@ -217,6 +223,15 @@ void UniversalJoint::setLimit(int axis, btScalar lo, btScalar hi) {
   }
   takeLimitMotors();
   setHingeLimit(indexOf(axis), lo, hi);
+  showLimitMotors();
+}
+
+void UniversalJoint::setAccumulatedLimit(int axis, btScalar lo, btScalar hi) {
+  takeLimitMotors();
+  const int index = indexOf(axis);
+  const Axis before = m_hinges[index].axis;
+  setAxisLimit(m_hinges[index].axis, lo, hi);
+  turnTowardsLimit(index, before);
   showLimitMotors();
 }
 

@@ -87,7 +87,7 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   /// Of anchor b, along the axes of frame a (m).
   btScalar getRelativePivotPosition(int axis_index) const;
   /// low <= angle <= high (rad) of axis 5 (angle 1) or 4 (angle 2), over any number of turns. low =
-  /// high locks, low > high frees, an infinite side is free. A new limit of less than a turn holds
+  /// high locks, low > high frees, and so does (-pi, pi), as in Bullet; an infinite side is free. A new limit of less than a turn holds
   /// in the turn that the joint is in, unless setAccumulatedAngle said which that is. Defaults:
   /// +-(pi - 0.01) and +-(pi/2 - 0.01). Axes 0 to 3 are held: 0 and 0 only.
   void setLimit(int axis, btScalar lo, btScalar hi);
@@ -128,7 +128,7 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   bool getUseLinearReferenceFrameA() const { return m_use_linear_reference_frame_a; }
   void setUseLinearReferenceFrameA(bool linearReferenceFrameA) {
     m_use_linear_reference_frame_a = linearReferenceFrameA;
-  ///@}
+    ///@}
   }
   /// As in Bullet without effect.
   bool m_useSolveConstraintObsolete = false;
@@ -162,6 +162,8 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   btScalar getUpperLimit(int axis) const { return limitOf(indexOf(axis)).high; }
   ///@}
 
+  /// The limits that setLimit sets, and no others: also at -pi and pi.
+  void setAccumulatedLimit(int axis, btScalar lo, btScalar hi);
   /// rad, with all turns since the joint was made.
   btScalar getAccumulatedAngle(int axis) const;
   /// Says which turn the joint is in: the angle becomes the one that fits the pose and is nearest
@@ -233,6 +235,7 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   const Hinge& hinge(int axis) const { return m_hinges[indexOf(axis)]; }
   UnwrappedAngle& angle(int index) { return index == 1 ? m_angles.alpha : m_angles.beta; }
   void setHingeLimit(int index, Scalar low, Scalar high);
+  void turnTowardsLimit(int index, const Axis& before);
   // The two ways between a client's fields and the settings.
   void takeLimitMotors();
   void showLimitMotors();

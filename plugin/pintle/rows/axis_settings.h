@@ -57,6 +57,7 @@ struct Axis {
   Drive chosen = Drive::velocity;  ///< what enable turns on
   /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
   bool normalized_motor = false;
+  bool is_any_angle = false;  ///< low and high are what Bullet's clients call no limit: (-pi, pi)
   Scalar motor_velocity = 0;
   Scalar max_motor_impulse = 0;  ///< N m s, a step
   Scalar max_motor_force = 0;  ///< N m, added to it: what Bullet bounds differs from joint to joint
@@ -74,7 +75,7 @@ struct Axis {
   }
   void enable(bool on) { drive = on ? chosen : Drive::off; }
 
-  bool limited() const { return low <= high; }
+  bool limited() const { return low <= high && !is_any_angle; }
   bool locked() const { return low == high; }
   /// Motor, servo or friction: a row in every step, whatever the coordinate.
   bool driven() const { return drive != Drive::off || max_friction > 0; }

@@ -1,8 +1,8 @@
 #include <pintle/solver/solver_options.h>
 
+#include <pintle/finite.h>
 #include <pintle/solver/constants.h>
 
-#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -17,7 +17,7 @@ void require(bool fits, const char* field, double value, const char* range) {
   throw std::invalid_argument(message.str());
 }
 void requirePositive(const char* field, double value) {
-  require(value > 0 && std::isfinite(value), field, value, "above zero");
+  require(value > 0 && isFinite(value), field, value, "above zero");
 }
 void requireCount(const char* field, int value) { require(value >= 1, field, value, "1 or more"); }
 void requirePart(const char* field, double value) {
@@ -38,7 +38,7 @@ void check(const SolverOptions& of) {
   requireCount("max_sweeps", of.max_sweeps);
   requireCount("longest_path", of.longest_path);
   requirePart("dependent_softness", of.dependent_softness);
-  require(of.dependent_margin >= 1 && std::isfinite(of.dependent_margin), "dependent_margin",
+  require(of.dependent_margin >= 1 && isFinite(of.dependent_margin), "dependent_margin",
           of.dependent_margin, "1 or more");
   requirePart("least_pivot", of.least_pivot);
   requirePart("ledger_share", of.ledger_share);

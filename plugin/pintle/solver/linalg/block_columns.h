@@ -1,6 +1,7 @@
 // Purpose: what a factor does with 3 x 3 blocks, a lane for each row: L D L^T of one of the diagonal, x = D^-1 x, and a -= b c^T.
 #pragma once
 
+#include <pintle/finite.h>
 #include <pintle/solver/linalg/four_lanes.h>
 
 #include <cmath>
@@ -59,7 +60,7 @@ PINTLE_INLINE bool factoriseBlock(double* a, double least_pivot) {
   const double d_1 = pivot(a[in(1, 1)] - l_1 * a_10), i_1 = 1 / d_1,
                below = a[in(2, 1)] - l_2 * a_10, m = below * i_1;
   const double d_2 = pivot(a[in(2, 2)] - l_2 * a_20 - m * below);
-  if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !std::isfinite(d_0 + d_1 + d_2)) return false;
+  if (d_0 == 0 || d_1 == 0 || d_2 == 0 || !isFinite(d_0 + d_1 + d_2)) return false;
   a[0] = i_0;
   a[in(1, 0)] = l_1;
   a[in(1, 1)] = i_1;

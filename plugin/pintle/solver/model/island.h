@@ -1,6 +1,7 @@
 // Purpose: bodies and joints of one island as plain numbers, for one step.
 #pragma once
 
+#include <pintle/finite.h>
 #include <pintle/rows/row.h>
 #include <pintle/rows/row_shape.h>
 #include <pintle/solver/linalg/memory.h>
@@ -45,7 +46,7 @@ inline Vector6d freeVelocity(const btSolverBody& of) {
 
 /// The larger one of `most` and |left|; infinity where that is not a number.
 inline double larger(double most, double left) {
-  return std::abs(left) <= most ? most : std::isnan(left) ? infinity : std::abs(left);
+  return std::abs(left) <= most ? most : isNumber(left) ? std::abs(left) : infinity;
 }
 
 /// d u / d(velocities): of body a and of body b, each linear and angular.

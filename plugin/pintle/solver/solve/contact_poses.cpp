@@ -1,5 +1,7 @@
 #include <pintle/solver/solve/contact_poses.h>
 
+#include <pintle/finite.h>
+
 #include <cmath>
 
 namespace pintle {
@@ -44,7 +46,7 @@ bool pushApart(Island& island, const std::vector<ContactRow>& contacts,
   for (size_t i = 0; i < push.size(); ++i) {
     IslandBody& body = island.bodies[i];
     const double size = push[i].head<3>().norm() + body.radius() * push[i].tail<3>().norm();
-    if (!std::isfinite(size)) continue;
+    if (!isFinite(size)) continue;
     body.push = size > most[i] ? Vector6d(most[i] / size * push[i]) : push[i];
     body.push.tail<3>() *= turn_share;
     lifted -= body.product(body.by_forces, body.push);

@@ -1,5 +1,7 @@
 #include <pintle/solver/solve/overflow.h>
 
+#include <pintle/finite.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,12 +16,12 @@ constexpr double max_scalar =
 
 template <class Vector>
 bool areRepresentable(const Vector& x) {
-  return (x.array().abs() <= max_scalar).all();
+  return isNumber(x.sum()) && (x.array().abs() <= max_scalar).all();
 }
 
 }  // namespace
 
-bool isRepresentable(double x) { return std::abs(x) <= max_scalar; }
+bool isRepresentable(double x) { return isNumber(x) && std::abs(x) <= max_scalar; }
 
 bool overflows(const IslandBody& of, const btSolverBody& bullets, const Vector6d& v,
                const PoseChange& change, double dt) {

@@ -1,5 +1,6 @@
 #include <pintle/solver/solve/step.h>
 
+#include <pintle/finite.h>
 #include <pintle/solver/bullet/joint_report.h>
 #include <pintle/solver/constants.h>
 #include <pintle/solver/model/row_velocities.h>
@@ -164,7 +165,7 @@ void IslandStep::moveFreely(SolverBodies& bodies, WorldMemory& memory) {
       moveBodies(m_island, alone, &body.v_free, moved);
       v.assign(1, velocityAtEnd(body, moved.front().turn, body.v_free));
       findChanges(m_island, alone, v, moved, &change);
-      if (v.front().allFinite() &&
+      if (isFinite(v.front().sum()) &&
           !overflows(body, bodies[number], v.front(), change, m_island.dt)) {
         write(v.front(), bodies[number]);
       } else {
@@ -331,7 +332,8 @@ void IslandStep::solveInVelocity(const ContactGroup& group) {
 void IslandStep::finish(const Component& component, ComponentMemory& kept) {
   Workspace& work = kept.work;
   kept.arrives = true;
-  if (!std::all_of(work.v.begin(), work.v.end(), [](const Vector6d& v) { return v.allFinite(); })) {
+  if (!std::all_of(work.v.begin(), work.v.end(),
+                   [](const Vector6d& v) { return isFinite(v.sum()); })) {
     kept.solution = Solution::overflows;  // leaveOverflows
     return;
   }

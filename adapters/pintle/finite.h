@@ -1,0 +1,33 @@
+// Purpose: whether a number is one. By its bits, which say so whatever the compiler assumes of numbers: with -ffast-math it takes
+// comparisons, std::isfinite among them, as answered.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+namespace pintle {
+
+inline bool isNumber(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof x);
+  return (bits << 1) <= std::uint64_t(0x7ff) << 53;
+}
+inline bool isNumber(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof x);
+  return (bits << 1) <= std::uint32_t(0xff) << 24;
+}
+
+/// Neither NaN nor infinite.
+inline bool isFinite(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof x);
+  return (bits << 1) < std::uint64_t(0x7ff) << 53;
+}
+inline bool isFinite(float x) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof x);
+  return (bits << 1) < std::uint32_t(0xff) << 24;
+}
+
+}  // namespace pintle
