@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Switches off each mechanism of the exact solver (mechanisms.txt), one at a time, and prints which tests fail without it. What none misses
-# can go. In double precision, and where none fails there, in single, then the scenes'.
+# can go. In double precision, and where none fails there, in single, then the joints' on it, and the scenes'.
 #   mechanisms.sh [NAME]...    default: all, some 40 minutes; NAME: those whose names begin with it
 #   mechanisms.sh --publish    all, and to the table in plugin/docs/exact-solver.md
 set -euo pipefail
@@ -23,10 +23,10 @@ solver=$copy/plugin/pintle/solver
 done
 cmake -S "$copy" -B build/mechanisms/build -DCMAKE_BUILD_TYPE=Release -DPINTLE_BENCHMARKS=OFF -DPINTLE_WARNINGS_AS_ERRORS=OFF >/dev/null
 
-failing() {  # BINARY: prints the tests of it that fail, a line each; of a build that fails, or a run that does not end, that alone
+failing() {  # BINARY [ENVIRONMENT]: prints the tests of it that fail, a line each; of a build that fails, or a run that does not end, that alone
   cmake --build build/mechanisms/build --parallel "$(nproc)" --target "$1" >/dev/null 2>&1 || { echo "(does not compile)"; return; }
   for shard in 0 1; do
-    { GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$shard timeout 300 "build/mechanisms/build/tests/$1" 2>&1 || [ $? != 124 ] ||
+    { GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=$shard timeout 300 env ${2-} "build/mechanisms/build/tests/$1" 2>&1 || [ $? != 124 ] ||
       echo "[  FAILED  ] (does not end)"; } >build/mechanisms/log.$shard &
   done
   wait
@@ -57,7 +57,7 @@ finish() {
   FROM=$from TO=$to perl -0pi -e '$n = s/\Q$ENV{FROM}\E/$ENV{TO}/; END { exit !$n }' "$file" || { echo "mechanisms.sh: $name: its line is not in $file" >&2; exit 1; }
   local tests other
   tests=$(failing pintle_tests_solver_double)
-  for other in pintle_tests_solver_single pintle_scene_tests_single; do
+  for other in pintle_tests_solver_single "pintle_tests_single PINTLE_TEST_SOLVER=exact" pintle_scene_tests_single; do
     [ -n "$tests" ] || tests=$(failing $other)
   done
   cp build/mechanisms/kept "$file"

@@ -87,28 +87,17 @@ bool BlockSolver::pulls(const ActiveSet::Place& of) const {
          std::abs(y) * of.row->root_K * m_island.dt > m_options.newton_tolerance;
 }
 
-bool BlockSolver::releaseLimits(Span<const char> is_held, std::vector<ContactRow>& to,
-                                std::vector<Vector6d>& velocities) {
+bool BlockSolver::releaseLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
   std::vector<ActiveSet::Place>& pressing = m_work.pressing;
-  const Component& component = *m_of.component;
-  const char* const first = is_held.begin() + component.first_body;
-  const bool any = std::find(first, first + component.bodies, true) != first + component.bodies;
-  const auto holds = [&](const ActiveSet::Place& of) {
-    const IslandJoint& joint = m_island.joints[size_t(component.first_joint + of.joint)];
-    return std::any_of(joint.body.begin(), joint.body.end(),
-                       [&](int body) { return body >= 0 && is_held[size_t(body)]; });
-  };
-  const bool all = any && std::none_of(pressing.begin(), pressing.end(), holds);
-  const auto leave = std::stable_partition(
-      pressing.begin(), pressing.end(),
-      [&](const ActiveSet::Place& of) { return !(all || (any && holds(of)) || pulls(of)); });
+  const auto leave = std::stable_partition(pressing.begin(), pressing.end(),
+                                           [&](const ActiveSet::Place& of) { return !pulls(of); });
   if (leave == pressing.end()) return false;
   std::vector<ActiveSet::Place>& those = m_work.held;  // none is, before the end
   those.assign(leave, pressing.end());
   pressing.erase(leave, pressing.end());
   changeImpulses(velocities, [&] {
     for (const ActiveSet::Place& of : those) {
-      if (pulls(of)) m_work.y[of.at] = 0;
+      m_work.y[of.at] = 0;
       goOnAsContact(of, to);
     }
     m_set.release(those);

@@ -55,10 +55,8 @@ class BlockSolver {
   bool hasLimits() const { return !m_work.limits.empty(); }
   /// True where some are rows of the factor.
   bool hasPressingLimits() const { return !m_work.pressing.empty(); }
-  /// Those that pull leave the factor, for the rows of the passes, and those of joints on bodies that contacts are to move, and cannot:
-  /// `is_held` of each body of the island. Where no joint on one has any, all. Returns whether any does.
-  bool releaseLimits(Span<const char> is_held, std::vector<ContactRow>& to,
-                     std::vector<Vector6d>& velocities);
+  /// Those that pull leave the factor, for the rows of the passes. Returns whether any does.
+  bool releaseLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities);
   /// Whether there is a factor where one is needed.
   bool isSolvable() const { return m_solvable; }
 

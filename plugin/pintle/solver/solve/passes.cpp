@@ -52,7 +52,6 @@ class Passes {
     for (const int i : bodies) velocities[size_t(i)] = island.bodies[size_t(i)].v_free;
     for (const BlockOfJoints& part : of) addStiffness(island, part, velocities);
     memory.base.resize(velocities.size());
-    memory.is_held.reserve(velocities.size());
     for (const int i : bodies) memory.base[size_t(i)] = velocities[size_t(i)];
     memory.bounds.clear();
     blocks().clear();
@@ -238,18 +237,12 @@ bool Passes::hasNews() {
   return any || is_released;
 }
 
-// Limits that pull, and those that hold what contacts are to move.
+// Those that pull.
 bool Passes::releaseLimits() {
-  if (!hasPressingLimits()) return false;
-  std::vector<char>& is_held = m_memory.is_held;
-  is_held.assign(m_island.bodies.size(), false);
-  for (const ContactRow& row : m_contacts)
-    for (const int body : row.body)
-      if (row.is_held && body >= 0) is_held[size_t(body)] = true;
   bool any = false;
   for (size_t i = 0; i < blocks().size(); ++i) {
     const size_t first = m_memory.bounds.size();
-    if (!blocks()[i].releaseLimits(is_held, m_memory.bounds, m_velocities)) continue;
+    if (!blocks()[i].releaseLimits(m_memory.bounds, m_velocities)) continue;
     any = true;
     beginBounds(first);
     takeFactor(i);

@@ -18,7 +18,7 @@ inline namespace PINTLE_PRECISION {
 
 /// Memory of the passes.
 struct PassMemory {
-  size_t bytes() const { return bytesOf(base, bounds, is_held, blocks) + response.bytes(); }
+  size_t bytes() const { return bytesOf(base, bounds, blocks) + response.bytes(); }
   void reserve(size_t components, size_t of_bounds) {
     pintle::reserve(of_bounds, bounds);
     pintle::reserve(components, blocks);
@@ -26,7 +26,6 @@ struct PassMemory {
 
   std::vector<Vector6d> base;      ///< of each body: its velocity without impulses
   std::vector<ContactRow> bounds;  ///< rows of joints that are solved as contacts are, part by part
-  std::vector<char> is_held;       ///< each body, by equalities
   std::vector<BlockSolver> blocks;
   ContactResponse response;
 };
