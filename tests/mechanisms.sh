@@ -57,7 +57,7 @@ finish() {
   FROM=$from TO=$to perl -0pi -e '$n = s/\Q$ENV{FROM}\E/$ENV{TO}/; END { exit !$n }' "$file" || { echo "mechanisms.sh: $name: its line is not in $file" >&2; exit 1; }
   local tests other
   tests=$(failing pintle_tests_solver_double)
-  for other in pintle_tests_solver_single "pintle_tests_single PINTLE_TEST_SOLVER=exact" pintle_scene_tests_single; do
+  for other in pintle_tests_solver_single "pintle_tests_"{double,single}" PINTLE_TEST_SOLVER=exact" pintle_scene_tests_single; do
     [ -n "$tests" ] || tests=$(failing $other)
   done
   cp build/mechanisms/kept "$file"

@@ -7,11 +7,13 @@
 
 namespace pintle {
 
+/// Not NaN: finite or infinite.
 inline bool isNumber(double x) {
   std::uint64_t bits;
   std::memcpy(&bits, &x, sizeof x);
   return (bits << 1) <= std::uint64_t(0x7ff) << 53;
 }
+/// The same in single precision.
 inline bool isNumber(float x) {
   std::uint32_t bits;
   std::memcpy(&bits, &x, sizeof x);
@@ -24,6 +26,7 @@ inline bool isFinite(double x) {
   std::memcpy(&bits, &x, sizeof x);
   return (bits << 1) < std::uint64_t(0x7ff) << 53;
 }
+/// The same in single precision.
 inline bool isFinite(float x) {
   std::uint32_t bits;
   std::memcpy(&bits, &x, sizeof x);
