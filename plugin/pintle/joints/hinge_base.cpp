@@ -138,21 +138,18 @@ void HingeBase::setLimit(btScalar low, btScalar high, btScalar softness, btScala
   m_limit_softness = softness;
   m_axis.bias = biasFactor;
   m_axis.relaxation = relaxationFactor;
-  turnTowardsLimit(before);
+  limitSet(before);
 }
 
 void HingeBase::setAccumulatedLimit(btScalar low, btScalar high) {
   const Axis before = m_axis;
   setAxisLimit(m_axis, low, high);
-  turnTowardsLimit(before);
+  limitSet(before);
 }
 
-void HingeBase::turnTowardsLimit(const Axis& before) {
+void HingeBase::limitSet(const Axis& before) {
   limitChanged();
-  const Scalar low = m_axis.low, high = m_axis.high;
-  if ((low != before.low || high != before.high) && !m_turn_given && m_axis.limited() &&
-      high - low < SIMD_2_PI)
-    m_twist.turnTowards(m_sign * (low + high) / 2);
+  if (!m_turn_given) turnTowardsLimit(m_twist, m_sign, before, m_axis);
 }
 
 void HingeBase::setLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {

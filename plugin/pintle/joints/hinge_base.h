@@ -171,8 +171,8 @@ class HingeBase : public FrameJoint {
   void begin(const btTransform& rbAFrame);
 
   void framesChanged() override;
-  /// Another limit was set: the angle is in the turn in which it holds, or nearest to it.
-  void turnTowardsLimit(const Axis& before);
+  /// Another limit was set.
+  void limitSet(const Axis& before);
   /// The limit or its spring was set.
   virtual void limitChanged() {}
 

@@ -163,20 +163,13 @@ void SliderJoint::setUpperAngLimit(btScalar upperLimit) {
 void SliderJoint::setAngularLimits(Scalar low, Scalar high) {
   const Axis before = m_angular;
   setAngleLimit(m_angular, low, high);
-  turnTowardsLimits(before);
+  if (!m_turn_given) turnTowardsLimit(m_twist, 1, before, m_angular);
 }
 
 void SliderJoint::setAccumulatedAngLimits(btScalar low, btScalar high) {
   const Axis before = m_angular;
   setAxisLimit(m_angular, low, high);
-  turnTowardsLimits(before);
-}
-
-void SliderJoint::turnTowardsLimits(const Axis& before) {
-  const Scalar low = m_angular.low, high = m_angular.high;
-  if ((low != before.low || high != before.high) && !m_turn_given && m_angular.limited() &&
-      high - low < SIMD_2_PI)
-    m_twist.turnTowards((low + high) / 2);
+  if (!m_turn_given) turnTowardsLimit(m_twist, 1, before, m_angular);
 }
 
 void SliderJoint::setSoftness(BulletTuning& tuning, Scalar softness) {

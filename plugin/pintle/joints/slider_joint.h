@@ -272,7 +272,6 @@ class SliderJoint : public ObservedJoint<SliderJoint, PosedJoint> {
   }
   unsigned char group(int i) const { return m_erp_cfm_differs ? static_cast<unsigned char>(i) : 0; }
   void setAngularLimits(Scalar low, Scalar high);
-  void turnTowardsLimits(const Axis& before);
   void setSoftness(BulletTuning& tuning, Scalar softness);
   void setRestitution(BulletTuning& tuning, Scalar restitution);
   void setDamping(BulletTuning& tuning, Scalar damping);

@@ -6,6 +6,7 @@
 #include <pintle/equations/orientation_lock.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/frame.h>
+#include <pintle/rows/axis_settings.h>
 #include <pintle/rows/turn_of_step.h>
 #include <pintle/rows/unwrapped_angle.h>
 
@@ -31,6 +32,15 @@ inline UnwrappedAngle followed(const UnwrappedAngle& angle, const equations::Twi
   UnwrappedAngle there = angle;
   there.update(twist.x, twist.y);
   return there;
+}
+
+/// Of an axis that another limit was set of, `sign` times `angle` its coordinate: a limit of less than a turn holds in the turn that the
+/// joint is in, or nearest to it.
+inline void turnTowardsLimit(UnwrappedAngle& angle, Scalar sign, const Axis& before,
+                             const Axis& now) {
+  const bool is_another = now.low != before.low || now.high != before.high;
+  if (is_another && now.limited() && now.high - now.low < SIMD_2_PI)
+    angle.turnTowards(sign * (now.low + now.high) / 2);
 }
 
 /// `angle` becomes the twist of b against a about the sum of the two bodies' axes, where a step has brought them.

@@ -6,8 +6,8 @@
 #include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/observed_joint_rows.h>
+#include <pintle/joints/turning.h>
 #include <pintle/rows/row.h>
-#include <pintle/rows/turn_of_step.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -204,15 +204,12 @@ void UniversalJoint::setDefaults() {
 void UniversalJoint::setHingeLimit(int index, Scalar low, Scalar high) {
   const Axis before = m_hinges[index].axis;
   setAngleLimit(m_hinges[index].axis, low, high);
-  turnTowardsLimit(index, before);
+  limitSet(index, before);
 }
 
-void UniversalJoint::turnTowardsLimit(int index, const Axis& before) {
-  const Hinge& hinge = m_hinges[index];
-  const Scalar low = hinge.axis.low, high = hinge.axis.high;
-  if ((low != before.low || high != before.high) && !hinge.turn_given && hinge.axis.limited() &&
-      high - low < SIMD_2_PI)
-    angle(index).turnTowards(sign * (low + high) / 2);
+void UniversalJoint::limitSet(int index, const Axis& before) {
+  if (!m_hinges[index].turn_given)
+    turnTowardsLimit(angle(index), sign, before, m_hinges[index].axis);
 }
 
 void UniversalJoint::setLimit(int axis, btScalar lo, btScalar hi) {
@@ -231,7 +228,7 @@ void UniversalJoint::setAccumulatedLimit(int axis, btScalar lo, btScalar hi) {
   const int index = indexOf(axis);
   const Axis before = m_hinges[index].axis;
   setAxisLimit(m_hinges[index].axis, lo, hi);
-  turnTowardsLimit(index, before);
+  limitSet(index, before);
   showLimitMotors();
 }
 

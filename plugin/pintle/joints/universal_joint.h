@@ -235,7 +235,7 @@ class UniversalJoint : public ObservedJoint<UniversalJoint, PosedJoint> {
   const Hinge& hinge(int axis) const { return m_hinges[indexOf(axis)]; }
   UnwrappedAngle& angle(int index) { return index == 1 ? m_angles.alpha : m_angles.beta; }
   void setHingeLimit(int index, Scalar low, Scalar high);
-  void turnTowardsLimit(int index, const Axis& before);
+  void limitSet(int index, const Axis& before);
   // The two ways between a client's fields and the settings.
   void takeLimitMotors();
   void showLimitMotors();
