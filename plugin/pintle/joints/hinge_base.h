@@ -97,8 +97,8 @@ class HingeBase : public FrameJoint {
   bool getUseReferenceFrameA() const { return m_use_reference_frame_a; }
   void setUseReferenceFrameA(bool useReferenceFrameA) {
     m_use_reference_frame_a = useReferenceFrameA;
-    ///@}
   }
+  ///@}
   ///@{
   /// Bullet's way to rows that converge; here it is setBlockRows.
   bool getUseFrameOffset() { return getBlockRows(); }

@@ -95,7 +95,7 @@ void Joint::setAxisLimit(Axis& axis, Scalar low, Scalar high) const {
 }
 
 void Joint::setAngleLimit(Axis& axis, Scalar low, Scalar high) const {
-  // Bullet's clients write pi in either precision, or by five digits.
+  // rad: clients write pi in either precision, or as 3.14159 (FreeTurn.HalfATurnEitherWayIsNoLimit).
   constexpr Scalar of_pi = Scalar(1e-5);
   setAxisLimit(axis, low, high);
   axis.is_any_angle = btFabs(low + SIMD_PI) <= of_pi && btFabs(high - SIMD_PI) <= of_pi;

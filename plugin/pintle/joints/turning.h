@@ -34,8 +34,8 @@ inline UnwrappedAngle followed(const UnwrappedAngle& angle, const equations::Twi
   return there;
 }
 
-/// Of an axis that another limit was set of, `sign` times `angle` its coordinate: a limit of less than a turn holds in the turn that the
-/// joint is in, or nearest to it.
+/// A limit of less than a turn that is set anew holds in the turn that the joint is in, or nearest to it. The coordinate is `sign` times
+/// `angle`.
 inline void turnTowardsLimit(UnwrappedAngle& angle, Scalar sign, const Axis& before,
                              const Axis& now) {
   const bool is_another = now.low != before.low || now.high != before.high;
