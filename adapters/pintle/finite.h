@@ -33,4 +33,10 @@ inline bool isFinite(float x) {
   return (bits << 1) < std::uint32_t(0xff) << 24;
 }
 
+/// Whether the bits are the same: two NaN may be.
+template <class T>
+bool isSame(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof(T)) == 0;
+}
+
 }  // namespace pintle

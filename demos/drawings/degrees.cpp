@@ -20,9 +20,9 @@ struct Row {
 
 // The rows as Bullet's solver gets them.
 std::vector<Row> rowsOf(Pair& pair, bool moves_a, const btTransform& frame) {
-  pair.joint->buildJacobian();
+  pair.joint->constraint().buildJacobian();
   btTypedConstraint::btConstraintInfo1 info_1;
-  pair.joint->getInfo1(&info_1);
+  pair.joint->constraint().getInfo1(&info_1);
   const int count = info_1.m_numConstraintRows;
   struct SolverRow {
     btVector3 linear_a, angular_a, linear_b, angular_b;
@@ -46,7 +46,7 @@ std::vector<Row> rowsOf(Pair& pair, bool moves_a, const btTransform& frame) {
   info.cfm = &rows[0].cfm;
   info.m_lowerLimit = &rows[0].low;
   info.m_upperLimit = &rows[0].high;
-  if (count > 0) pair.joint->getInfo2(&info);
+  if (count > 0) pair.joint->constraint().getInfo2(&info);
 
   std::vector<Row> found;
   const btRigidBody& body = moves_a ? *pair.a : *pair.b;

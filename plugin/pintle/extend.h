@@ -30,7 +30,9 @@
 #include <pintle/frame.h>
 #include <pintle/joints/frame_joint.h>
 #include <pintle/joints/joint.h>
+#include <pintle/joints/joint_of.h>
 #include <pintle/joints/observed_joint_rows.h>
+#include <pintle/joints/standalone_joint.h>
 #include <pintle/rows/far_limit.h>
 #include <pintle/rows/limit_reach.h>
 #include <pintle/rows/position_rows.h>

@@ -25,6 +25,7 @@ class FrameJoint;
 class HingeBase;
 class Joint;
 class PosedJoint;
+class StandaloneJoint;
 
 // unstable/: for comparison only.
 class CrossProductHinge;

@@ -4,10 +4,10 @@
 namespace {
 
 // A constant distance between the centres.
-class Rod : public pintle::Joint {
+class Rod : public pintle::StandaloneJoint {
  public:
   Rod(btRigidBody& a, btRigidBody& b, btScalar length)
-      : Joint(a, b, pintle::RowCount{1}), m_length(positive("length", length)) {}
+      : StandaloneJoint(a, b, pintle::RowCount{1}), m_length(positive("length", length)) {}
 
   const char* name() const override { return "Rod"; }
   void addRows(const pintle::PosePair& poses, pintle::Rows& rows) const override {

@@ -263,10 +263,11 @@ double World::open() const {
   double largest = 0;
   for (const auto& constraint : m_joints) {
     const auto* const joint = dynamic_cast<const pintle::Joint*>(constraint.get());
-    if (joint == nullptr || !joint->isEnabled()) continue;
+    if (joint == nullptr || !constraint->isEnabled()) continue;
     pintle::RowMemory<pintle::max_joint_rows, pintle::max_joint_rows> memory;
     pintle::Rows rows(memory);
-    joint->addRows(pintle::BodyPair(joint->getRigidBodyA(), joint->getRigidBodyB()), rows);
+    joint->addRows(pintle::BodyPair(constraint->getRigidBodyA(), constraint->getRigidBodyB()),
+                   rows);
     for (int i = 0; i < rows.equalities(); ++i)
       largest = std::max(largest, std::abs(double(rows[i].position)));
   }

@@ -62,7 +62,6 @@ using kinds::Kind;
 using pintle::BallJoint;
 using pintle::Formulation;
 using pintle::FrameJoint;
-using pintle::Joint;
 using pintle::QuaternionHinge;
 using scenes::pi;
 using support::infinite;
@@ -84,7 +83,7 @@ struct Pair {
 
 class Contract : public testing::TestWithParam<Kind> {
  public:
-  static std::unique_ptr<Joint> make(const Pair& pair, int variant = 0) {
+  static std::unique_ptr<btTypedConstraint> make(const Pair& pair, int variant = 0) {
     return GetParam().make(*pair.a, *pair.b, pair.frame_a, pair.frame_b, variant);
   }
   static int variants() { return GetParam().variants; }
@@ -192,7 +191,7 @@ TEST_P(Contract, RowsAreFiniteAndWholeAtRandomPoses) {
       SCOPED_TRACE(testing::Message() << "variant " << variant);
       for (const bool block : {false, true}) {
         const auto joint = make(pair, variant);
-        joint->setBlockRows(block);
+        support::joint(*joint).setBlockRows(block);
         for (int step = 0; step < 2; ++step) {
           const SolverRows rows = SolverRows::ofStep(*joint);
           EXPECT_GE(rows.announced(), holds() ? 1 : 0);
@@ -215,7 +214,7 @@ TEST_P(Contract, RowsAreFiniteAndWholeOfDegenerateBodies) {
         SCOPED_TRACE(testing::Message() << "variant " << variant);
         for (const bool block : {false, true}) {
           const auto joint = make(pair, variant);
-          joint->setBlockRows(block);
+          support::joint(*joint).setBlockRows(block);
           expectWhole(SolverRows::ofStep(*joint));
           expectWhole(SolverRows::ofStep(*joint));
         }
@@ -325,7 +324,7 @@ TEST_P(Contract, ARowMovesAsItsPositionDoes) {
         const pintle::BodyPair bodies(*pair.a, pose_a, *pair.b, pose_b);
         const pintle::StepMotion motion{bodies, scalar(1. / 60), 0, 1, false};
         pintle::Rows rows(memory, &motion);
-        joint->addRows(bodies, rows);
+        support::joint(*joint).addRows(bodies, rows);
         return pintle::RowList(rows);
       };
       pintle::RowMemory<SolverRows::capacity, 8> now, before, after;
@@ -574,7 +573,7 @@ TEST(ContractOfTheBall, HasThreeRows) {
 // A joint in the middle of a motion, with all that it remembers of its last steps.
 struct Moving {
   scenes::World world{scenes::standard_gravity, 3};
-  Joint* joint = nullptr;
+  btTypedConstraint* joint = nullptr;
 
   explicit Moving(const Kind& kind, int variant, int steps = 7) {
     btRigidBody* bodies[4];
@@ -583,7 +582,7 @@ struct Moving {
     // Hinge axes out of the plane and of each other.
     for (int i = 0; i < 3; ++i) {
       const btQuaternion turn(vec(1, 0, 0), scalar(1 + 0.3 * i));
-      Joint& added =
+      btTypedConstraint& added =
           world.take_joint(kind.make(*bodies[i], *bodies[i + 1], btTransform(turn, vec(0.5, 0, 0)),
                                      btTransform(turn, vec(-0.5, 0, 0)), variant));
       if (i == 1) joint = &added;
@@ -601,7 +600,7 @@ struct Moving {
   }
 };
 
-double accumulatedAngle(Joint& joint) {
+double accumulatedAngle(btTypedConstraint& joint) {
   auto* hinge = dynamic_cast<QuaternionHinge*>(&joint);
   return hinge != nullptr ? double(hinge->getAccumulatedHingeAngle()) : 0;
 }
@@ -648,7 +647,7 @@ TEST_P(Contract, GetInfo2MayBeRepeated) {
 }
 
 // The bytes of a joint, to see that it did not change.
-std::vector<unsigned char> bytes(const Joint& joint, size_t size) {
+std::vector<unsigned char> bytes(const btTypedConstraint& joint, size_t size) {
   std::vector<unsigned char> result(size);
   std::memcpy(result.data(), dynamic_cast<const void*>(&joint), size);
   return result;
@@ -674,7 +673,7 @@ TEST_P(Contract, RowsDependOnThePosesAlone) {
         const auto rows_there = [&] {
           pintle::RowMemory<SolverRows::capacity, 8> memory;
           pintle::Rows rows(memory);
-          moving.joint->addRows(pair, rows);
+          support::joint(*moving.joint).addRows(pair, rows);
           return std::vector<pintle::Row>(memory.rows, memory.rows + rows.size());
         };
         const std::vector<pintle::Row> rows = rows_there();
@@ -727,7 +726,7 @@ TEST_P(Contract, AStepAllocatesNothing) {
   for (int variant = 0; variant < variants(); ++variant) {
     SCOPED_TRACE(testing::Message() << "variant " << variant);
     Moving moving(GetParam(), variant);
-    Joint& joint = *moving.joint;
+    btTypedConstraint& joint = *moving.joint;
     btSolverBody a, b;
     for (btSolverBody* body : {&a, &b}) {
       body->m_linearVelocity = body->m_angularVelocity = vec(1, 2, 3);
@@ -947,6 +946,11 @@ std::vector<BadFrame> badFrames() {
   return result;
 }
 
+// A class that derives from one of Bullet's takes what that takes (derived_hinge_test.cpp).
+bool takesAnyFrame(const btTypedConstraint& joint) {
+  return joint.getConstraintType() < MAX_CONSTRAINT_TYPE;
+}
+
 TEST_P(Contract, ConstructorsRefuseBadFrames) {
   Random random(20);
   const Pair pair = randomPair(random);
@@ -954,40 +958,15 @@ TEST_P(Contract, ConstructorsRefuseBadFrames) {
   const auto joint = [&](const btTransform& frame_a, const btTransform& frame_b) {
     return GetParam().make(*pair.a, *pair.b, frame_a, frame_b, 0);
   };
-  const std::string name = joint(good, good)->name();
+  const std::string name = support::joint(*joint(good, good)).name();
   EXPECT_FALSE(name.empty());
+  if (takesAnyFrame(*joint(good, good))) return;
   for (const BadFrame& bad : badFrames()) {
     expectRefusal(refusal([&] { joint(bad.frame, good); }), name, "A", bad.value);
     expectRefusal(refusal([&] { joint(good, bad.frame); }), name, "B", bad.value);
     expectRefusal(refusal([&] { GetParam().make_one(*pair.a, bad.frame); }), name,
                   GetParam().free_body, bad.value);
   }
-}
-
-TEST(ContractOfTheHinge, ConstructorsRefuseBadPivotsAndAxes) {
-  Random random(21);
-  const Pair pair = randomPair(random);
-  btRigidBody &a = *pair.a, &b = *pair.b;
-  const btVector3 good(1, 0, 0);
-  const auto expectAll = [&](const btVector3& bad, const std::string& value, bool pivot) {
-    const btVector3 &p = pivot ? bad : good, &u = pivot ? good : bad;
-    const std::string field = pivot ? "pivot" : "axis";
-    const std::string hinge = "QuaternionHinge";
-    expectRefusal(refusal([&] { QuaternionHinge(a, b, p, good, u, good); }), hinge, field + "InA",
-                  value);
-    expectRefusal(refusal([&] { QuaternionHinge(a, b, good, p, good, u); }), hinge, field + "InB",
-                  value);
-    expectRefusal(refusal([&] { QuaternionHinge(a, p, u); }), hinge, field + "InA", value);
-  };
-  for (const btScalar value : not_finite) {
-    for (int i = 0; i < 3; ++i) {
-      btVector3 bad = good;
-      bad[i] = value;
-      expectAll(bad, text(value), true);
-      expectAll(bad, text(value), false);
-    }
-  }
-  expectAll(vec(0, 0, 0), "0", false);
 }
 
 TEST(ContractOfTheBall, ConstructorsRefuseBadPivots) {
@@ -1072,21 +1051,6 @@ TEST(ContractOfTheHinge, RefusesBadSettingsAndStaysAsItWas) {
     bool negative_is_good, zero_is_good, infinity_is_good;
   };
   const Setting settings[] = {
-      {"softness", [](H& h, btScalar v) { h.setLimit(-2, 2, v); }, true, true, false},
-      {"bias", [](H& h, btScalar v) { h.setLimit(-2, 2, 1, v); }, false, true, false},
-      {"relaxation", [](H& h, btScalar v) { h.setLimit(-2, 2, 1, 1, v); }, false, true, false},
-      {"target velocity", [](H& h, btScalar v) { h.enableAngularMotor(false, v, 3); }, true, true,
-       false},
-      {"max motor impulse", [](H& h, btScalar v) { h.enableAngularMotor(false, 3, v); }, false,
-       true, true},
-      {"max motor impulse", [](H& h, btScalar v) { h.setMaxMotorImpulse(v); }, false, true, true},
-      {"target velocity", [](H& h, btScalar v) { h.setMotorTargetVelocity(v); }, true, true, false},
-      {"target angle", [](H& h, btScalar v) { h.setMotorTarget(v, 1); }, true, true, false},
-      {"dt", [](H& h, btScalar v) { h.setMotorTarget(1, v); }, false, false, false},
-      {"dt", [](H& h, btScalar v) { h.setMotorTarget(btQuaternion(0, 0, 0, 1), v); }, false, false,
-       false},
-      {"qAinB", [](H& h, btScalar v) { h.setMotorTarget(btQuaternion(0, v, 0, 1), 1); }, true, true,
-       false},
       {"servo target", [](H& h, btScalar v) { h.setMotorServo(v, 2, 1, 5); }, true, true, false},
       {"frequency", [](H& h, btScalar v) { h.setMotorServo(1, v, 1, 5); }, false, false, false},
       {"damping", [](H& h, btScalar v) { h.setMotorServo(1, 2, v, 5); }, false, true, false},
@@ -1094,14 +1058,7 @@ TEST(ContractOfTheHinge, RefusesBadSettingsAndStaysAsItWas) {
       {"torque", [](H& h, btScalar v) { h.setFriction(v); }, false, true, true},
       {"frequency", [](H& h, btScalar v) { h.setLimitSpring(v, 1); }, false, true, false},
       {"damping", [](H& h, btScalar v) { h.setLimitSpring(1, v); }, false, true, false},
-      {"accumulated", [](H& h, btScalar v) { h.setAccumulatedHingeAngle(v); }, true, true, false},
       {"correction speed", [](H& h, btScalar v) { h.setMaxCorrectionSpeed(v); }, false, false,
-       false},
-      {"ERP", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_ERP, v); }, false, true, false},
-      {"CFM", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_CFM, v, 5); }, false, true, false},
-      {"STOP_ERP", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_STOP_ERP, v); }, false, true,
-       false},
-      {"STOP_CFM", [](H& h, btScalar v) { h.setParam(BT_CONSTRAINT_STOP_CFM, v); }, false, true,
        false},
   };
   Random random(23);
@@ -1139,15 +1096,8 @@ TEST(ContractOfTheHinge, RefusesBadSettingsAndStaysAsItWas) {
       const auto hinge = fresh(), twin = fresh();
       expectRefused<H>(*hinge, *twin, call, field, value);
     };
-    expectBad([](H& h) { h.setLimit(nan_value, 1); }, "limit", "nan");
-    expectBad([](H& h) { h.setLimit(-1, nan_value); }, "limit", "nan");
-    expectBad([](H& h) { h.setAxis(btVector3(0, 0, 0)); }, "axis", "0");
-    expectBad([](H& h) { h.setAxis(btVector3(0, nan_value, 1)); }, "axis", "nan");
-    expectBad([](H& h) { h.setAxis(btVector3(0, infinite, 1)); }, "axis", "inf");
-    for (const BadFrame& bad : badFrames()) {
-      expectBad([&](H& h) { h.setFrames(bad.frame, pair.frame_b); }, "frameInA", bad.value);
-      expectBad([&](H& h) { h.setFrames(pair.frame_b, bad.frame); }, "frameInB", bad.value);
-    }
+    expectBad([](H& h) { h.setAccumulatedLimit(nan_value, 1); }, "limit", "nan");
+    expectBad([](H& h) { h.setAccumulatedLimit(-1, nan_value); }, "limit", "nan");
   }
 }
 
@@ -1155,7 +1105,7 @@ TEST(ContractOfTheHinge, InfiniteLimitSidesAreFree) {
   const auto a = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
   const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
   const btTransform frame = btTransform::getIdentity();
-  // The last three leave no angle to be in: refused, or rows that are finite all the same.
+  // The last four leave no angle to be in: rows are finite all the same.
   for (const auto& [low, high] : {std::pair(-infinite, infinite),
                                   {-infinite, scalar(0.5)},
                                   {scalar(-0.5), infinite},
@@ -1168,11 +1118,7 @@ TEST(ContractOfTheHinge, InfiniteLimitSidesAreFree) {
       SCOPED_TRACE(testing::Message() << low << " to " << high);
       QuaternionHinge hinge(*a, *b, frame, frame);
       hinge.setFormulation(formulation);
-      const std::string message =
-          refusal([&, lower = low, upper = high] { hinge.setLimit(lower, upper); });
-      if (low != high) {
-        EXPECT_EQ(message, "accepted");
-      }
+      hinge.setLimit(low, high);
       expectWhole(SolverRows::ofStep(hinge));
       hinge.enableAngularMotor(true, 1, 1);
       expectWhole(SolverRows::ofStep(hinge));

@@ -37,7 +37,8 @@ Vector6d velocityOf(const btRigidBody& body) {
 
 /// m/s or rad/s: the fastest of the joint's equalities.
 double fastest(const pintle::Joint& joint) {
-  const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
+  const btRigidBody &a = joint.constraint().getRigidBodyA(),
+                    &b = joint.constraint().getRigidBodyB();
   pintle::RowMemory<pintle::max_joint_rows, pintle::max_joint_rows> memory;
   pintle::Rows rows(memory);
   joint.addRows(pintle::BodyPair(a, b), rows);

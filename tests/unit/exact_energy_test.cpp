@@ -42,7 +42,8 @@ using namespace exact_support;
 double largestError(const pintle::Joint& joint) {
   pintle::RowMemory<pintle::max_joint_rows, pintle::max_joint_rows> memory;
   pintle::Rows rows(memory);
-  joint.addRows(pintle::BodyPair(joint.getRigidBodyA(), joint.getRigidBodyB()), rows);
+  const btTypedConstraint& constraint = joint.constraint();
+  joint.addRows(pintle::BodyPair(constraint.getRigidBodyA(), constraint.getRigidBodyB()), rows);
   double largest = 0;
   for (int i = 0; i < rows.equalities(); ++i)
     largest = std::max(largest, std::abs(double(rows[i].position)));
@@ -153,7 +154,7 @@ TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
       btTransform end_b = frame_b;
       if (isRod(kind)) end_b.setOrigin(end_b.getOrigin() - vec(2, 1, 1) + random.vector(0.3));
       auto joint = kind.make(*last, body, frame_a, end_b, 0);
-      GetParam().limit(*joint);
+      GetParam().limit(support::joint(*joint));
       books.join(std::move(joint));
       last = &body;
     }
@@ -163,7 +164,7 @@ TEST_P(EnergyOfChain, HoldsAndGainsNothing) {
       books.step();
       double now = 0;
       for (const auto& joint : books.joints)
-        now = std::max(now, largestError(static_cast<const pintle::Joint&>(*joint)));
+        now = std::max(now, largestError(support::joint(*joint)));
       worst = std::max(worst, now);
       if (books.solver.lastStep().not_converged == 0) converged = std::max(converged, now);
     }

@@ -303,7 +303,7 @@ TEST_P(EveryJoint, HoldsAtLeastAsWellAsWithBullet) {
       for (int i = 0; i < 120; ++i) {
         world.step(1. / 60);
         if (!support::is_finite(a) || !support::is_finite(b)) return HUGE_VAL;
-        sum += error(joint, a, b) / 120;
+        sum += error(support::joint(joint), a, b) / 120;
       }
       return sum;
     };

@@ -22,12 +22,12 @@ struct Kind {
   std::string blows_up;
   /// A limit's row is the tangent where the step leads, which turns with it.
   bool limits_look_ahead;
-  std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, btRigidBody& b,
+  std::function<std::unique_ptr<btTypedConstraint>(btRigidBody& a, btRigidBody& b,
                                                const btTransform& frame_a,
                                                const btTransform& frame_b, int variant)>
       make;
   /// To Bullet's fixed body.
-  std::function<std::unique_ptr<pintle::Joint>(btRigidBody& a, const btTransform& frame_a)>
+  std::function<std::unique_ptr<btTypedConstraint>(btRigidBody& a, const btTransform& frame_a)>
       make_one;
   const char* free_body;  ///< which of the joint's bodies is not that one then
 };

@@ -82,11 +82,13 @@ void expect_equal(const Feedback& f, const Feedback& other, double error = toler
   expect_near(f.torque_b, other.torque_b, error * weight, "torque on b");
 }
 
-void set_block(pintle::Joint& joint, bool block) { joint.setBlockRows(block); }
-void set_block(btTypedConstraint&, bool) {}
-// With its frame offset on, stock's hinge reports a torque on a static body that is not about that
-// body's centre.
-void set_block(btHingeConstraint& joint, bool) { joint.setUseFrameOffset(false); }
+void set_block(btTypedConstraint& joint, bool block) {
+  if (auto* const ours = dynamic_cast<pintle::Joint*>(&joint)) ours->setBlockRows(block);
+  // With its frame offset on, stock's hinge reports a torque on a static body that is not about that
+  // body's centre.
+  else if (auto* const hinge = dynamic_cast<btHingeConstraint*>(&joint))
+    hinge->setUseFrameOffset(false);
+}
 
 // A post to hold on to: its centre is far from the joint, so that torques about it tell levers.
 const Vector3d post_centre(-1, 0.7, 0.4);

@@ -74,6 +74,11 @@ class Random {
   std::mt19937 m_engine;
 };
 
+/// Pintle's part of a constraint that is one of its joints.
+inline pintle::Joint& joint(btTypedConstraint& constraint) {
+  return dynamic_cast<pintle::Joint&>(constraint);
+}
+
 /// Lets a joint that starts apart close by its ERP alone, with no bound on the speed.
 template <class Joint>
 void closeByErpAlone(Joint& joint) {

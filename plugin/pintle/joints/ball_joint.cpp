@@ -9,23 +9,23 @@ inline namespace PINTLE_PRECISION {
 
 BallJoint::BallJoint(btRigidBody& rbA, btRigidBody& rbB, const btVector3& pivotInA,
                      const btVector3& pivotInB)
-    : Joint(rbA, rbB, row_count),
+    : StandaloneJoint(rbA, rbB, row_count),
       m_pivot_a(point("pivotInA", pivotInA)),
       m_pivot_b(point("pivotInB", pivotInB)) {}
 
 BallJoint::BallJoint(btRigidBody& rbA, const btVector3& pivotInA)
-    : Joint(rbA, row_count),
+    : StandaloneJoint(rbA, row_count),
       m_pivot_a(point("pivotInA", pivotInA)),
       m_pivot_b(rbA.getCenterOfMassTransform()(pivotInA)) {}
 
 BallJoint::BallJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                      const btTransform& frameInB)
-    : Joint(rbA, rbB, row_count),
+    : StandaloneJoint(rbA, rbB, row_count),
       m_pivot_a(frame("frameInA", frameInA).getOrigin()),
       m_pivot_b(frame("frameInB", frameInB).getOrigin()) {}
 
 BallJoint::BallJoint(btRigidBody& rbA, const btTransform& frameInA)
-    : Joint(rbA, row_count),
+    : StandaloneJoint(rbA, row_count),
       m_pivot_a(frame("frameInA", frameInA).getOrigin()),
       m_pivot_b(rbA.getCenterOfMassTransform()(frameInA.getOrigin())) {}
 

@@ -1,7 +1,7 @@
 // Purpose: the ball joint (document, 3.1.3), in the place of btPoint2PointConstraint.
 #pragma once
 
-#include <pintle/joints/joint.h>
+#include <pintle/joints/standalone_joint.h>
 
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 
@@ -16,7 +16,7 @@ inline namespace PINTLE_PRECISION {
 /// more than a tenth of a radian in a step.
 ///
 /// \image html ball_joint.svg
-class BallJoint : public Joint {
+class BallJoint : public StandaloneJoint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -59,7 +59,7 @@ class BallJoint : public Joint {
   /// The rows at other poses of the bodies; no more than getInfo1 announced.
   void getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& body0_trans,
                           const btTransform& body1_trans) {
-    getInfo2At(info, body0_trans, body1_trans);
+    writeRowsAt(*info, body0_trans, body1_trans);
   }
 
   /// The two pivots.

@@ -289,7 +289,7 @@ btScalar ConeTwistJoint::getParam(int num, int axis) const {
 void ConeTwistJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
                                         const btTransform& transB, const btMatrix3x3&,
                                         const btMatrix3x3&) {
-  getInfo2At(info, transA, transB);
+  writeRowsAt(*info, transA, transB);
 }
 
 int ConeTwistJoint::getFlags() const {

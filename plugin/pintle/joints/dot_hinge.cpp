@@ -24,12 +24,12 @@ inline void DotHinge::constrain(const Observation& seen, Rows& rows) const {
     rows.shape(RowShape::dot, c_a, tangent);
   }
   addPivotRows(seen.anchors(), rows);
-  if (!m_axis.driven() && !m_axis.limited()) return;
+  if (!m_settings.axis.driven() && !m_settings.axis.limited()) return;
   const auto swing = equations::swing(c_a, c_b);
   addAxisRow(acting(seen, swing, rows), swing, rows);
 }
 
-template class ObservedJoint<DotHinge, HingeBase>;
+template class ObservedJoint<DotHinge, HingeModel>;
 template class HingeOf<DotHinge>;
 
 }  // namespace PINTLE_PRECISION

@@ -28,7 +28,7 @@ class DotHinge : public HingeOf<DotHinge> {
   void constrain(const Observation& seen, Rows& rows) const;
 };
 
-extern template class ObservedJoint<DotHinge, HingeBase>;
+extern template class ObservedJoint<DotHinge, HingeModel>;
 extern template class HingeOf<DotHinge>;
 
 }  // namespace PINTLE_PRECISION

@@ -1,7 +1,7 @@
 #include <pintle/joints/draw_joints.h>
 
 #include <pintle/joints/drawing.h>
-#include <pintle/joints/joint.h>
+#include <pintle/joints/standalone_joint.h>
 
 #include <BulletDynamics/Dynamics/btDynamicsWorld.h>
 
@@ -14,8 +14,11 @@ namespace {
 void draw(btDynamicsWorld& world, btIDebugDraw& drawer) {
   if (!(drawsFrames(drawer) || drawsLimits(drawer))) return;
   for (int i = 0; i < world.getNumConstraints(); ++i) {
-    auto* joint = dynamic_cast<Joint*>(world.getConstraint(i));
-    if (joint != nullptr && joint->getDbgDrawSize() > 0) joint->drawJoint(drawer);
+    btTypedConstraint& constraint = *world.getConstraint(i);
+    // Bullet draws its own types, and what derives from them.
+    if (constraint.getConstraintType() != StandaloneJoint::type) continue;
+    auto* joint = dynamic_cast<Joint*>(&constraint);
+    if (joint != nullptr && constraint.getDbgDrawSize() > 0) joint->drawJoint(drawer);
   }
 }
 

@@ -1,4 +1,4 @@
-// Purpose: debug drawing of all Pintle joints of a world. Bullet draws its own types only.
+// Purpose: debug drawing of the joints that Bullet does not draw: those of Pintle's that do not derive from one of its own.
 #pragma once
 
 #include <pintle/precision.h>
@@ -10,7 +10,7 @@ class btDynamicsWorld;
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// While it lives, the world's debugDrawWorld() draws the world's Pintle joints as it draws Bullet's own:
+/// While it lives, the world's debugDrawWorld() draws the world's Pintle joints that it does not draw by itself as it draws Bullet's own:
 /// those that are in the world then, each once, in the debug modes btIDebugDraw::DBG_DrawConstraints
 /// (frames) and DBG_DrawConstraintLimits. One line after world.setDebugDrawer(&drawer):
 ///
@@ -41,7 +41,7 @@ class JointDrawing {
   std::unique_ptr<Drawer> m_drawer;
 };
 
-/// Draws every Pintle joint of the world now, by the world's debug drawer, as its debug mode asks: for who
+/// Draws the same joints now, by the world's debug drawer, as its debug mode asks: for who
 /// draws without debugDrawWorld(), or after it. Nothing if the world has no drawer, or if a JointDrawing
 /// draws the joints.
 void drawJoints(btDynamicsWorld& world);

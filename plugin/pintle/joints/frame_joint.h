@@ -1,7 +1,7 @@
 // Purpose: the base of the joints that are made of two joint frames, one in each body.
 #pragma once
 
-#include <pintle/joints/joint.h>
+#include <pintle/joints/standalone_joint.h>
 
 #include <LinearMath/btTransform.h>
 
@@ -19,7 +19,7 @@ inline btMatrix3x3 columns(const btVector3& x, const btVector3& y, const btVecto
 }
 
 /// A joint of two joint frames, one in each body.
-class FrameJoint : public Joint {
+class FrameJoint : public StandaloneJoint {
  public:
   // --- as Bullet's joints have it ----------------------------------------------------------------
   ///@{
@@ -37,7 +37,7 @@ class FrameJoint : public Joint {
   }
   btTransform getCalculatedTransformB() const {
     return m_rbB.getCenterOfMassTransform() * m_frame_b;
-  ///@}
+    ///@}
   }
   /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
   virtual void setFrames(const btTransform& frameInA, const btTransform& frameInB);
@@ -59,8 +59,8 @@ class FrameJoint : public Joint {
 
  protected:
   /// The constructor of the joint sets the frames: only there errors know its name.
-  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount max_rows) : Joint(a, b, max_rows) {}
-  FrameJoint(btRigidBody& a, RowCount max_rows) : Joint(a, max_rows) {}
+  FrameJoint(btRigidBody& a, btRigidBody& b, RowCount max_rows) : StandaloneJoint(a, b, max_rows) {}
+  FrameJoint(btRigidBody& a, RowCount max_rows) : StandaloneJoint(a, max_rows) {}
 
   /// A right-handed basis of two unit vectors at right angles.
   static btMatrix3x3 basisOf(const btVector3& x, const btVector3& y) {

@@ -14,10 +14,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// In the range of btTypedConstraintType and none of its values: Bullet's debug drawing and importer
-// cast by type.
-constexpr auto pintle_type = btTypedConstraintType(15);
-
 constexpr int max_groups = 3;
 
 // An impulse that is given, as that of a soft spring, does not see what other joints do to its coordinate
@@ -55,6 +51,17 @@ Scalar motorInertia(const Row& row, const BodyPair& pair) {
                b = row.A_b.dot(pair.inv_inertia_b() * row.A_b);
   const Scalar inverse = a > 0 ? a : b;
   return inverse > 0 ? 1 / inverse : Scalar(0);
+}
+
+// btTypedConstraint::getMotorFactor: a motor that would pass a limit in the time in which a correction is made goes as
+// much slower.
+Scalar motorFactor(Scalar position, Scalar low, Scalar high, Scalar velocity, Scalar rate) {
+  if (low > high) return 1;
+  if (low == high || velocity == 0) return 0;
+  const Scalar way = velocity / rate;
+  const Scalar left = velocity < 0 ? low - position : high - position;
+  const Scalar part = left / way;
+  return part < 0 ? Scalar(0) : part < 1 ? part : Scalar(1);
 }
 
 // J v at the end of the step, if nothing acted along the row.
@@ -113,7 +120,7 @@ struct Joint::Step {
   Scalar curved_time;   ///< s: with the curvature, what it adds to a mean velocity
   Scalar foreseen = 1;  ///< the part of that that equalities reckon with
 
-  Step(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm)
+  Step(const Joint& joint, const Info2& info, Scalar default_cfm)
       : fps(info.fps), curved_time(joint.m_curved_time) {
     limit_erp = joint.m_erp.orElse(info.erp);
     rate[0] = limit_erp * fps;
@@ -122,7 +129,7 @@ struct Joint::Step {
     if (joint.m_erp_cfm_differs) setGroups(joint, info, default_cfm);
   }
 
-  void setGroups(const Joint& joint, const btConstraintInfo2& info, Scalar default_cfm) {
+  void setGroups(const Joint& joint, const Info2& info, Scalar default_cfm) {
     rigid = true;
     const ErpCfm* const all = joint.groups();
     for (int i = 0; i < max_groups; ++i) {
@@ -155,9 +162,8 @@ struct Joint::Step {
   }
 };
 
-Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows)
-    : btTypedConstraint(pintle_type, a, b),
-      m_erp_cfm_differs(false),
+Joint::Joint(btTypedConstraint& constraint, RowCount max_rows)
+    : m_erp_cfm_differs(false),
       m_foresees_curvature(false),
       m_turns_shafts(false),
       m_starts_warm(true),
@@ -177,9 +183,9 @@ Joint::Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows)
       m_shows_passes(false),
       m_type_is_known(false),
       m_is_clients(false),
+      m_step_begins(true),
+      m_constraint(constraint),
       m_rows(makeRows(max_rows)) {}
-
-Joint::Joint(btRigidBody& a, RowCount max_rows) : Joint(a, getFixedBody(), max_rows) {}
 
 Joint::~Joint() { deleteRows(m_rows); }
 
@@ -189,10 +195,25 @@ void Joint::setRowCount(RowCount max_rows) {
   deleteRows(old);
 }
 
+// Clients call this at any time, and so does Bullet where a client sets frames: a step begins where its rows are asked for.
 void Joint::buildJacobian() {
+  m_step_begins = true;
+  if (m_constraint.isEnabled()) return;
+  // A disabled joint has no rows, but its angle goes on turning.
+  beginStep();
+  forget();
+  m_gap = -1;
+  const BodyPair pair(bodyA(), bodyB());
+  if (pair.finite()) updateState(pair);
+}
+
+void Joint::beginStep() {
+  readSettings();
+  if (!m_step_begins) return;
+  m_step_begins = false;
   m_last_angular_speed = m_angular_speed;
   m_angular_speed =
-      btSqrt(btMax(m_rbA.getAngularVelocity().length2(), m_rbB.getAngularVelocity().length2()));
+      btSqrt(btMax(bodyA().getAngularVelocity().length2(), bodyB().getAngularVelocity().length2()));
   for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).beginStep();
   m_solver_rows = nullptr;
   // A solver that did not show its passes, or not all: what is remembered is old.
@@ -204,19 +225,13 @@ void Joint::buildJacobian() {
   m_last_foreseen = m_foreseen;
   m_foreseen = -1;
   m_passes = m_passes_left = 0;
-  // A disabled joint has no rows, but its angle goes on turning.
-  if (!isEnabled()) {
-    forget();
-    m_gap = -1;
-    const BodyPair pair(m_rbA, m_rbB);
-    if (pair.finite()) updateState(pair);
-  }
 }
 
-void Joint::getInfo1(btConstraintInfo1* info) {
+void Joint::announceRows(Info1& info) {
+  beginStep();
   const int before = m_rows.equalities();
   m_rows.clear();
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair(bodyA(), bodyB());
   const StepMotion now = motion(pair);
   Rows rows(m_rows, now);
   if (pair.finite()) prepare(pair, rows);
@@ -224,8 +239,8 @@ void Joint::getInfo1(btConstraintInfo1* info) {
   // Other rows: what is remembered is not theirs.
   if (m_rows.equalities() != before) forget();
   placeRows(std::numeric_limits<signed char>::max());
-  info->m_numConstraintRows = m_solver_row_count;
-  info->nub = 0;
+  info.m_numConstraintRows = m_solver_row_count;
+  info.nub = 0;
 }
 
 StepMotion Joint::motion(const BodyPair& pair) const {
@@ -266,9 +281,9 @@ inline void Joint::limitClosing(const Step& step, Scalar gap2, Scalar other2) {
 // Between bodies that move, a gap that no velocity explains is a start, too: one of them has been put elsewhere, or the
 // joint back into the world.
 PINTLE_NOINLINE bool Joint::isPutApart(const Step& step, Scalar last_gap, Scalar max_speed) const {
-  if (!(m_rbA.getInvMass() > 0 && m_rbB.getInvMass() > 0)) return false;
+  if (!(bodyA().getInvMass() > 0 && bodyB().getInvMass() > 0)) return false;
   // J v, whichever way the bodies have turned in the step.
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair(bodyA(), bodyB());
   const Scalar v = (pair.v_b() - pair.v_a()).norm(), w_a = pair.w_a().norm(),
                w_b = pair.w_b().norm();
   Scalar speed2 = 0;
@@ -375,8 +390,8 @@ AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyP
       limit_cfm.orElse(axis.drive == Axis::Drive::off ? Scalar(0) : motion.motor_cfm);
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
-    motion.motor_factor = getMotorFactor(row.position, axis.low, axis.high, axis.motor_velocity,
-                                         fps * motion.limit_erp);
+    motion.motor_factor =
+        motorFactor(row.position, axis.low, axis.high, axis.motor_velocity, fps * motion.limit_erp);
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   return motion;
 }
@@ -390,7 +405,7 @@ inline void Joint::act(Row& row, const BlockRow* orthogonal, const Block* block,
   const Scalar sign = state.sign;
   state.acted = true;
   state.incoming = 0;
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair(bodyA(), bodyB());
   AxisMotion motion = axisMotion(row, state, pair, step.fps, step.limit_erp);
   // All velocities of an axis are means over the step, and so is the target that comes of them.
   motion.gain = step.gain(row);
@@ -426,20 +441,20 @@ inline void Joint::forgetImpulses() {
   }
 }
 
-PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
+PINTLE_FLATTEN void Joint::writeRows(Info2& info) {
   m_last_time_step = m_time_step;
-  m_time_step = 1 / info->fps;
+  m_time_step = 1 / info.fps;
   // A solver of all joints at once finds the end of the step by itself: it takes J v at the start, not what a motion adds to it.
   m_curved_time = m_solved_at_once ? Scalar(0) : curvedTime();
   const int n = m_rows.size();
   if (n == 0) return;
-  m_solver_rows = solverRows(*info);
-  RowWriter out(*info);
-  Step step(*this, *info, out.cfm());
-  const BodyPair pair(m_rbA, m_rbB);
+  m_solver_rows = solverRows(info);
+  RowWriter out(info);
+  Step step(*this, info, out.cfm());
+  const BodyPair pair(bodyA(), bodyB());
   correct(step);
   const ImpulseSetting setting = impulseSetting();
-  info->m_damping = setting.damping;
+  info.m_damping = setting.damping;
 
   const int equalities = m_rows.equalities();
   if (n > equalities) forgetImpulses();
@@ -450,9 +465,9 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   const auto mayMix = [&] {
     return !(setting.max_impulse < infinity) && (!breakable() || (m_shows_passes && remembers));
   };
-  if (isNeedle(m_rbA) || isNeedle(m_rbB) ||
+  if (isNeedle(bodyA()) || isNeedle(bodyB()) ||
       (!step.rigid && !m_solved_at_once && step.tooSoft(*this)))
-    return writeDelicate(*info);
+    return writeDelicate(info);
   // Rows that are orthogonal within a joint serve a solver that takes one by one.
   if (!m_block_rows || m_solved_at_once || !mayMix()) {
     const Scalar bound = setting.max_impulse;
@@ -476,7 +491,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
   }
 
   if (remembers)
-    beginPasses(*info);
+    beginPasses(info);
   else
     m_remembers = false;
   aim(step, pair);
@@ -512,7 +527,7 @@ PINTLE_FLATTEN void Joint::getInfo2(btConstraintInfo2* info) {
 // which the solver does not know.
 PINTLE_NOINLINE void Joint::actBesideEqualities(Row& row, const Step& step,
                                                 AxisRow (&parts)[Axis::parts]) {
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair(bodyA(), bodyB());
   Block block(pair);
   for (int i = 0; i < m_rows.equalities(); ++i) block.add(m_rows[i]);
   BlockRow plain, orthogonal;
@@ -528,16 +543,16 @@ PINTLE_NOINLINE void Joint::actBesideEqualities(Row& row, const Step& step,
 
 // Plain rows of needles, and such of which an equality is so soft that Bullet's iteration would diverge: it
 // is written as a rigid row, to where the soft one would come by itself.
-PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
+PINTLE_NOINLINE void Joint::writeDelicate(Info2& info) {
   RowWriter out(info);
   Step step(*this, info, out.cfm());
   const ImpulseSetting setting = impulseSetting();
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair(bodyA(), bodyB());
   // Nothing is compared with the last step.
   m_remembers = false;
   m_last_foreseen = -1;
   aim(step, pair);
-  const bool needle = isNeedle(m_rbA) || isNeedle(m_rbB);
+  const bool needle = isNeedle(bodyA()) || isNeedle(bodyB());
   for (int i = 0; i < m_rows.size(); ++i) {
     Row& row = m_rows[i];
     const LanesView L = row.lanesL(), A_a = row.lanesA_a(), A_b = row.lanesA_b();
@@ -550,7 +565,8 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
     Scalar cfm = step.cfm[row.group], target = row.target;
     if (!m_solved_at_once && !(cfm < diverging_cfm)) {
       // Bullet takes this part of the free velocity away.
-      const Scalar free = setting.damping * freeVelocity(L, A_a, A_b, m_rbA, m_rbB, m_time_step);
+      const Scalar free =
+          setting.damping * freeVelocity(L, A_a, A_b, bodyA(), bodyB(), m_time_step);
       target = free + (target - free) / (1 + cfm);
       cfm = 0;
     }
@@ -561,7 +577,7 @@ PINTLE_NOINLINE void Joint::writeDelicate(btConstraintInfo2& info) {
 
 bool Joint::solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
                       AxisRow (&parts)[Axis::parts]) {
-  const BodyPair pair(m_rbA, m_rbB);
+  const BodyPair pair(bodyA(), bodyB());
   BlockRow alone;
   if (orthogonal != nullptr) {
     alone = *orthogonal;
@@ -579,7 +595,7 @@ bool Joint::solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, 
   const Scalar passed_over = m_solved_at_once ? Scalar(0) : SIMD_EPSILON;
   motion.K = alone.K > btMax(rounding_of_K * own, passed_over) ? alone.K : Scalar(0);
   AxisState& state = m_rows.axis(row.axis);
-  const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, m_rbA, m_rbB, m_time_step);
+  const Scalar free = freeVelocity(alone.L, alone.A_a, alone.A_b, bodyA(), bodyB(), m_time_step);
   motion.free_velocity = motion.gain + Scalar(state.sign) * (free - alone.target());
   if (state.seen) {
     state.foreseen_disturbance = carryOver(state.disturbance, state.foreseen_disturbance);
@@ -602,7 +618,7 @@ Scalar Joint::axisImpulse(int axis, Axis::Part part) const {
   const AxisState& state = m_rows.axis(axis);
   if (!state.acted || m_rows.size() == 0) return 0;
   const bool last = state.row[part] == m_solver_row_count - 1;
-  return last ? -state.sign * m_appliedImpulse : state.impulse[part];
+  return last ? -state.sign * m_constraint.internalGetAppliedImpulse() : state.impulse[part];
 }
 
 const Row* Joint::limitAt(int solver_row) const {

@@ -1,13 +1,15 @@
 // Purpose: the base of all joints. A joint is a list of rows at a pose (addRows); this turns it
-// into what Bullet's solver asks for, step by step.
+// into what Bullet's solver asks for, step by step. It is no constraint of Bullet's: joint_of.h makes one of it.
 #pragma once
 
 #include <pintle/rows/axis_settings.h>
 #include <pintle/rows/row_list.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <cstdint>
+#include <string>
 
 class btIDebugDraw;
 struct btSolverConstraint;
@@ -37,15 +39,22 @@ struct ImpulseSetting {
   Scalar max_impulse = infinity;  ///< N s, of each equality; with a bound they are not mixed
 };
 
-/// A `btTypedConstraint` made of rows. Joints are added to a world, enabled, broken and read as any
-/// Bullet constraint is. Settings throw std::invalid_argument, naming joint, field and value, and
+/// The rows of a constraint of Bullet's, and what Pintle adds to every one of its joints. Joints are added to a world,
+/// enabled, broken and read as any Bullet constraint is: each class derives from Bullet's own or, without a counterpart there,
+/// from btTypedConstraint. Settings of Pintle's throw std::invalid_argument, naming joint, field and value, and
 /// then change nothing; a step never throws, allocates or locks. An object belongs to one world;
 /// different objects may be used from different threads.
-class Joint : public btTypedConstraint {
+class Joint {
  public:
-  ~Joint() override;
+  virtual ~Joint();
   Joint(const Joint&) = delete;
   Joint& operator=(const Joint&) = delete;
+
+  ///@{
+  /// The constraint of Bullet's that this is a part of.
+  btTypedConstraint& constraint() { return m_constraint; }
+  const btTypedConstraint& constraint() const { return m_constraint; }
+  ///@}
 
   /// The type's name, as errors say it.
   virtual const char* name() const = 0;
@@ -54,14 +63,21 @@ class Joint : public btTypedConstraint {
   /// joint's settings and its count of turns: call it at any pose.
   virtual void addRows(const PosePair& poses, Rows& rows) const = 0;
 
+  /// Takes over what stands in the constraint of Bullet's, which a client may have written by any pointer. A step does so by itself;
+  /// addRows sees what was read last.
+  virtual void readSettings() {}
+  /// Which of the settings that stand there are not used, and why: a number that is not finite, of which the last good one stays.
+  /// Empty: all are.
+  virtual std::string whyIgnored() { return {}; }
+
   /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of
   /// Bullet's solver solves the joint by itself, and with the residual of the last step in view.
   /// Default on. A breaking threshold is compared with the load after the last pass: the components of
   /// the force at the pivot, N s, and the moment about it, N m s. (Of plain rows Bullet compares each
   /// impulse, as it does where its solver does not show its passes.)
-  void setBlockRows(bool block) { m_block_rows = block; }
+  virtual void setBlockRows(bool block) { m_block_rows = block; }
   /// What setBlockRows set.
-  bool getBlockRows() const { return m_block_rows; }
+  virtual bool getBlockRows() const { return m_block_rows; }
 
   /// Default conditioned.
   void setFormulation(Formulation formulation) { m_formulation = formulation; }
@@ -85,23 +101,9 @@ class Joint : public btTypedConstraint {
   /// Draws the joint as Bullet draws its own: frames, axes and limits, of the size getDbgDrawSize().
   virtual void drawJoint(btIDebugDraw& drawer) const = 0;
 
-  ///@{
-  /// Bullet's solver calls these. A subclass that overrides one calls it, too, once a step.
-  void buildJacobian() override;
-  void getInfo1(btConstraintInfo1* info) override;
-  void getInfo2(btConstraintInfo2* info) override;
-  void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) override;
-  ///@}
-
-  /// As Bullet has it: getInfo1 of the joint itself, whatever a subclass makes of it.
-  void getInfo1NonVirtual(btConstraintInfo1* info) { Joint::getInfo1(info); }
-  /// As in Bullet nothing to do.
-  void updateRHS(btScalar) {}
-
  protected:
   /// The most rows that it has. Memory for them is taken here, and kept as long as the joint.
-  Joint(btRigidBody& a, btRigidBody& b, RowCount max_rows);
-  Joint(btRigidBody& a, RowCount max_rows);  ///< b is Bullet's fixed body
+  Joint(btTypedConstraint& constraint, RowCount max_rows);
   /// Another number, from the next step on. Those of the last one are forgotten.
   void setRowCount(RowCount max_rows);
   /// Those of the last step.
@@ -117,11 +119,23 @@ class Joint : public btTypedConstraint {
   virtual ImpulseSetting impulseSetting() const { return {}; }
   /// Three, by Row::group, if m_erp_cfm_differs.
   virtual const ErpCfm* groups() const { return nullptr; }
-  /// getInfo2 of the joint itself, of its rows at other poses of the bodies, as Bullet's
-  /// getInfo2NonVirtual has it. As many rows as getInfo1 announced at the most: a limit that acts at
+  using Info1 = btTypedConstraint::btConstraintInfo1;
+  using Info2 = btTypedConstraint::btConstraintInfo2;
+  ///@{
+  /// What Bullet's solver calls of a constraint: buildJacobian, getInfo1, getInfo2 and, after each pass,
+  /// solveConstraintObsolete.
+  void buildJacobian();
+  void announceRows(Info1& info);
+  void writeRows(Info2& info);
+  void afterPass(btSolverBody& a, btSolverBody& b);
+  ///@}
+  /// writeRows at other poses of the bodies, as Bullet's
+  /// getInfo2NonVirtual has it. As many rows as were announced at the most: a limit that acts at
   /// these poses only has none. Velocities and inertias are the bodies' own.
-  void getInfo2At(btConstraintInfo2* info, const btTransform& pose_a, const btTransform& pose_b);
-  bool breakable() const { return getBreakingImpulseThreshold() < infinity; }
+  void writeRowsAt(Info2& info, const btTransform& pose_a, const btTransform& pose_b);
+  bool breakable() const { return m_constraint.getBreakingImpulseThreshold() < infinity; }
+  btRigidBody& bodyA() const { return m_constraint.getRigidBodyA(); }
+  btRigidBody& bodyB() const { return m_constraint.getRigidBodyB(); }
 
   /// The length of the last step; before the first one, Bullet's default.
   Scalar timeStep() const { return m_time_step; }
@@ -213,12 +227,15 @@ class Joint : public btTypedConstraint {
   bool m_starts_apart : 1;  ///< its pivots are being brought together
   bool m_shows_passes : 1;  ///< Bullet's solver did so in the last step
   bool m_type_is_known : 1, m_is_clients : 1;  ///< solver/joint_access.h
-  signed char m_solver_row_count = 0;          ///< of Bullet's: an axis may have one for each part
+  bool m_step_begins : 1;              ///< buildJacobian was called, and no rows asked for since
+  signed char m_solver_row_count = 0;  ///< of Bullet's: an axis may have one for each part
   /// Bullet's over the rows: all, and those until what the last one leaves is known.
   short m_passes = 0, m_passes_left = 0;
   std::uint32_t m_velocities = 0;  ///< a hash of the bodies', while the joint rests
 
-  void beginPasses(const btConstraintInfo2& info);
+  /// Once after each buildJacobian, however often.
+  void beginStep();
+  void beginPasses(const Info2& info);
   /// Gives each part of each axis its place among Bullet's rows, of which there are so many.
   void placeRows(int room);
   /// Whether a rigid limit may act along the row's axis in this step.
@@ -254,7 +271,7 @@ class Joint : public btTypedConstraint {
                       const btSolverBody& b);
   void forget();
   void forgetImpulses();
-  void writeDelicate(btConstraintInfo2& info);
+  void writeDelicate(Info2& info);
   AxisMotion axisMotion(const Row& row, const AxisState& state, const BodyPair& pair, Scalar fps,
                         Scalar default_limit_erp);
   void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
@@ -263,6 +280,7 @@ class Joint : public btTypedConstraint {
   bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
                  AxisRow (&parts)[3]);
 
+  btTypedConstraint& m_constraint;
   RowList m_rows;
   btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one

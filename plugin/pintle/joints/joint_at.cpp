@@ -6,13 +6,12 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
-                       const btTransform& pose_b) {
+void Joint::writeRowsAt(Info2& info, const btTransform& pose_a, const btTransform& pose_b) {
   const int announced = m_solver_row_count;
-  if (pose_a == m_rbA.getCenterOfMassTransform() && pose_b == m_rbB.getCenterOfMassTransform())
-    return Joint::getInfo2(info);
+  if (pose_a == bodyA().getCenterOfMassTransform() && pose_b == bodyB().getCenterOfMassTransform())
+    return writeRows(info);
   m_rows.clear();
-  const BodyPair pair(m_rbA, pose_a, m_rbB, pose_b);
+  const BodyPair pair(bodyA(), pose_a, bodyB(), pose_b);
   const StepMotion now = motion(pair);
   Rows rows(m_rows, now);
   if (pair.finite()) addRows(pair, rows);
@@ -20,7 +19,7 @@ void Joint::getInfo2At(btConstraintInfo2* info, const btTransform& pose_a,
   // Bullet has no room for more.
   m_rows.truncate(announced);
   placeRows(announced);
-  Joint::getInfo2(info);
+  writeRows(info);
 }
 
 }  // namespace PINTLE_PRECISION

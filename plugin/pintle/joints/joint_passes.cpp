@@ -150,8 +150,8 @@ void lengthen(btSolverConstraint& row, Scalar times) {
 
 }  // namespace
 
-void Joint::beginPasses(const btConstraintInfo2& info) {
-  const int own = getOverrideNumSolverIterations();
+void Joint::beginPasses(const Info2& info) {
+  const int own = m_constraint.getOverrideNumSolverIterations();
   const int passes = own > 0 ? own : info.m_numIterations;
   // Bullet shows none beyond its own number; so many are enough for any joint.
   const bool shown = m_solver_rows != nullptr && passes <= info.m_numIterations &&
@@ -202,7 +202,7 @@ void Joint::breakIfOverloaded(btSolverBody& a, btSolverBody& b) {
   for (int i = 0; i < n; ++i)
     if (!m_rows[i].angular) T -= P.dot(m_rows[i].L) * m_rows[i].A_b;
   const Scalar load = btMax(P.cwiseAbs().maxCoeff(), T.norm()),
-               threshold = getBreakingImpulseThreshold();
+               threshold = m_constraint.getBreakingImpulseThreshold();
   // Bullet ends a step whose passes change nothing: what has settled may be the end.
   const bool settled = load == m_last_load;
   m_last_load = load;
@@ -215,7 +215,7 @@ void Joint::breakIfOverloaded(btSolverBody& a, btSolverBody& b) {
       row.m_lowerLimit = row.m_upperLimit = row.m_appliedImpulse;
     }
     sum.apply(a, b);
-    setEnabled(false);
+    m_constraint.setEnabled(false);
     return;
   }
   for (int i = 0; i < n; ++i) {
@@ -334,8 +334,8 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
   // Still too early, by what the last look found.
   if (disturbance > max_growth * max_disturbance * m_look_change) return;
   btTransform end_a, end_b;
-  endOfStep(m_rbA.getCenterOfMassTransform(), a, m_time_step, end_a);
-  endOfStep(m_rbB.getCenterOfMassTransform(), b, m_time_step, end_b);
+  endOfStep(bodyA().getCenterOfMassTransform(), a, m_time_step, end_a);
+  endOfStep(bodyB().getCenterOfMassTransform(), b, m_time_step, end_b);
   RowMemory<max_joint_rows, max_joint_rows> memory;
   Rows end(memory);
   addRows(PosePair(end_a, end_b), end);
@@ -387,7 +387,7 @@ PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody&
 }
 
 // Bullet calls this after each pass over the rows of all joints, before that over the contacts.
-void Joint::solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) {
+void Joint::afterPass(btSolverBody& a, btSolverBody& b) {
   m_shows_passes = true;
   if (m_passes_left > 0 && (--m_passes_left <= 1 || m_acts_in_each)) actBetweenPasses(a, b);
   if (m_solver_rows == nullptr) return;

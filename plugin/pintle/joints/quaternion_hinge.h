@@ -7,26 +7,17 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// One rotation about an axis common to two bodies (HingeBase), recovered from any error: the hinge
-/// to use. Its rows are the swing from one axis to the other; the document's formulation has its
-/// quaternion rows, and its limit in half-sine space.
-///
-/// Everything that btHingeConstraint has, under the same name, with the same signs and defaults.
-///
-/// \image html quaternion_hinge.svg
-class QuaternionHinge : public HingeOf<QuaternionHinge> {
+/// The rows of QuaternionHinge.
+class QuaternionHingeModel : public ObservedJoint<QuaternionHingeModel, HingeModel> {
  public:
-  BT_DECLARE_ALIGNED_ALLOCATOR();
-  using HingeOf::HingeOf;
+  static constexpr RowCount row_count{6, 1};
 
  protected:
+  using ObservedJoint::ObservedJoint;
   void limitChanged() override;
 
  private:
-  friend HingeOf;
   friend ObservedJoint;
-  static constexpr const char* joint_name = "QuaternionHinge";
-  static constexpr RowCount row_count{6, 1};
 
   void constrain(const Observation& seen, Rows& rows) const;
   void addDocumentRows(const Observation& seen, bool limit, Rows& rows) const;
@@ -34,8 +25,25 @@ class QuaternionHinge : public HingeOf<QuaternionHinge> {
   Axis m_half_sine_axis;  ///< its limit alone, in the document's half-sine space
 };
 
-extern template class ObservedJoint<QuaternionHinge, HingeBase>;
-extern template class HingeOf<QuaternionHinge>;
+/// One rotation about an axis common to two bodies (HingeBase), recovered from any error: the hinge
+/// to use. Its rows are the swing from one axis to the other; the document's formulation has its
+/// quaternion rows, and its limit in half-sine space.
+///
+/// It is a btHingeConstraint and a btHingeAccumulatedAngleConstraint.
+///
+/// \image html quaternion_hinge.svg
+class QuaternionHinge : public HingeOf<QuaternionHinge, QuaternionHingeModel> {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+  using HingeOf::HingeOf;
+
+ private:
+  friend HingeOf;
+  static constexpr const char* joint_name = "QuaternionHinge";
+};
+
+extern template class ObservedJoint<QuaternionHingeModel, HingeModel>;
+extern template class HingeOf<QuaternionHinge, QuaternionHingeModel>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

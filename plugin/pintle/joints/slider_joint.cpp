@@ -301,7 +301,7 @@ btScalar SliderJoint::getParam(int num, int axis) const {
 void SliderJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
                                      const btTransform& transB, const btVector3&, const btVector3&,
                                      btScalar, btScalar) {
-  getInfo2At(info, transA, transB);
+  writeRowsAt(*info, transA, transB);
 }
 
 void SliderJoint::drawJoint(btIDebugDraw& drawer) const {

@@ -30,22 +30,23 @@ inline equations::TwoPoints<Scalar> TwoPointHinge::points(const Lines& at) const
 }
 
 void TwoPointHinge::drawJoint(btIDebugDraw& drawer) const {
-  HingeBase::drawJoint(drawer);
+  HingeModel::drawJoint(drawer);
   if (!drawsFrames(drawer)) return;
-  const btMatrix3x3 &A = m_frame_a.getBasis(), &B = m_frame_b.getBasis();
+  const btMatrix3x3 &A = m_settings.frame_a.getBasis(), &B = m_settings.frame_b.getBasis();
   const auto column = [](const btMatrix3x3& m) -> Vec3 { return view(m.getColumn(2)); };
   const Vec3 none = Vec3::Zero();
-  const auto to = points({{view(m_frame_a.getOrigin()), view(m_frame_b.getOrigin()), none},
-                          column(A),
-                          column(B),
-                          none});
+  const auto to =
+      points({{view(m_settings.frame_a.getOrigin()), view(m_settings.frame_b.getOrigin()), none},
+              column(A),
+              column(B),
+              none});
   const auto draw = [&](const btRigidBody& body, const btTransform& frame, Scalar s) {
     const btTransform point(frame.getBasis(), frame(btVector3(0, 0, s)));
     drawer.drawTransform(body.getCenterOfMassTransform() * point, m_dbgDrawSize / 2);
   };
   for (const Scalar s : {to.s_1, to.s_2}) {
-    draw(m_rbA, m_frame_a, s);
-    draw(m_rbB, m_frame_b, s);
+    draw(m_rbA, m_settings.frame_a, s);
+    draw(m_rbB, m_settings.frame_b, s);
   }
 }
 
@@ -54,7 +55,7 @@ inline void TwoPointHinge::constrain(const Observation& seen, Rows& rows) const 
   const Lines lines{seen.anchors(), seen.c_a, seen.c_b, swing.h};
 
   const int before = rows.size();
-  if (m_angular_only)
+  if (m_settings.angular_only)
     addDirectionRows(lines, rows);
   else
     addPointRows(lines, rows);
@@ -85,10 +86,9 @@ inline void TwoPointHinge::addPointRows(const Lines& lines, Rows& rows) const {
     return;
   }
   const auto add = [&](const equations::Anchors<Scalar>& at, std::initializer_list<Vec3> along) {
-    const Vec3 curvature =
-        document ? Vec3(Vec3::Zero()) : rows.curvature([&](const BodyPair& v) {
-          return equations::position_curvature<Scalar>(v.w_a(), at.r_a + at.d, v.w_b(), at.r_b);
-        });
+    const Vec3 curvature = document ? Vec3(Vec3::Zero()) : rows.curvature([&](const BodyPair& v) {
+      return equations::position_curvature<Scalar>(v.w_a(), at.r_a + at.d, v.w_b(), at.r_b);
+    });
     for (const Vec3& u : along) {
       const auto row =
           document ? equations::contact_row_world(u, at) : equations::contact_row(u, at);
@@ -114,7 +114,7 @@ inline void TwoPointHinge::addDirectionRows(const Lines& lines, Rows& rows) cons
   }
 }
 
-template class ObservedJoint<TwoPointHinge, HingeBase>;
+template class ObservedJoint<TwoPointHinge, HingeModel>;
 template class HingeOf<TwoPointHinge>;
 
 }  // namespace PINTLE_PRECISION

@@ -73,7 +73,7 @@ class TwoPointHinge : public HingeOf<TwoPointHinge> {
   bool m_six_rows = false;
 };
 
-extern template class ObservedJoint<TwoPointHinge, HingeBase>;
+extern template class ObservedJoint<TwoPointHinge, HingeModel>;
 extern template class HingeOf<TwoPointHinge>;
 
 }  // namespace PINTLE_PRECISION

@@ -355,7 +355,7 @@ btScalar UniversalJoint::getParam(int num, int axis) const {
 void UniversalJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
                                         const btTransform& transB, const btVector3&,
                                         const btVector3&, const btVector3&, const btVector3&) {
-  getInfo2At(info, transA, transB);
+  writeRowsAt(*info, transA, transB);
 }
 
 // --- Bullet's structs of settings ----------------------------------------------------------------

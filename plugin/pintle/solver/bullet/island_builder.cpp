@@ -150,7 +150,7 @@ bool IslandBuilder::keepRow(IslandJoint& to, IslandRow& row) {
 
 void IslandBuilder::addOurs(IslandJoint& to) {
   Joint& joint = *to.ours;
-  const BodyPair pair(joint.getRigidBodyA(), joint.getRigidBodyB());
+  const BodyPair pair(joint.constraint().getRigidBodyA(), joint.constraint().getRigidBodyB());
   const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
   to.equalities = rows.equalities();
   EqualitySettings settings = {-1, 0, 0, 0, 0};
@@ -410,7 +410,7 @@ void IslandBuilder::addClients(IslandJoint& to, const btSolverBody& a, const btS
   StockRows rows;
   if (its.changes_base) {
     const JointAccess::PlainRows plain(joint);
-    askStock(joint, a, b, rows);
+    askStock(joint.constraint(), a, b, rows);
     rows.limitClosing(joint.getMaxCorrectionSpeed());
     to.ours = nullptr;
     return addStock(to, rows, 0);
@@ -418,7 +418,7 @@ void IslandBuilder::addClients(IslandJoint& to, const btSolverBody& a, const btS
   {
     const JointAccess::PlainRows plain(joint);
     const JointAccess::KeptAxes kept(joint);
-    askStock(joint, a, b, rows);
+    askStock(joint.constraint(), a, b, rows);
   }
   addOurs(to);  // and then its memory holds the rows of its base
   addStock(to, rows, its.of_base);

@@ -49,9 +49,11 @@ void ask(btTypedConstraint& joint, const btContactSolverInfo& info, Answer& answ
 class Base : public btTypedConstraint {
  public:
   explicit Base(Joint& of)
-      : btTypedConstraint(MAX_CONSTRAINT_TYPE, of.getRigidBodyA(), of.getRigidBodyB()), m_of(of) {}
-  void getInfo1(btConstraintInfo1* info) override { m_of.Joint::getInfo1(info); }
-  void getInfo2(btConstraintInfo2* info) override { m_of.Joint::getInfo2(info); }
+      : btTypedConstraint(MAX_CONSTRAINT_TYPE, of.constraint().getRigidBodyA(),
+                          of.constraint().getRigidBodyB()),
+        m_of(of) {}
+  void getInfo1(btConstraintInfo1* info) override { JointAccess::announceRows(m_of, *info); }
+  void getInfo2(btConstraintInfo2* info) override { JointAccess::writeRows(m_of, *info); }
   void setParam(int, btScalar, int) override {}
   btScalar getParam(int, int) const override { return 0; }
 
@@ -83,7 +85,7 @@ ClientRows findClientRows(Joint& joint, const btContactSolverInfo& info) {
   const JointAccess::PlainRows plain(joint);
   const JointAccess::KeptAxes kept(joint);
   Answer its, base;
-  ask(joint, info, its);
+  ask(joint.constraint(), info, its);
   kept.restore();  // the base starts from the same memory
   Base as_base(joint);
   ask(as_base, info, base);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <typeinfo>
 
@@ -17,21 +18,27 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct JointAccess {
-  /// The joint, if it is one of Pintle's. To look this up takes as long as some of its rows: so a type is looked up once.
+  /// The joint, if the constraint is one of Pintle's. To look this up takes as long as some of its rows: so a type is looked up
+  /// once, with the place of its Joint, which is the same in all objects of the type.
   static Joint* ours(btTypedConstraint& constraint) {
     struct Known {
       const std::type_info* type = nullptr;
-      bool is_ours = false;
+      std::ptrdiff_t place = 0;  // 0: none
     };
     thread_local std::array<Known, 16> all;
     const std::type_info& type = typeid(constraint);
     Known& known = all[reinterpret_cast<std::uintptr_t>(&type) / 16 % all.size()];
-    if (known.type != &type) known = {&type, dynamic_cast<Joint*>(&constraint) != nullptr};
-    return known.is_ours ? static_cast<Joint*>(&constraint) : nullptr;
+    char* const start = reinterpret_cast<char*>(&constraint);
+    if (known.type != &type) {
+      auto* const joint = dynamic_cast<Joint*>(&constraint);
+      known = {&type, joint != nullptr ? reinterpret_cast<char*>(joint) - start : 0};
+    }
+    return known.place != 0 ? reinterpret_cast<Joint*>(start + known.place) : nullptr;
   }
 
   /// Its rows at the start of a step, in its own memory.
   static const RowList& begin(Joint& joint, const BodyPair& pair, Scalar dt, RowShape* shapes) {
+    joint.beginStep();
     joint.m_last_time_step = joint.m_time_step;
     joint.m_time_step = dt;
     joint.m_rows.clear();
@@ -41,6 +48,11 @@ struct JointAccess {
     joint.m_solver_row_count = 1;
     return joint.m_rows;
   }
+  ///@{
+  /// As its class has them, whatever a client's makes of that.
+  static void announceRows(Joint& joint, Joint::Info1& info) { joint.announceRows(info); }
+  static void writeRows(Joint& joint, Joint::Info2& info) { joint.writeRows(info); }
+  ///@}
   /// Of its memory.
   static const Row& firstRow(const Joint& joint) { return joint.m_rows[0]; }
   /// While it lives, Bullet's rows of the joint are those of addRows: none is made orthogonal to others, none predicts by how much its
@@ -58,11 +70,13 @@ struct JointAccess {
     Joint& m_joint;
     const bool m_before;
   };
-  /// What the joint remembers of its axes, which getInfo2 changes: restored at the end of its life, and before that when asked.
+  /// Begins the joint's step, and keeps what it remembers of its axes, which getInfo2 changes: restored at the end of its life, and
+  /// before that when asked.
   class KeptAxes {
    public:
     explicit KeptAxes(Joint& joint)
         : m_rows(joint.m_rows), m_count(std::min(m_rows.axisCount(), max_joint_rows)) {
+      joint.beginStep();
       for (int i = 0; i < m_count; ++i) m_axes[size_t(i)] = m_rows.axis(i);
     }
     ~KeptAxes() { restore(); }

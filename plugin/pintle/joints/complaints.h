@@ -1,0 +1,62 @@
+// Purpose: what is not used of the settings that a client wrote to a constraint of Bullet's, in words.
+#pragma once
+
+#include <pintle/bullet/stock_parameter.h>
+#include <pintle/finite.h>
+#include <pintle/rows/axis_settings.h>
+
+#include <sstream>
+#include <string>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+class Complaints {
+ public:
+  explicit Complaints(const char* joint) : m_joint(joint) {}
+
+  void add(const char* field, Scalar value, const char* why) {
+    if (m_text.tellp() > 0) m_text << "; ";
+    m_text << "pintle::" << m_joint << ": " << field << " = " << value << ": " << why;
+  }
+  std::string text() const { return m_text.str(); }
+
+ private:
+  const char* m_joint;
+  std::ostringstream m_text;
+};
+
+/// Takes `from` over if it is finite. `complaints`: null in a step.
+inline void takeFinite(Scalar& to, Scalar from, const char* field, Complaints* complaints) {
+  if (isFinite(from))
+    to = from;
+  else if (complaints != nullptr)
+    complaints->add(field, from, "must be finite");
+}
+
+/// The same of what is not below zero: such a value is taken as zero. (Bullet's classes turn it against itself.)
+inline void takeNotNegative(Scalar& to, Scalar from, const char* field, Complaints* complaints) {
+  takeFinite(to, from, field, complaints);
+  if (to >= 0) return;
+  to = 0;
+  if (complaints != nullptr)
+    complaints->add(field, from, "must not be negative, and is taken as 0");
+}
+/// The same of a bound, which may be infinite.
+inline void takeBound(Scalar& to, Scalar from, const char* field, Complaints* complaints) {
+  takeNotNegative(to, isNumber(from) && from > infinity ? infinity : from, field, complaints);
+}
+/// The same of a parameter, which need not be set.
+inline void takeParameter(Parameter& to, const StockParameter& from, const char* field,
+                          Complaints* complaints) {
+  if (!from.is_set) {
+    to = {};
+    return;
+  }
+  Scalar value = to.orElse(0);
+  takeNotNegative(value, from.value, field, complaints);
+  to = value;
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,195 @@
+#include <pintle/joints/hinge_model.h>
+
+#include <pintle/bullet/frames.h>
+#include <pintle/joints/complaints.h>
+#include <pintle/joints/drawing.h>
+#include <pintle/joints/hinge_rows.h>
+#include <pintle/rows/position_rows.h>
+
+#include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
+
+#include <limits>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+namespace {
+
+// Limits of Pintle's that Bullet's object cannot hold stand there as this pair, which is free, and which nobody else writes.
+constexpr btScalar free_low = btScalar(0.7320508), free_high = btScalar(-0.5303301);
+
+// rad: a limit of half a turn to either side is none, as in Bullet (Joint::setAngleLimit).
+constexpr Scalar free_half_range = SIMD_PI - Scalar(1e-5);
+
+}  // namespace
+
+HingeModel::HingeModel(btHingeConstraint& hinge, RowCount max_rows)
+    : Joint(hinge, max_rows),
+      m_sign(-referenceSign(hinge)),
+      m_read_limit(limitOf(hinge)),
+      m_read_motor{false, 0, 0} {
+  constexpr Scalar none = std::numeric_limits<Scalar>::quiet_NaN();
+  // Until there are frames the joint holds nothing.
+  m_settings.frame_a.setOrigin({none, none, none});
+  m_settings.frame_a.getBasis().setIdentity();
+  m_settings.frame_b = m_settings.frame_a;
+  HingeModel::read(nullptr);
+  remember(observe(BodyPair(bodyA(), bodyB())), false);
+}
+
+HingeModel::HingeModel(btHingeAccumulatedAngleConstraint& hinge, RowCount max_rows)
+    : HingeModel(static_cast<btHingeConstraint&>(hinge), max_rows) {
+  m_accumulated = &accumulatedAngle(hinge);
+}
+
+btHingeConstraint& HingeModel::hinge() const {
+  return static_cast<btHingeConstraint&>(const_cast<HingeModel*>(this)->constraint());
+}
+
+void HingeModel::setBlockRows(bool block) {
+  hinge().setUseFrameOffset(block);
+  Joint::setBlockRows(block);
+}
+
+bool HingeModel::getBlockRows() const { return hinge().getUseFrameOffset(); }
+
+// --- what stands in Bullet's object --------------------------------------------------------------
+
+void HingeModel::readSettings() { read(nullptr); }
+
+std::string HingeModel::whyIgnored() {
+  Complaints complaints(name());
+  read(&complaints);
+  return complaints.text();
+}
+
+void HingeModel::read(Complaints* complaints) {
+  const StockHinge from(hinge());
+  readFrames(from, complaints);
+  readLimit(from, complaints);
+  readMotor(from, complaints);
+  m_settings.angular_only = from.angular_only;
+  Joint::setBlockRows(from.frame_offset);
+  takeParameter(m_erp, from.erp, "ERP", complaints);
+  takeParameter(m_motor_cfm, from.motor_cfm, "CFM", complaints);
+  takeParameter(m_limit_erp, from.limit_erp, "STOP_ERP", complaints);
+  takeParameter(m_limit_cfm, from.limit_cfm, "STOP_CFM", complaints);
+}
+
+void HingeModel::readFrames(const StockHinge& from, Complaints* complaints) {
+  btTransform a = m_settings.frame_a, b = m_settings.frame_b;
+  if (isSameFrame(from.frame_a, a) && isSameFrame(from.frame_b, b)) return;
+  const bool are_frames = repairFrame(from.frame_a, a) && repairFrame(from.frame_b, b);
+  if (!are_frames) {
+    if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with a z axis");
+    return;
+  }
+  if (!isSameFrame(a, m_settings.frame_a) || !isSameFrame(b, m_settings.frame_b)) keepFrames(a, b);
+}
+
+void HingeModel::keepFrames(const btTransform& frame_a, const btTransform& frame_b) {
+  m_settings.frame_a = frame_a;
+  m_settings.frame_b = frame_b;
+  // Another zero: the turns counted from the old one mean nothing.
+  m_twist = {};
+  m_turn_given = false;
+  remember(observe(BodyPair(bodyA(), bodyB())), false);
+}
+
+void HingeModel::readLimit(const StockHinge& from, Complaints* complaints) {
+  Axis& axis = m_settings.axis;
+  takeNotNegative(axis.bias, from.bias, "bias factor", complaints);
+  takeNotNegative(axis.relaxation, from.relaxation, "relaxation factor", complaints);
+  if (from.limit == m_read_limit) return;
+  const auto& [center, half_range] = from.limit;
+  const bool is_free = isNumber(half_range) && (half_range < 0 || half_range >= free_half_range);
+  if (!is_free && !(isFinite(half_range) && isFinite(center))) {
+    if (complaints != nullptr)
+      complaints->add("limit", isFinite(center) ? half_range : center, "must be a number");
+    return;
+  }
+  m_read_limit = from.limit;
+  m_own_limit = false;
+  const Axis before = axis;
+  axis.low = is_free ? Scalar(1) : center - half_range;
+  axis.high = is_free ? Scalar(-1) : center + half_range;
+  axis.is_any_angle = false;
+  limitSet(before);
+}
+
+void HingeModel::readMotor(const StockHinge& from, Complaints* complaints) {
+  Axis& axis = m_settings.axis;
+  StockMotor& last = m_read_motor;
+  const bool is_another = !isSame(from.motor.velocity, last.velocity) ||
+                          !isSame(from.motor.max_impulse, last.max_impulse);
+  if (from.motor.on && (is_another || complaints != nullptr)) {
+    takeFinite(axis.motor_velocity, from.motor.velocity, "motor target velocity", complaints);
+    takeBound(axis.max_motor_impulse, from.motor.max_impulse, "max motor impulse", complaints);
+  }
+  if (from.motor.on && is_another) {
+    last = from.motor;
+    axis.chosen = Axis::Drive::velocity;  // before a servo
+  }
+  axis.enable(from.motor.on);
+}
+
+// --- limits that Bullet's object does not have ---------------------------------------------------
+
+void HingeModel::keepLimit(Scalar low, Scalar high, bool of_any_turn) {
+  Axis& axis = m_settings.axis;
+  const Axis before = axis;
+  if (of_any_turn)
+    setAxisLimit(axis, low, high);
+  else
+    setAngleLimit(axis, low, high);
+  const btHingeConstraint& stock = hinge();
+  const bool shown = axis.is_any_angle || low > high || high - low < SIMD_2_PI;
+  hinge().setLimit(shown ? low : free_low, shown ? high : free_high, stock.getLimitSoftness(),
+                   stock.getLimitBiasFactor(), stock.getLimitRelaxationFactor());
+  m_read_limit = limitOf(stock);
+  m_own_limit = true;
+  limitSet(before);
+}
+
+// A limit of less than a turn holds in the turn that the joint is in.
+void HingeModel::limitSet(const Axis& before) {
+  limitChanged();
+  if (m_turn_given) return;
+  const BodyPair pair(bodyA(), bodyB());
+  if (pair.finite()) remember(observe(pair), false);
+  turnTowardsLimit(m_twist, m_sign, before, m_settings.axis);
+}
+
+// --- what a client reads from Bullet's object after a step ---------------------------------------
+
+void HingeModel::showAngle() {
+  // Near enough for Bullet's getter, which makes up for the rest.
+  if (m_accumulated != nullptr) *m_accumulated = m_sign * m_twist.roughValue();
+  showLimitAt(m_twist);
+}
+
+void HingeModel::showLimitAt(const UnwrappedAngle& twist) {
+  const Axis& axis = m_settings.axis;
+  Scalar correction = 0;
+  if (axis.limited() && axis.distance(m_sign * twist.roughValue()) < UnwrappedAngle::rough_error) {
+    const Scalar angle = m_sign * twist.value();
+    correction = btMax(axis.low - angle, btMin(axis.high - angle, Scalar(0)));
+  }
+  showLimit(hinge(), correction > 0 ? Scalar(1) : Scalar(correction < 0 ? -1 : 0), correction);
+}
+
+void HingeModel::drawJoint(btIDebugDraw& drawer) const {
+  const btTransform a = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
+                    b = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
+  const btScalar size = hinge().getDbgDrawSize();
+  if (drawsFrames(drawer)) {
+    drawer.drawTransform(a, size);
+    drawer.drawTransform(b, size);
+  }
+  const Axis& axis = m_settings.axis;
+  if (drawsLimits(drawer) && !axis.locked())
+    drawRange(drawer, b.getOrigin(), b.getBasis().getColumn(2), b.getBasis().getColumn(0), size,
+              axis.low, axis.high);
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
