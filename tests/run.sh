@@ -14,9 +14,10 @@ source tests/setup.sh
 packages=()
 [ "$preset" != sanitizers ] || packages+=(clang libclang-rt-dev)
 pintle_install_packages ${packages[@]+"${packages[@]}"}
-# For tests that are skipped without them: of the page, of the documentation's site, and of what a recorder costs.
+# For tests that are skipped without them: of the page, of the documentation's site, of what a recorder costs, and of .bullet files.
 if [ "$preset" != sanitizers ]; then
   pintle_install_page_packages chromium doxygen valgrind
+  pintle_install_optional_packages libbullet-extras-dev
   bash demos/engines/jolt/install.sh "build/$preset/jolt"  # for its own tests
 fi
 

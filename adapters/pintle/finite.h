@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 namespace pintle {
 
@@ -33,10 +34,21 @@ inline bool isFinite(float x) {
   return (bits << 1) < std::uint32_t(0xff) << 24;
 }
 
-/// Whether the bits are the same: two NaN may be.
+/// Whether the bits are the same: two NaN may be. (Without a branch: what is asked in each step is the same.)
 template <class T>
 bool isSame(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
+  using Word =
+      std::conditional_t<sizeof(T) % sizeof(std::uint64_t) == 0, std::uint64_t, std::uint32_t>;
+  constexpr int count = sizeof(T) / sizeof(Word);
+  static_assert(count * sizeof(Word) == sizeof(T));
+  Word differs = 0;
+  for (int i = 0; i < count; ++i) {
+    Word x, y;
+    std::memcpy(&x, reinterpret_cast<const char*>(&a) + i * int(sizeof(Word)), sizeof(Word));
+    std::memcpy(&y, reinterpret_cast<const char*>(&b) + i * int(sizeof(Word)), sizeof(Word));
+    differs |= x ^ y;
+  }
+  return differs == 0;
 }
 
 }  // namespace pintle

@@ -2,16 +2,9 @@
 
 #include <pintle/finite.h>
 
-#include <cstring>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
-
-// The fourth number is nobody's.
-bool isSameVector(const btVector3& a, const btVector3& b) {
-  return std::memcmp(a.m_floats, b.m_floats, 3 * sizeof(btScalar)) == 0;
-}
 
 bool areFinite(const btVector3& v) { return isFinite(v.x()) && isFinite(v.y()) && isFinite(v.z()); }
 
@@ -21,13 +14,6 @@ bool areFinite(const btTransform& t) {
 }
 
 }  // namespace
-
-bool isSameFrame(const btTransform& a, const btTransform& b) {
-  return isSameVector(a.getOrigin(), b.getOrigin()) &&
-         isSameVector(a.getBasis()[0], b.getBasis()[0]) &&
-         isSameVector(a.getBasis()[1], b.getBasis()[1]) &&
-         isSameVector(a.getBasis()[2], b.getBasis()[2]);
-}
 
 bool isRotation(const btMatrix3x3& R) {
   constexpr Scalar tolerance = Scalar(1e-3);

@@ -8,9 +8,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// Whether all numbers are the same bits, NaN and the padding of vectors aside.
-bool isSameFrame(const btTransform& a, const btTransform& b);
-
 /// Whether the axes are unit vectors at right angles, right-handed, to a thousandth.
 bool isRotation(const btMatrix3x3& R);
 

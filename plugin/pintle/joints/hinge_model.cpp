@@ -75,20 +75,22 @@ void HingeModel::read(Complaints* complaints) {
   takeParameter(m_limit_cfm, from.limit_cfm, "STOP_CFM", complaints);
 }
 
+// The fourth numbers of vectors are anybody's: with others there only the bits differ.
 void HingeModel::readFrames(const StockHinge& from, Complaints* complaints) {
-  btTransform a = m_settings.frame_a, b = m_settings.frame_b;
-  if (isSameFrame(from.frame_a, a) && isSameFrame(from.frame_b, b)) return;
-  const bool are_frames = repairFrame(from.frame_a, a) && repairFrame(from.frame_b, b);
-  if (!are_frames) {
-    if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with a z axis");
+  if (isSame(from.frame_a, m_settings.frame_a) && isSame(from.frame_b, m_settings.frame_b)) return;
+  btTransform a, b;
+  if (!(repairFrame(from.frame_a, a) && repairFrame(from.frame_b, b))) {
+    if (complaints != nullptr)
+      complaints->add("joint frames", 0, "must be finite, with a z axis");
     return;
   }
-  if (!isSameFrame(a, m_settings.frame_a) || !isSameFrame(b, m_settings.frame_b)) keepFrames(a, b);
+  const bool are_others = !(a == m_settings.frame_a && b == m_settings.frame_b);
+  m_settings.frame_a = a;
+  m_settings.frame_b = b;
+  if (are_others) framesChanged();
 }
 
-void HingeModel::keepFrames(const btTransform& frame_a, const btTransform& frame_b) {
-  m_settings.frame_a = frame_a;
-  m_settings.frame_b = frame_b;
+void HingeModel::framesChanged() {
   // Another zero: the turns counted from the old one mean nothing.
   m_twist = {};
   m_turn_given = false;

@@ -69,7 +69,7 @@ class HingeModel : public Joint {
   void readFrames(const StockHinge& from, Complaints* complaints);
   void readLimit(const StockHinge& from, Complaints* complaints);
   void readMotor(const StockHinge& from, Complaints* complaints);
-  void keepFrames(const btTransform& frame_a, const btTransform& frame_b);
+  void framesChanged();
   /// A limit by Pintle's own methods, which Bullet's object shows as far as it can.
   void keepLimit(Scalar low, Scalar high, bool of_any_turn);
   void limitSet(const Axis& before);

@@ -1,0 +1,88 @@
+// A .bullet file that is written with Pintle's joints is one of Bullet's joints: Bullet's importer loads it.
+#include <BulletWorldImporter/btBulletWorldImporter.h>
+#include <LinearMath/btSerializer.h>
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+#include <pintle/joints/quaternion_hinge.h>
+#include <scenes/world.h>
+
+#include <memory>
+#include <typeinfo>
+#include <vector>
+
+namespace {
+
+// A world as it comes out of the file that another one is written to.
+class Loaded {
+ public:
+  explicit Loaded(const btDiscreteDynamicsWorld& from) : m_importer(&m_world.bullet()) {
+    btDefaultSerializer serializer;
+    // It is not const, and changes nothing.
+    const_cast<btDiscreteDynamicsWorld&>(from).serialize(&serializer);
+    std::vector<char> file(serializer.getBufferPointer(),
+                           serializer.getBufferPointer() + serializer.getCurrentBufferSize());
+    EXPECT_TRUE(m_importer.loadFileFromMemory(file.data(), int(file.size())));
+  }
+  ~Loaded() { m_importer.deleteAllData(); }
+
+  btDiscreteDynamicsWorld& world() { return m_world.bullet(); }
+
+ private:
+  scenes::World m_world;
+  btBulletWorldImporter m_importer;
+};
+
+btTransform at(double x, double angle) {
+  return btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(angle)),
+                     btVector3(btScalar(x), 0, 0));
+}
+
+TEST(BulletFile, AHingeIsLoadedAsBullets) {
+  scenes::World written;
+  const btVector3 half(btScalar(0.3), btScalar(0.1), btScalar(0.1));
+  btRigidBody& a = written.add_box(0, half, scenes::pose_at(btVector3(0, 0, 0)));
+  btRigidBody& b = written.add_box(2, half, scenes::pose_at(btVector3(1, 0, 0)));
+  auto& hinge =
+      written.add_joint<pintle::QuaternionHinge>(a, b, at(0.5, 0.3), at(-0.5, 0.3), true);
+  hinge.setLimit(btScalar(-0.5), btScalar(0.75), btScalar(0.9), btScalar(0.6), btScalar(0.5));
+  hinge.enableAngularMotor(true, 2, 3);
+  hinge.setAngularOnly(true);
+  Loaded loaded(written.bullet());
+  ASSERT_EQ(loaded.world().getNumConstraints(), 1);
+  auto* const of = dynamic_cast<btHingeConstraint*>(loaded.world().getConstraint(0));
+  ASSERT_NE(of, nullptr);
+  EXPECT_EQ(typeid(*of), typeid(btHingeConstraint));
+  EXPECT_FLOAT_EQ(float(of->getLowerLimit()), -0.5f);
+  EXPECT_FLOAT_EQ(float(of->getUpperLimit()), 0.75f);
+  EXPECT_FLOAT_EQ(float(of->getLimitBiasFactor()), 0.6f);
+  EXPECT_FLOAT_EQ(float(of->getLimitRelaxationFactor()), 0.5f);
+  EXPECT_TRUE(of->getEnableAngularMotor());
+  EXPECT_FLOAT_EQ(float(of->getMaxMotorImpulse()), 3);
+  EXPECT_TRUE(of->getAngularOnly());
+  EXPECT_TRUE(of->getUseReferenceFrameA());
+  EXPECT_EQ(of->getFrameOffsetA().getOrigin(), hinge.getFrameOffsetA().getOrigin());
+  EXPECT_EQ(&of->getRigidBodyA() == &of->getRigidBodyB(), false);
+  for (int i = 0; i < 60; ++i) loaded.world().stepSimulation(btScalar(1. / 60), 0);
+}
+
+// Bullet has no limits of a turn or more: they are none in a file.
+TEST(BulletFile, ALimitOfSeveralTurnsIsLoadedAsNone) {
+  scenes::World written;
+  const btVector3 half(btScalar(0.3), btScalar(0.1), btScalar(0.1));
+  btRigidBody& a = written.add_box(0, half, scenes::pose_at(btVector3(0, 0, 0)));
+  btRigidBody& b = written.add_box(2, half, scenes::pose_at(btVector3(1, 0, 0)));
+  auto& hinge = written.add_joint<pintle::QuaternionHinge>(a, b, at(0.5, 0), at(-0.5, 0), true);
+  hinge.setLimit(-SIMD_2_PI, SIMD_2_PI);
+  Loaded loaded(written.bullet());
+  ASSERT_EQ(loaded.world().getNumConstraints(), 1);
+  auto* const of = dynamic_cast<btHingeConstraint*>(loaded.world().getConstraint(0));
+  ASSERT_NE(of, nullptr);
+  EXPECT_FALSE(of->hasLimit());
+  for (const double angle : {-3., -1., 0., 1., 3.}) {
+    of->testLimit(at(0.5, 0) * btTransform(btQuaternion(btVector3(0, 0, 1), btScalar(angle))),
+                  at(0.5, 0));
+    EXPECT_EQ(of->getSolveLimit(), 0) << angle;
+  }
+}
+
+}  // namespace
