@@ -73,8 +73,6 @@ TEST_F(FastMath, RefusesWhatIsNotFinite) {
       {"hinge friction", [&](btScalar x) { hinge.setFriction(x); }, true},
       {"hinge limit spring", [&](btScalar x) { hinge.setLimitSpring(x, 1); }},
       {"correction speed", [&](btScalar x) { hinge.setMaxCorrectionSpeed(x); }},
-      {"ball pivot", [&](btScalar x) { ball.setPivotA(btVector3(0, 0, x)); }},
-      {"ball ERP", [&](btScalar x) { ball.setParam(BT_CONSTRAINT_ERP, x); }},
       {"slider lower limit", [&](btScalar x) { slider.setLowerLinLimit(x); }, true},
       {"slider upper angle", [&](btScalar x) { slider.setUpperAngLimit(x); }, true},
       {"slider motor", [&](btScalar x) { slider.setTargetLinMotorVelocity(x); }},
@@ -132,17 +130,27 @@ TEST_F(FastMath, DoesNotUseWhatIsNotFinite) {
          hinge.setFrames(btTransform(btQuaternion(0, 0, 0, 1), btVector3(x, 0, 0)), frame);
        }},
   };
-  for (const Setting& setting : settings) {
-    SCOPED_TRACE(setting.name);
-    setting.call(nan_value);
-    EXPECT_NE(hinge.whyIgnored(), "");
-    if (!setting.takes_infinity) {
-      setting.call(infinite);
-      EXPECT_NE(hinge.whyIgnored(), "");
+  const std::vector<Setting> of_ball = {
+      {"pivot", [&](btScalar x) { ball.setPivotA(btVector3(0, 0, x)); }},
+      {"ERP", [&](btScalar x) { ball.setParam(BT_CONSTRAINT_ERP, x); }},
+      {"damping", [&](btScalar x) { ball.m_setting.m_damping = x; }},
+      {"impulse clamp", [&](btScalar x) { ball.m_setting.m_impulseClamp = x; }},
+  };
+  const auto check = [](Joint& joint, const std::vector<Setting>& all) {
+    for (const Setting& setting : all) {
+      SCOPED_TRACE(setting.name);
+      setting.call(nan_value);
+      EXPECT_NE(joint.whyIgnored(), "");
+      if (!setting.takes_infinity) {
+        setting.call(infinite);
+        EXPECT_NE(joint.whyIgnored(), "");
+      }
+      setting.call(1);
+      EXPECT_EQ(joint.whyIgnored(), "");
     }
-    setting.call(1);
-    EXPECT_EQ(hinge.whyIgnored(), "");
-  }
+  };
+  check(hinge, settings);
+  check(ball, of_ball);
 }
 
 TEST_F(FastMath, ABodyThatIsNotFiniteGetsNoRows) {

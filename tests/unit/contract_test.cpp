@@ -59,7 +59,6 @@ void* allocate(std::size_t size, std::size_t alignment) {
 namespace contract_test {
 
 using kinds::Kind;
-using pintle::BallJoint;
 using pintle::Formulation;
 using pintle::FrameJoint;
 using pintle::QuaternionHinge;
@@ -969,24 +968,6 @@ TEST_P(Contract, ConstructorsRefuseBadFrames) {
   }
 }
 
-TEST(ContractOfTheBall, ConstructorsRefuseBadPivots) {
-  Random random(22);
-  const Pair pair = randomPair(random);
-  for (const btScalar value : not_finite) {
-    for (int i = 0; i < 3; ++i) {
-      btVector3 bad(1, 2, 3);
-      bad[i] = value;
-      const btVector3 good(1, 2, 3);
-      expectRefusal(refusal([&] { BallJoint(*pair.a, *pair.b, bad, good); }), "BallJoint",
-                    "pivotInA", text(value));
-      expectRefusal(refusal([&] { BallJoint(*pair.a, *pair.b, good, bad); }), "BallJoint",
-                    "pivotInB", text(value));
-      expectRefusal(refusal([&] { BallJoint(*pair.a, bad); }), "BallJoint", "pivotInA",
-                    text(value));
-    }
-  }
-}
-
 // What a client can read of a joint.
 std::vector<double> answers(const btTransform& t) {
   std::vector<double> out;
@@ -1022,17 +1003,6 @@ std::vector<double> answers(QuaternionHinge& h) {
   }
   return out;
 }
-std::vector<double> answers(BallJoint& ball) {
-  std::vector<double> out = {double(ball.getFlags()), double(ball.getMaxCorrectionSpeed()),
-                             double(ball.getParam(BT_CONSTRAINT_ERP)),
-                             double(ball.getParam(BT_CONSTRAINT_CFM))};
-  for (int i = 0; i < 3; ++i) {
-    out.push_back(double(ball.getPivotInA()[i]));
-    out.push_back(double(ball.getPivotInB()[i]));
-  }
-  return out;
-}
-
 // The call throws, names joint, field and value, and leaves `joint` as `twin` is.
 template <class J>
 void expectRefused(J& joint, J& twin, const std::function<void(J&)>& call, const std::string& field,
@@ -1122,38 +1092,6 @@ TEST(ContractOfTheHinge, InfiniteLimitSidesAreFree) {
       expectWhole(SolverRows::ofStep(hinge));
       hinge.enableAngularMotor(true, 1, 1);
       expectWhole(SolverRows::ofStep(hinge));
-    }
-  }
-}
-
-TEST(ContractOfTheBall, RefusesBadSettingsAndStaysAsItWas) {
-  using B = BallJoint;
-  Random random(24);
-  const Pair pair = randomPair(random);
-  const auto fresh = [&] {
-    auto ball = std::make_unique<B>(*pair.a, *pair.b, pair.frame_a, pair.frame_b);
-    ball->setParam(BT_CONSTRAINT_ERP, scalar(0.3));
-    return ball;
-  };
-  const auto expectBad = [&](const std::function<void(B&)>& call, const char* field,
-                             const std::string& value) {
-    const auto ball = fresh(), twin = fresh();
-    expectRefused<B>(*ball, *twin, call, field, value);
-  };
-  for (const btScalar value : {nan_value, infinite, -infinite, scalar(-1)}) {
-    for (const int number : {BT_CONSTRAINT_ERP, BT_CONSTRAINT_STOP_ERP})
-      expectBad([=](B& j) { j.setParam(number, value); }, "ERP", text(value));
-    for (const int number : {BT_CONSTRAINT_CFM, BT_CONSTRAINT_STOP_CFM})
-      expectBad([=](B& j) { j.setParam(number, value); }, "CFM", text(value));
-    expectBad([=](B& j) { j.setMaxCorrectionSpeed(value); }, "correction speed", text(value));
-  }
-  expectBad([](B& j) { j.setMaxCorrectionSpeed(0); }, "correction speed", "0");
-  for (const btScalar value : not_finite) {
-    for (int i = 0; i < 3; ++i) {
-      btVector3 bad(1, 2, 3);
-      bad[i] = value;
-      expectBad([=](B& j) { j.setPivotA(bad); }, "pivotA", text(value));
-      expectBad([=](B& j) { j.setPivotB(bad); }, "pivotB", text(value));
     }
   }
 }

@@ -5,6 +5,9 @@
 #include <pintle/finite.h>
 #include <pintle/rows/axis_settings.h>
 
+#include <LinearMath/btVector3.h>
+
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -34,6 +37,21 @@ inline void takeFinite(Scalar& to, Scalar from, const char* field, Complaints* c
     complaints->add(field, from, "must be finite");
 }
 
+/// The same of a point.
+inline void takePoint(btVector3& to, const btVector3& from, const char* field,
+                      Complaints* complaints) {
+  for (int i = 0; i < 3; ++i) {
+    if (isFinite(from[i])) continue;
+    if (complaints != nullptr) complaints->add(field, from[i], "must be finite");
+    return;
+  }
+  to = from;
+}
+/// What a point is that was never given: rows of it are none.
+inline btVector3 noPoint() {
+  constexpr Scalar none = std::numeric_limits<Scalar>::quiet_NaN();
+  return {none, none, none};
+}
 /// The same of what is not below zero: such a value is taken as zero. (Bullet's classes turn it against itself.)
 inline void takeNotNegative(Scalar& to, Scalar from, const char* field, Complaints* complaints) {
   takeFinite(to, from, field, complaints);

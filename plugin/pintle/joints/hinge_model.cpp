@@ -8,8 +8,6 @@
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 
-#include <limits>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -27,9 +25,8 @@ HingeModel::HingeModel(btHingeConstraint& hinge, RowCount max_rows)
       m_sign(-referenceSign(hinge)),
       m_read_limit(limitOf(hinge)),
       m_read_motor{false, 0, 0} {
-  constexpr Scalar none = std::numeric_limits<Scalar>::quiet_NaN();
   // Until there are frames the joint holds nothing.
-  m_settings.frame_a.setOrigin({none, none, none});
+  m_settings.frame_a.setOrigin(noPoint());
   m_settings.frame_a.getBasis().setIdentity();
   m_settings.frame_b = m_settings.frame_a;
   HingeModel::read(nullptr);
@@ -80,8 +77,7 @@ void HingeModel::readFrames(const StockHinge& from, Complaints* complaints) {
   if (isSame(from.frame_a, m_settings.frame_a) && isSame(from.frame_b, m_settings.frame_b)) return;
   btTransform a, b;
   if (!(repairFrame(from.frame_a, a) && repairFrame(from.frame_b, b))) {
-    if (complaints != nullptr)
-      complaints->add("joint frames", 0, "must be finite, with a z axis");
+    if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with a z axis");
     return;
   }
   const bool are_others = !(a == m_settings.frame_a && b == m_settings.frame_b);
