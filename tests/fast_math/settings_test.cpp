@@ -73,11 +73,6 @@ TEST_F(FastMath, RefusesWhatIsNotFinite) {
       {"hinge friction", [&](btScalar x) { hinge.setFriction(x); }, true},
       {"hinge limit spring", [&](btScalar x) { hinge.setLimitSpring(x, 1); }},
       {"correction speed", [&](btScalar x) { hinge.setMaxCorrectionSpeed(x); }},
-      {"slider lower limit", [&](btScalar x) { slider.setLowerLinLimit(x); }, true},
-      {"slider upper angle", [&](btScalar x) { slider.setUpperAngLimit(x); }, true},
-      {"slider motor", [&](btScalar x) { slider.setTargetLinMotorVelocity(x); }},
-      {"slider motor bound", [&](btScalar x) { slider.setMaxLinMotorForce(x); }, true},
-      {"slider damping", [&](btScalar x) { slider.setDampingDirLin(x); }},
       {"cone-twist span", [&](btScalar x) { cone_twist.setLimit(x, 1, 1); }, true},
       {"cone-twist bias", [&](btScalar x) { cone_twist.setLimit(1, 1, 1, 1, x); }},
       {"cone-twist swing", [&](btScalar x) { cone_twist.setSwingLimits(-1, 1, -1, x); }, true},
@@ -149,7 +144,16 @@ TEST_F(FastMath, DoesNotUseWhatIsNotFinite) {
       EXPECT_EQ(joint.whyIgnored(), "");
     }
   };
+  slider.setPoweredLinMotor(true);
+  const std::vector<Setting> of_slider = {
+      {"lower limit", [&](btScalar x) { slider.setLowerLinLimit(x); }, true},
+      {"upper angle", [&](btScalar x) { slider.setUpperAngLimit(x); }, true},
+      {"motor", [&](btScalar x) { slider.setTargetLinMotorVelocity(x); }},
+      {"motor bound", [&](btScalar x) { slider.setMaxLinMotorForce(x); }, true},
+      {"damping", [&](btScalar x) { slider.setDampingLimLin(x); }},
+  };
   check(hinge, settings);
+  check(slider, of_slider);
   check(ball, of_ball);
 }
 

@@ -241,15 +241,6 @@ TEST(DrawJoints, LimitsOfSeveralTurnsAreDrawnAsFreeOnes) {
   };
   EXPECT_FALSE(hinge(1, -1).empty());
   expectSame(hinge(-20, 20), hinge(1, -1));
-  const auto slider = [](double low, double high) {
-    return lines(limits_mode, [=](auto& world, auto& a, auto& b) {
-      auto& joint = world.template add_joint<pintle::SliderJoint>(a, b, frame_a, frame_b, true);
-      joint.setLowerAngLimit(scalar(low));
-      joint.setUpperAngLimit(scalar(high));
-    });
-  };
-  EXPECT_FALSE(slider(1, -1).empty());
-  expectSame(slider(-20, 20), slider(1, -1));
   // The patch of a sphere has room for two turns in Bullet's drawer.
   const auto universal = [](double low, double high) {
     return lines(limits_mode, [=](auto& world, auto& a, auto& b) {

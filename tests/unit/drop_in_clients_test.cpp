@@ -367,17 +367,16 @@ TYPED_TEST(DropInClient, RowsAtOtherPosesAreThoseOfBodiesThere) {
 TEST(DropInClients, ALimitThatActsElsewhereOnlyIsNotWrittenBeyondTheRowsAnnounced) {
   const auto a = support::body(0, vec(1, 1, 1), btTransform::getIdentity());
   const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
-  NonVirtual<pintle::SliderJoint> slider(*a, *b, btTransform::getIdentity(),
-                                         btTransform::getIdentity(), true);
-  slider.setLowerLinLimit(-1);
-  slider.setUpperLinLimit(1);
-  const btTransform beyond(btQuaternion::getIdentity(), vec(1.5, 0, 0));
-  const SolverRows rows = rowsAt(slider, a->getCenterOfMassTransform(), beyond);
+  NonVirtual<pintle::ConeTwistJoint> cone(*a, *b, btTransform::getIdentity(),
+                                          btTransform::getIdentity());
+  cone.setLimit(scalar(0.5), scalar(0.5), scalar(0.5));
+  const btTransform beyond(btQuaternion(vec(0, 1, 0), 1));
+  const SolverRows rows = rowsAt(cone, a->getCenterOfMassTransform(), beyond);
   const int here = rows.announced();
   EXPECT_EQ(rows.touched(), here);
   // It would have a row there.
   b->setCenterOfMassTransform(beyond);
-  EXPECT_EQ(SolverRows::ofStep(slider).announced(), here + 1);
+  EXPECT_EQ(SolverRows::ofStep(cone).announced(), here + 1);
 }
 
 // --- readings at other poses ---------------------------------------------------------------------

@@ -1,6 +1,7 @@
 // Scenes that are played alike on Bullet's solver, the yardstick, and on the exact one, with Pintle's joints or with Bullet's.
 #pragma once
 
+#include <pintle/joints/frame_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/solver/exact_joint_solver.h>

@@ -23,28 +23,30 @@ bool isRotation(const btMatrix3x3& R) {
   return R.determinant() > 0;
 }
 
-bool repairFrame(const btTransform& given, btTransform& frame) {
-  if (!areFinite(given) || !isRotation(given.getBasis())) return orthonormalize(given, frame);
+bool repairFrame(const btTransform& given, int main, btTransform& frame) {
+  if (!areFinite(given) || !isRotation(given.getBasis())) return orthonormalize(given, main, frame);
   frame = given;
   return true;
 }
 
-bool orthonormalize(const btTransform& given, btTransform& frame) {
+bool orthonormalize(const btTransform& given, int main, btTransform& frame) {
   if (!areFinite(given)) return false;
+  const int next = (main + 1) % 3, third = (main + 2) % 3;
   const btMatrix3x3& R = given.getBasis();
-  const Scalar length = R.getColumn(2).length();
+  const Scalar length = R.getColumn(main).length();
   if (!(length > SIMD_EPSILON && isFinite(length))) return false;
-  const btVector3 z = R.getColumn(2) / length;
-  btVector3 x = R.getColumn(0) - z * z.dot(R.getColumn(0)), y;
-  // Along z there is nothing left of it but rounding.
-  const Scalar across = x.length();
-  if (across > Scalar(0.5) * R.getColumn(0).length() && isFinite(across) && across > 0)
-    x /= across;
+  btVector3 axis[3];
+  axis[main] = R.getColumn(main) / length;
+  axis[next] = R.getColumn(next) - axis[main] * axis[main].dot(R.getColumn(next));
+  // Along the main axis there is nothing left of it but rounding.
+  const Scalar across = axis[next].length();
+  if (across > Scalar(0.5) * R.getColumn(next).length() && isFinite(across) && across > 0)
+    axis[next] /= across;
   else
-    btPlaneSpace1(z, x, y);
-  y = z.cross(x);
+    btPlaneSpace1(axis[main], axis[next], axis[third]);
+  axis[third] = axis[main].cross(axis[next]);
   frame.setOrigin(given.getOrigin());
-  frame.getBasis().setValue(x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z());
+  for (int i = 0; i < 3; ++i) frame.getBasis()[i].setValue(axis[0][i], axis[1][i], axis[2][i]);
   return true;
 }
 

@@ -11,13 +11,13 @@ inline namespace PINTLE_PRECISION {
 /// Whether the axes are unit vectors at right angles, right-handed, to a thousandth.
 bool isRotation(const btMatrix3x3& R);
 
-/// Makes a frame of what a client gave: its z axis made unit, the part of x across z, and y for
-/// a right hand. (Bullet's hinges turn and are driven about the z axis as it stands.) False, and changes nothing, if a number
-/// is not finite or z has no direction.
-bool orthonormalize(const btTransform& given, btTransform& frame);
+/// Makes a frame of what a client gave: its axis number `main` made unit, the part of the next one across that, and the third for
+/// a right hand. (About or along the main axis as it stands Bullet's joints are driven.) False, and changes nothing, if a number
+/// is not finite or the main axis has no direction.
+bool orthonormalize(const btTransform& given, int main, btTransform& frame);
 
 /// The same, but what is a frame stays as it stands.
-bool repairFrame(const btTransform& given, btTransform& frame);
+bool repairFrame(const btTransform& given, int main, btTransform& frame);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

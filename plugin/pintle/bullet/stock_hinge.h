@@ -1,8 +1,8 @@
 // Purpose: what stands in a hinge of Bullet's.
 #pragma once
 
+#include <pintle/bullet/stock_motor.h>
 #include <pintle/bullet/stock_parameter.h>
-#include <pintle/finite.h>
 #include <pintle/precision.h>
 
 class btHingeAccumulatedAngleConstraint;
@@ -18,12 +18,6 @@ struct StockLimit {
   bool operator==(const StockLimit& to) const {
     return isSame(center, to.center) && isSame(half_range, to.half_range);
   }
-};
-
-struct StockMotor {
-  bool on;
-  Scalar velocity,
-      max_impulse;  ///< rad/s, N m s; no numbers while it is off: Bullet initialises neither
 };
 
 /// Settings of a hinge, as they stand: a client may have written anything.

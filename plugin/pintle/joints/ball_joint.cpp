@@ -59,6 +59,7 @@ BallJoint::BallJoint(btRigidBody& rbA, const btTransform& frameInA)
     : BallJoint(rbA, frameInA.getOrigin()) {}
 
 void BallModel::drawJoint(btIDebugDraw& drawer) const {
+  const_cast<BallModel*>(this)->readSettings();
   const btScalar size = const_cast<btPoint2PointConstraint&>(ball()).getDbgDrawSize();
   const btMatrix3x3 upright = btMatrix3x3::getIdentity();
   // As Bullet: the first one in any mode.

@@ -1,6 +1,7 @@
 // Purpose: what is not used of the settings that a client wrote to a constraint of Bullet's, in words.
 #pragma once
 
+#include <pintle/bullet/stock_motor.h>
 #include <pintle/bullet/stock_parameter.h>
 #include <pintle/finite.h>
 #include <pintle/rows/axis_settings.h>
@@ -74,6 +75,26 @@ inline void takeParameter(Parameter& to, const StockParameter& from, const char*
   Scalar value = to.orElse(0);
   takeNotNegative(value, from.value, field, complaints);
   to = value;
+}
+
+/// How errors name the numbers of a motor.
+struct MotorNames {
+  const char *velocity, *bound;
+};
+/// The same of the velocity motor of an axis, whose bound is `axis.*bound`. What a client writes to it comes before a servo. `last`:
+/// what was taken before.
+inline void takeMotor(Axis& axis, Scalar Axis::*bound, const StockMotor& from, StockMotor& last,
+                      const MotorNames& names, Complaints* complaints) {
+  const bool is_another = !from.isAsStrongAs(last);
+  if (from.on && (is_another || complaints != nullptr)) {
+    takeFinite(axis.motor_velocity, from.velocity, names.velocity, complaints);
+    takeBound(axis.*bound, from.bound, names.bound, complaints);
+  }
+  if (from.on && is_another) {
+    last = from;
+    axis.chosen = Axis::Drive::velocity;
+  }
+  axis.enable(from.on);
 }
 
 }  // namespace PINTLE_PRECISION

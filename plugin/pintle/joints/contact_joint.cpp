@@ -102,11 +102,10 @@ PINTLE_FLATTEN void ContactJoint::addRows(const PosePair& poses, Rows& rows) con
                             : equations::contact_row(here.n, anchors);
   // Also a frame that its owner has spoiled.
   if (!PosePair::is_finite(row.C + here.d.sum() + row.J.A_a.sum() + row.J.A_b.sum())) return;
-  const Scalar curvature =
-      document ? Scalar(0) : rows.curvature([&](const BodyPair& v) {
-        return Scalar(here.n.dot(equations::position_curvature_conserving<Scalar>(
-            anchors, {v.v_a(), v.w_a(), v.v_b(), v.w_b()})));
-      });
+  const Scalar curvature = document ? Scalar(0) : rows.curvature([&](const BodyPair& v) {
+    return Scalar(here.n.dot(equations::position_curvature_conserving<Scalar>(
+        anchors, {v.v_a(), v.w_a(), v.v_b(), v.w_b()})));
+  });
   if (isEquality()) {
     rows.addEquality(row.J.L, row.J.A_a, row.J.A_b, row.C, curvature);
     return;

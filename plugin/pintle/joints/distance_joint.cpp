@@ -109,8 +109,8 @@ void DistanceJoint::drawJoint(btIDebugDraw& drawer) const {
 inline Scalar DistanceJoint::curvature(const Observation& seen, const Rows& rows) const {
   if (getFormulation() == Formulation::document) return 0;
   return rows.endCurvature([&](const equations::Velocity<Scalar>& v, Scalar dt, Scalar part) {
-    const Scalar passing = equations::passing_curvature(
-        seen.d, equations::relative_velocity(v, seen.r_a, seen.r_b));
+    const Scalar passing =
+        equations::passing_curvature(seen.d, equations::relative_velocity(v, seen.r_a, seen.r_b));
     const Scalar centripetal =
         seen.d.n.dot(equations::position_curvature(v.w_a, seen.r_a, v.w_b, seen.r_b));
     // Points that pass by more than |d| in the step are beyond what a curvature says.

@@ -1,6 +1,7 @@
 #include <pintle/joints/hinge_base.h>
 
 #include <pintle/bullet/frames.h>
+#include <pintle/bullet/stock_limits.h>
 #include <pintle/joints/hinge_rows.h>
 
 namespace pintle {
@@ -15,7 +16,8 @@ btVector3 HingeBase::unit(const btVector3& axis) {
 
 void HingeBase::straightenFrames() {
   btTransform a, b;
-  if (!orthonormalize(getAFrame(), a) || !orthonormalize(getBFrame(), b)) return;
+  if (!orthonormalize(getAFrame(), hinge_axis, a) || !orthonormalize(getBFrame(), hinge_axis, b))
+    return;
   getAFrame() = a;
   getBFrame() = b;
   model().readSettings();
@@ -31,9 +33,7 @@ void HingeBase::setAxis(const btVector3& axisInA) {
 void HingeBase::setLimit(btScalar low, btScalar high, btScalar softness, btScalar biasFactor,
                          btScalar relaxationFactor) {
   btHingeConstraint::setLimit(low, high, softness, biasFactor, relaxationFactor);
-  // Two equal sides that are infinite leave no angle.
-  if (isNumber(low) && isNumber(high) && (low != high || isFinite(low)))
-    model().keepLimit(low, high, false);
+  if (leavesAPosition(low, high)) model().keepLimit(low, high, false);
 }
 
 void HingeBase::setAccumulatedLimit(btScalar low, btScalar high) {

@@ -1,6 +1,7 @@
 #include <pintle/joints/hinge_model.h>
 
 #include <pintle/bullet/frames.h>
+#include <pintle/bullet/stock_limits.h>
 #include <pintle/joints/complaints.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/hinge_rows.h>
@@ -11,9 +12,6 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
-
-// Limits of Pintle's that Bullet's object cannot hold stand there as this pair, which is free, and which nobody else writes.
-constexpr btScalar free_low = btScalar(0.7320508), free_high = btScalar(-0.5303301);
 
 // rad: a limit of half a turn to either side is none, as in Bullet (Joint::setAngleLimit).
 constexpr Scalar free_half_range = SIMD_PI - Scalar(1e-5);
@@ -63,7 +61,8 @@ void HingeModel::read(Complaints* complaints) {
   const StockHinge from(hinge());
   readFrames(from, complaints);
   readLimit(from, complaints);
-  readMotor(from, complaints);
+  takeMotor(m_settings.axis, &Axis::max_motor_impulse, from.motor, m_read_motor,
+            {"motor target velocity", "max motor impulse"}, complaints);
   m_settings.angular_only = from.angular_only;
   Joint::setBlockRows(from.frame_offset);
   takeParameter(m_erp, from.erp, "ERP", complaints);
@@ -76,7 +75,7 @@ void HingeModel::read(Complaints* complaints) {
 void HingeModel::readFrames(const StockHinge& from, Complaints* complaints) {
   if (isSame(from.frame_a, m_settings.frame_a) && isSame(from.frame_b, m_settings.frame_b)) return;
   btTransform a, b;
-  if (!(repairFrame(from.frame_a, a) && repairFrame(from.frame_b, b))) {
+  if (!(repairFrame(from.frame_a, hinge_axis, a) && repairFrame(from.frame_b, hinge_axis, b))) {
     if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with a z axis");
     return;
   }
@@ -112,22 +111,6 @@ void HingeModel::readLimit(const StockHinge& from, Complaints* complaints) {
   axis.high = is_free ? Scalar(-1) : center + half_range;
   axis.is_any_angle = false;
   limitSet(before);
-}
-
-void HingeModel::readMotor(const StockHinge& from, Complaints* complaints) {
-  Axis& axis = m_settings.axis;
-  StockMotor& last = m_read_motor;
-  const bool is_another = !isSame(from.motor.velocity, last.velocity) ||
-                          !isSame(from.motor.max_impulse, last.max_impulse);
-  if (from.motor.on && (is_another || complaints != nullptr)) {
-    takeFinite(axis.motor_velocity, from.motor.velocity, "motor target velocity", complaints);
-    takeBound(axis.max_motor_impulse, from.motor.max_impulse, "max motor impulse", complaints);
-  }
-  if (from.motor.on && is_another) {
-    last = from.motor;
-    axis.chosen = Axis::Drive::velocity;  // before a servo
-  }
-  axis.enable(from.motor.on);
 }
 
 // --- limits that Bullet's object does not have ---------------------------------------------------
@@ -176,6 +159,7 @@ void HingeModel::showLimitAt(const UnwrappedAngle& twist) {
 }
 
 void HingeModel::drawJoint(btIDebugDraw& drawer) const {
+  const_cast<HingeModel*>(this)->readSettings();
   const btTransform a = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
                     b = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
   const btScalar size = hinge().getDbgDrawSize();

@@ -21,6 +21,9 @@ inline namespace PINTLE_PRECISION {
 struct Acting;
 class Complaints;
 
+/// Of the joint frames: z.
+constexpr int hinge_axis = 2;
+
 struct HingeSettings {
   btTransform frame_a, frame_b;  ///< joint frames in the bodies' frames (m), z the hinge axis
   Axis axis;                     ///< along the hinge angle
@@ -68,7 +71,6 @@ class HingeModel : public Joint {
   void read(Complaints* complaints);
   void readFrames(const StockHinge& from, Complaints* complaints);
   void readLimit(const StockHinge& from, Complaints* complaints);
-  void readMotor(const StockHinge& from, Complaints* complaints);
   void framesChanged();
   /// A limit by Pintle's own methods, which Bullet's object shows as far as it can.
   void keepLimit(Scalar low, Scalar high, bool of_any_turn);

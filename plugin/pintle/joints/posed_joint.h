@@ -2,8 +2,7 @@
 #pragma once
 
 #include <pintle/joints/frame_joint.h>
-
-#include <memory>
+#include <pintle/joints/seen_poses.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -25,24 +24,19 @@ class PosedJoint : public FrameJoint {
   using FrameJoint::FrameJoint;
 
   /// In each step, and with new frames.
-  void forgetPoses() { m_reads_poses = false; }
-  bool readsPoses() const { return m_reads_poses; }
+  void forgetPoses() { m_seen_poses.forget(); }
+  bool readsPoses() const { return m_seen_poses.given(); }
   BodyPair seenPair() const;
 
  private:
   const btTransform& seenPoseOfA() const {
-    return m_reads_poses ? m_poses->a : m_rbA.getCenterOfMassTransform();
+    return m_seen_poses.a(m_rbA.getCenterOfMassTransform());
   }
   const btTransform& seenPoseOfB() const {
-    return m_reads_poses ? m_poses->b : m_rbB.getCenterOfMassTransform();
+    return m_seen_poses.b(m_rbB.getCenterOfMassTransform());
   }
 
-  struct Poses {
-    BT_DECLARE_ALIGNED_ALLOCATOR();
-    btTransform a, b;
-  };
-  std::unique_ptr<Poses> m_poses;  ///< made when they are first given
-  bool m_reads_poses = false;
+  SeenPoses m_seen_poses;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,10 +1,14 @@
 #include <pintle/joints/slider_joint.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/bullet/frames.h>
+#include <pintle/bullet/stock_limits.h>
+#include <pintle/bullet/stock_slider.h>
 #include <pintle/equations/quaternion_hinge.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/equations/slider.h>
 #include <pintle/frame.h>
+#include <pintle/joints/complaints.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
 #include <pintle/joints/observed_joint_rows.h>
@@ -17,6 +21,9 @@ inline namespace PINTLE_PRECISION {
 
 // The joint frames in the world. The slide axis is a of each; d = p_b - p_a.
 namespace {
+
+// Of the joint frames: x.
+constexpr int slide_axis = 0;
 
 // The frame turned by an angle (rad) about its x axis.
 Mat3 turned(const Mat3& F, Scalar angle) {
@@ -38,7 +45,7 @@ PINTLE_NOINLINE Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist,
 }  // namespace
 
 // The joint frames in the world, and the twist at them.
-struct SliderJoint::Observation {
+struct SliderModel::Observation {
   Observation(const PosePair& poses, const btTransform& frame_a, const btTransform& frame_b)
       : a(poses.pose_a(), frame_a),
         b(poses.pose_b(), frame_b),
@@ -62,263 +69,393 @@ struct SliderJoint::Observation {
   equations::Twist<Scalar> twist;  ///< of b against a
 };
 
-inline SliderJoint::Observation SliderJoint::observe(const PosePair& poses) const {
-  return {poses, m_frame_a, m_frame_b};
+inline SliderModel::Observation SliderModel::observe(const PosePair& poses) const {
+  return {poses, m_settings.frame_a, m_settings.frame_b};
 }
 
-inline UnwrappedAngle SliderJoint::angle(const Observation& seen) const {
+inline UnwrappedAngle SliderModel::angle(const Observation& seen) const {
   return followed(m_twist, seen.twist);
 }
 
-inline void SliderJoint::remember(const Observation& seen, bool in_step) {
-  followStep(m_twist, seen.twist, seen.a.a(), seen.b.a(), m_rbA, m_rbB, timeStep(), angularSpeed());
+inline void SliderModel::remember(const Observation& seen, bool in_step) {
+  followStep(m_twist, seen.twist, seen.a.a(), seen.b.a(), bodyA(), bodyB(), timeStep(),
+             angularSpeed());
   if (!in_step) return;
-  forgetPoses();
-  m_seen = m_twist;
-  m_seen_position = m_sign * seen.offset[0];
+  m_seen_poses.forget();
+  showPosition();
+  showAngle();
 }
 
-SliderJoint::SliderJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
-                         const btTransform& frameInB, bool useLinearReferenceFrameA)
-    : ObservedJoint(rbA, rbB, row_count),
-      m_sign(useLinearReferenceFrameA ? Scalar(1) : Scalar(-1)) {
-  m_linear.own = &m_linear_parameters;
-  m_angular.own = &m_angular_parameters;
-  m_angular.low = m_angular.high = 0;
-  m_dir_lin.damping = m_dir_ang.damping = 0;
-  tuningChanged();
-  setFrames(frameInA, frameInB);
+SliderModel::SliderModel(btSliderConstraint& slider, RowCount max_rows)
+    : ObservedJoint(slider, max_rows) {
+  m_settings.linear.own = &m_linear_parameters;
+  m_settings.angular.own = &m_angular_parameters;
+  m_settings.angular.low = m_settings.angular.high = 0;
+  // Until there are frames the joint holds nothing.
+  m_settings.frame_a.setOrigin(noPoint());
+  m_settings.frame_a.getBasis().setIdentity();
+  m_settings.frame_b = m_settings.frame_a;
+  SliderModel::read(nullptr);
+  remember(observe(BodyPair(bodyA(), bodyB())), false);
 }
 
-SliderJoint::SliderJoint(btRigidBody& rbB, const btTransform& frameInB,
-                         bool useLinearReferenceFrameA)
-    : SliderJoint(getFixedBody(), rbB, btTransform::getIdentity(), btTransform::getIdentity(),
-                  useLinearReferenceFrameA) {
-  frame("frameInB", frameInB);
-  setFrames(rbB.getCenterOfMassTransform() * frameInB, frameInB);
+btSliderConstraint& SliderModel::slider() const {
+  return static_cast<btSliderConstraint&>(const_cast<SliderModel*>(this)->constraint());
 }
 
-void SliderJoint::framesChanged() {
-  forgetPoses();
+PosePair SliderModel::seenPair() const {
+  return {m_seen_poses.a(bodyA().getCenterOfMassTransform()),
+          m_seen_poses.b(bodyB().getCenterOfMassTransform())};
+}
+
+void SliderModel::setBlockRows(bool block) {
+  slider().setUseFrameOffset(block);
+  Joint::setBlockRows(block);
+}
+
+bool SliderModel::getBlockRows() const { return slider().getUseFrameOffset(); }
+
+// --- what stands in Bullet's object --------------------------------------------------------------
+
+void SliderModel::readSettings() { read(nullptr); }
+
+std::string SliderModel::whyIgnored() {
+  Complaints complaints(name());
+  read(&complaints);
+  return complaints.text();
+}
+
+void SliderModel::read(Complaints* complaints) {
+  btSliderConstraint& from = slider();
+  m_settings.sign = from.getUseLinearReferenceFrameA() ? Scalar(1) : Scalar(-1);
+  readFrames(complaints);
+  readLimits(complaints);
+  readTuning(complaints);
+  takeMotor(
+      m_settings.linear, &Axis::max_motor_force,
+      {from.getPoweredLinMotor(), from.getTargetLinMotorVelocity(), from.getMaxLinMotorForce()},
+      m_read_linear_motor, {"target linear motor velocity", "max linear motor force"}, complaints);
+  takeMotor(
+      m_settings.angular, &Axis::max_motor_force,
+      {from.getPoweredAngMotor(), -from.getTargetAngMotorVelocity(), from.getMaxAngMotorForce()},
+      m_read_angular_motor, {"target angular motor velocity", "max angular motor force"},
+      complaints);
+  Joint::setBlockRows(from.getUseFrameOffset());
+}
+
+// The fourth numbers of vectors are anybody's: with others there only the bits differ.
+void SliderModel::readFrames(Complaints* complaints) {
+  const btTransform &from_a = slider().getFrameOffsetA(), &from_b = slider().getFrameOffsetB();
+  if (isSame(from_a, m_settings.frame_a) && isSame(from_b, m_settings.frame_b)) return;
+  btTransform a, b;
+  if (!(repairFrame(from_a, slide_axis, a) && repairFrame(from_b, slide_axis, b))) {
+    if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with an x axis");
+    return;
+  }
+  const bool are_others = !(a == m_settings.frame_a && b == m_settings.frame_b);
+  m_settings.frame_a = a;
+  m_settings.frame_b = b;
+  if (are_others) framesChanged();
+}
+
+void SliderModel::framesChanged() {
+  m_seen_poses.forget();
   // Another zero: the turns counted from the old one mean nothing.
   m_twist = {};
   m_turn_given = false;
-  testAngLimits();
-  testLinLimits();
+  remember(observe(BodyPair(bodyA(), bodyB())), false);
 }
 
-// --- position and angle --------------------------------------------------------------------------
+void SliderModel::readLimits(Complaints* complaints) {
+  btSliderConstraint& from = slider();
+  const auto complain = [&](const char* field, Scalar low, Scalar high) {
+    if (complaints != nullptr)
+      complaints->add(field, isNumber(low) ? high : low, "must be a number, and leave a position");
+  };
+  const Scalar low = from.getLowerLinLimit(), high = from.getUpperLinLimit();
+  if (leavesAPosition(low, high)) {
+    m_settings.linear.low = low;
+    m_settings.linear.high = high;
+  } else {
+    complain("linear limit", low, high);
+  }
+  const Scalar lower = from.getLowerAngLimit(), upper = from.getUpperAngLimit();
+  const bool is_lower_same = isSame(lower, m_read_low), is_upper_same = isSame(upper, m_read_high);
+  if (is_lower_same && is_upper_same) return;
+  Axis& axis = m_settings.angular;
+  const Scalar new_low = is_lower_same ? axis.low : lower,
+               new_high = is_upper_same ? axis.high : upper;
+  if (!leavesAPosition(new_low, new_high)) return complain("angular limit", new_low, new_high);
+  m_read_low = lower;
+  m_read_high = upper;
+  const Axis before = axis;
+  setAngleLimit(axis, new_low, new_high);
+  limitSet(before);
+}
 
-void SliderJoint::testLinLimits() { m_seen_position = getLinearPos(); }
+// What Bullet makes of these numbers. One that is set as STOP_ERP counts twice at a limit, there too:
+// as the ERP, and as its softness.
+void SliderModel::readTuning(Complaints* complaints) {
+  btSliderConstraint& from = slider();
+  const int flags = from.btSliderConstraint::getFlags();
+  const auto limit = [&](Axis& axis, Scalar softness, Scalar damping) {
+    takeNotNegative(axis.bias, softness, "limit softness", complaints);
+    Scalar rebound = 1 - damping;
+    if (!isFinite(damping)) rebound = axis.relaxation;
+    takeFinite(damping, damping, "limit damping", complaints);
+    axis.relaxation = btFabs(rebound);
+  };
+  limit(m_settings.linear, from.getSoftnessLimLin(), from.getDampingLimLin());
+  limit(m_settings.angular, from.getSoftnessLimAng(), from.getDampingLimAng());
+  const auto equality = [&](int i, Scalar softness, int erp_flag) {
+    ErpCfm& of = m_erp_cfm[i];
+    const bool is_erp = (flags & erp_flag) != 0;
+    takeParameter(of.erp, {is_erp, softness}, "STOP_ERP", complaints);
+    if (is_erp)
+      of.factor = 1;
+    else
+      takeNotNegative(of.factor, softness, "softness across the axis", complaints);
+  };
+  equality(across, from.getSoftnessOrthoLin(), BT_SLIDER_FLAGS_ERP_ORTLIN);
+  equality(directions, from.getSoftnessOrthoAng(), BT_SLIDER_FLAGS_ERP_ORTANG);
+  equality(locked_angle, from.getSoftnessLimAng(), BT_SLIDER_FLAGS_ERP_LIMANG);
+  m_erp_cfm[locked_angle].factor = m_settings.angular.bias;
+  m_erp_cfm_differs = m_erp_cfm[across].factor != 1 || m_erp_cfm[directions].factor != 1 ||
+                      m_settings.angular.bias != 1 ||
+                      (flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) != 0;
+  if (flags == 0) return;
+  const auto parameter = [&](Parameter& to, int flag, int num, int axis, const char* field) {
+    const bool is_set = (flags & flag) != 0;
+    const Scalar value = is_set ? from.btSliderConstraint::getParam(num, axis) : Scalar(0);
+    takeParameter(to, {is_set, value}, field, complaints);
+  };
+  const auto stop = [&](Parameter& to, int flag, int num, int axis) {
+    parameter(to, flag, num, axis, num == BT_CONSTRAINT_STOP_ERP ? "STOP_ERP" : "STOP_CFM");
+  };
+  stop(m_linear_parameters.limit_erp, BT_SLIDER_FLAGS_ERP_LIMLIN, BT_CONSTRAINT_STOP_ERP, 0);
+  stop(m_linear_parameters.limit_cfm, BT_SLIDER_FLAGS_CFM_LIMLIN, BT_CONSTRAINT_STOP_CFM, 0);
+  stop(m_angular_parameters.limit_erp, BT_SLIDER_FLAGS_ERP_LIMANG, BT_CONSTRAINT_STOP_ERP, 3);
+  stop(m_angular_parameters.limit_cfm, BT_SLIDER_FLAGS_CFM_LIMANG, BT_CONSTRAINT_STOP_CFM, 3);
+  stop(m_erp_cfm[across].cfm, BT_SLIDER_FLAGS_CFM_ORTLIN, BT_CONSTRAINT_STOP_CFM, 1);
+  stop(m_erp_cfm[directions].cfm, BT_SLIDER_FLAGS_CFM_ORTANG, BT_CONSTRAINT_STOP_CFM, 4);
+  stop(m_erp_cfm[locked_angle].cfm, BT_SLIDER_FLAGS_CFM_LIMANG, BT_CONSTRAINT_STOP_CFM, 3);
+  parameter(m_linear_parameters.motor_cfm, BT_SLIDER_FLAGS_CFM_DIRLIN, BT_CONSTRAINT_CFM, 0, "CFM");
+  parameter(m_angular_parameters.motor_cfm, BT_SLIDER_FLAGS_CFM_DIRANG, BT_CONSTRAINT_CFM, 3,
+            "CFM");
+}
+
+// --- limits that Bullet's object does not have ---------------------------------------------------
+
+void SliderModel::keepAngularLimits(Scalar low, Scalar high, bool of_any_turn) {
+  Axis& axis = m_settings.angular;
+  const Axis before = axis;
+  if (of_any_turn)
+    setAxisLimit(axis, low, high);
+  else
+    setAngleLimit(axis, low, high);
+  // Bullet brings each into half a turn by itself.
+  const bool shown = btFabs(low) <= SIMD_PI && btFabs(high) <= SIMD_PI;
+  btSliderConstraint& stock = slider();
+  stock.setLowerAngLimit(shown ? low : free_low);
+  stock.setUpperAngLimit(shown ? high : free_high);
+  m_read_low = stock.getLowerAngLimit();
+  m_read_high = stock.getUpperAngLimit();
+  limitSet(before);
+}
+
+// Limits of less than a turn hold in the turn that the joint is in.
+void SliderModel::limitSet(const Axis& before) {
+  if (m_turn_given) return;
+  const BodyPair pair(bodyA(), bodyB());
+  if (pair.finite()) remember(observe(pair), false);
+  turnTowardsLimit(m_twist, 1, before, m_settings.angular);
+}
+
+// --- what a client reads from Bullet's object after a step ---------------------------------------
+
+void SliderModel::showPosition() {
+  const PosePair seen = seenPair();
+  slider().calculateTransforms(seen.pose_a(), seen.pose_b());
+  slider().testLinLimits();
+}
+
+void SliderModel::showAngle() {
+  slider().testAngLimits();
+  const Axis& axis = m_settings.angular;
+  const bool is_bullets = btFabs(axis.low) <= SIMD_PI && btFabs(axis.high) <= SIMD_PI;
+  if (!axis.limited() || is_bullets) return;
+  const Scalar now = angle(observe(seenPair())).value();
+  showAngularLimit(slider(), now > axis.high  ? now - axis.high
+                             : now < axis.low ? now - axis.low
+                                              : Scalar(0));
+}
+
+void SliderModel::drawJoint(btIDebugDraw& drawer) const {
+  const_cast<SliderModel*>(this)->readSettings();
+  const btTransform A = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
+                    B = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
+  const btScalar size = slider().getDbgDrawSize();
+  if (drawsFrames(drawer)) {
+    drawer.drawTransform(A, size);
+    drawer.drawTransform(B, size);
+  }
+  if (!drawsLimits(drawer)) return;
+  const btTransform& rail = m_settings.sign > 0 ? A : B;
+  const Scalar low = m_settings.linear.low, high = m_settings.linear.high;
+  if (low <= high && low > -infinity && high < infinity)
+    drawer.drawLine(rail(btVector3(low, 0, 0)), rail(btVector3(high, 0, 0)), limitColor());
+  drawRange(drawer, B.getOrigin(), rail.getBasis().getColumn(0), rail.getBasis().getColumn(1), size,
+            m_settings.angular.low, m_settings.angular.high);
+}
+
+// --- SliderJoint ---------------------------------------------------------------------------------
+
+// Its frames in the world are handed out by reference.
+void SliderJoint::refresh() const {
+  auto& self = const_cast<SliderJoint&>(*this);
+  self.readSettings();
+  const PosePair seen = seenPair();
+  self.m_calculatedTransformA = seen.pose_a() * m_frameInA;
+  self.m_calculatedTransformB = seen.pose_b() * m_frameInB;
+}
+
+void SliderJoint::calculateTransforms(const btTransform& transA, const btTransform& transB) {
+  readSettings();
+  m_seen_poses.set(transA, transB);
+  btSliderConstraint::calculateTransforms(transA, transB);
+}
+
+void SliderJoint::setFrames(const btTransform& frameA, const btTransform& frameB) {
+  m_seen_poses.forget();
+  btSliderConstraint::setFrames(frameA, frameB);
+}
+
+const btTransform& SliderJoint::getCalculatedTransformA() const {
+  refresh();
+  return btSliderConstraint::getCalculatedTransformA();
+}
+
+const btTransform& SliderJoint::getCalculatedTransformB() const {
+  refresh();
+  return btSliderConstraint::getCalculatedTransformB();
+}
+
+void SliderJoint::testLinLimits() {
+  readSettings();
+  showPosition();
+}
 
 void SliderJoint::testAngLimits() {
-  if (!readsPoses()) updateState(BodyPair(m_rbA, m_rbB));
-  m_seen = readsPoses() ? angle(observe(seenPair())) : m_twist;
+  readSettings();
+  if (!m_seen_poses.given()) updateState(BodyPair(m_rbA, m_rbB));
+  refresh();
+  showAngle();
 }
 
 btVector3 SliderJoint::getAncorInA() const {
-  const Scalar middle = (m_linear.low + m_linear.high) / 2;
+  const Scalar middle = (m_lowerLinLimit + m_upperLinLimit) / 2;
   const Scalar along = BodyPair::is_finite(middle) ? middle : Scalar(0);
-  return m_frame_a.getOrigin() + along * m_frame_a.getBasis().getColumn(0);
+  return m_frameInA.getOrigin() + along * m_frameInA.getBasis().getColumn(0);
 }
 
-btScalar SliderJoint::getLinearPos() const { return m_sign * observe(seenPair()).offset[0]; }
+btScalar SliderJoint::getLinearPos() const {
+  refresh();
+  return m_settings.sign * observe(seenPair()).offset[0];
+}
 
 btScalar SliderJoint::getAngularPos() const {
-  if (m_angular.limited() && (m_angular.low < -SIMD_PI || m_angular.high > SIMD_PI))
+  refresh();
+  const Axis& axis = m_settings.angular;
+  if (axis.limited() && (axis.low < -SIMD_PI || axis.high > SIMD_PI))
     return angle(observe(seenPair())).value();
   // By the y axis of b, as Bullet measures it also while the axes are apart.
-  const btMatrix3x3 F_a = getCalculatedTransformA().getBasis();
-  const btVector3 y_b = getCalculatedTransformB().getBasis().getColumn(1);
+  const btMatrix3x3& F_a = m_calculatedTransformA.getBasis();
+  const btVector3 y_b = m_calculatedTransformB.getBasis().getColumn(1);
   const btScalar angle = btAtan2(y_b.dot(F_a.getColumn(2)), y_b.dot(F_a.getColumn(1)));
-  return btAdjustAngleToLimits(angle, m_angular.low, m_angular.high);
+  return btAdjustAngleToLimits(angle, axis.low, axis.high);
 }
 
 btScalar SliderJoint::getAccumulatedAngularPos() {
+  readSettings();
   updateState(BodyPair(m_rbA, m_rbB));
   return m_twist.value();
 }
 
 void SliderJoint::setAccumulatedAngularPos(btScalar angle) {
+  readSettings();
   m_twist.set(finite("accumulated angle", angle));
   m_turn_given = true;
-  testAngLimits();
 }
 
-// --- settings ------------------------------------------------------------------------------------
-
-void SliderJoint::setLowerLinLimit(btScalar lowerLimit) {
-  setAxisLimit(m_linear, lowerLimit, m_linear.high);
-}
-void SliderJoint::setUpperLinLimit(btScalar upperLimit) {
-  setAxisLimit(m_linear, m_linear.low, upperLimit);
-}
 void SliderJoint::setLowerAngLimit(btScalar lowerLimit) {
-  setAngularLimits(lowerLimit, m_angular.high);
-}
-void SliderJoint::setUpperAngLimit(btScalar upperLimit) {
-  setAngularLimits(m_angular.low, upperLimit);
+  const btScalar upper = getUpperAngLimit();
+  btSliderConstraint::setLowerAngLimit(lowerLimit);
+  if (leavesAPosition(lowerLimit, upper)) keepAngularLimits(lowerLimit, upper, false);
 }
 
-void SliderJoint::setAngularLimits(Scalar low, Scalar high) {
-  const Axis before = m_angular;
-  setAngleLimit(m_angular, low, high);
-  if (!m_turn_given) turnTowardsLimit(m_twist, 1, before, m_angular);
+void SliderJoint::setUpperAngLimit(btScalar upperLimit) {
+  const btScalar lower = getLowerAngLimit();
+  btSliderConstraint::setUpperAngLimit(upperLimit);
+  if (leavesAPosition(lower, upperLimit)) keepAngularLimits(lower, upperLimit, false);
+}
+
+btScalar SliderJoint::getLowerAngLimit() const {
+  return isSame(m_lowerAngLimit, m_read_low) ? m_settings.angular.low : m_lowerAngLimit;
+}
+
+btScalar SliderJoint::getUpperAngLimit() const {
+  return isSame(m_upperAngLimit, m_read_high) ? m_settings.angular.high : m_upperAngLimit;
 }
 
 void SliderJoint::setAccumulatedAngLimits(btScalar low, btScalar high) {
-  const Axis before = m_angular;
-  setAxisLimit(m_angular, low, high);
-  if (!m_turn_given) turnTowardsLimit(m_twist, 1, before, m_angular);
+  keepAngularLimits(low, high, true);
 }
 
-void SliderJoint::setSoftness(BulletTuning& tuning, Scalar softness) {
-  tuning.softness = notNegative("softness", softness);
-  tuningChanged();
-}
-void SliderJoint::setRestitution(BulletTuning& tuning, Scalar restitution) {
-  tuning.restitution = finite("restitution", restitution);
-}
-void SliderJoint::setDamping(BulletTuning& tuning, Scalar damping) {
-  tuning.damping = finite("damping", damping);
-  tuningChanged();
-}
-
-// What Bullet makes of these numbers. One that is set as STOP_ERP counts twice at a limit, there too:
-// as the ERP, and as its softness.
-void SliderJoint::tuningChanged() {
-  const auto set = [this](Scalar value, int flag) {
-    return (m_flags & flag) != 0 ? Parameter(value) : Parameter();
-  };
-  const auto rebounds = [](Axis& axis, const BulletTuning& tuning) {
-    axis.bias = tuning.softness;
-    axis.relaxation = btFabs(1 - tuning.damping);
-  };
-  rebounds(m_linear, m_lim_lin);
-  m_linear_parameters.limit_erp = set(m_lim_lin.softness, BT_SLIDER_FLAGS_ERP_LIMLIN);
-  m_linear_parameters.limit_cfm = set(m_lim_lin.cfm, BT_SLIDER_FLAGS_CFM_LIMLIN);
-  m_linear_parameters.motor_cfm = set(m_dir_lin.cfm, BT_SLIDER_FLAGS_CFM_DIRLIN);
-  rebounds(m_angular, m_lim_ang);
-  m_angular_parameters.limit_erp = set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG);
-  m_angular_parameters.limit_cfm = set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG);
-  m_angular_parameters.motor_cfm = set(m_dir_ang.cfm, BT_SLIDER_FLAGS_CFM_DIRANG);
-
-  const auto equality = [set](const BulletTuning& tuning, int erp_flag, int cfm_flag) {
-    const Parameter erp = set(tuning.softness, erp_flag);
-    return ErpCfm{erp, set(tuning.cfm, cfm_flag), erp.isSet() ? Scalar(1) : tuning.softness};
-  };
-  m_erp_cfm[across] = equality(m_ortho_lin, BT_SLIDER_FLAGS_ERP_ORTLIN, BT_SLIDER_FLAGS_CFM_ORTLIN);
-  m_erp_cfm[directions] =
-      equality(m_ortho_ang, BT_SLIDER_FLAGS_ERP_ORTANG, BT_SLIDER_FLAGS_CFM_ORTANG);
-  const bool same = m_ortho_lin.softness == 1 && m_ortho_ang.softness == 1 &&
-                    m_lim_ang.softness == 1 &&
-                    (m_flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) == 0;
-  m_erp_cfm_differs = !same;
-  m_erp_cfm[locked_angle] = {set(m_lim_ang.softness, BT_SLIDER_FLAGS_ERP_LIMANG),
-                             set(m_lim_ang.cfm, BT_SLIDER_FLAGS_CFM_LIMANG), m_lim_ang.softness};
-}
-
-void SliderJoint::setPoweredLinMotor(bool onOff) { m_linear.enable(onOff); }
 void SliderJoint::setTargetLinMotorVelocity(btScalar targetLinMotorVelocity) {
-  m_linear.motor_velocity = finite("target linear motor velocity", targetLinMotorVelocity);
-  m_linear.choose(Axis::Drive::velocity);
+  btSliderConstraint::setTargetLinMotorVelocity(targetLinMotorVelocity);
+  m_settings.linear.chosen = Axis::Drive::velocity;
 }
-void SliderJoint::setMaxLinMotorForce(btScalar maxLinMotorForce) {
-  m_linear.max_motor_force = bound("max linear motor force", maxLinMotorForce);
-}
-void SliderJoint::setPoweredAngMotor(bool onOff) { m_angular.enable(onOff); }
+
 void SliderJoint::setTargetAngMotorVelocity(btScalar targetAngMotorVelocity) {
-  m_angular.motor_velocity = -finite("target angular motor velocity", targetAngMotorVelocity);
-  m_angular.choose(Axis::Drive::velocity);
-}
-void SliderJoint::setMaxAngMotorForce(btScalar maxAngMotorForce) {
-  m_angular.max_motor_force = bound("max angular motor force", maxAngMotorForce);
+  btSliderConstraint::setTargetAngMotorVelocity(targetAngMotorVelocity);
+  m_settings.angular.chosen = Axis::Drive::velocity;
 }
 
 void SliderJoint::setLinLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
-  setAxisSpring(m_linear, frequency_hz, damping_ratio);
-}
-void SliderJoint::setAngLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
-  setAxisSpring(m_angular, frequency_hz, damping_ratio);
+  setAxisSpring(m_settings.linear, frequency_hz, damping_ratio);
 }
 
+void SliderJoint::setAngLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
+  setAxisSpring(m_settings.angular, frequency_hz, damping_ratio);
+}
+
+// Other numbers of the velocity motor are another motor.
 void SliderJoint::setLinMotorServo(btScalar target, btScalar frequency_hz, btScalar damping_ratio,
                                    btScalar max_force) {
-  setAxisServo(m_linear, target, frequency_hz, damping_ratio, max_force, "servo max force");
+  setAxisServo(m_settings.linear, target, frequency_hz, damping_ratio, max_force,
+               "servo max force");
+  setPoweredLinMotor(true);
+  m_read_linear_motor = {true, m_targetLinMotorVelocity, m_maxLinMotorForce};
 }
+
 void SliderJoint::setAngMotorServo(btScalar target_angle, btScalar frequency_hz,
                                    btScalar damping_ratio, btScalar max_torque) {
-  setAxisServo(m_angular, target_angle, frequency_hz, damping_ratio, max_torque);
+  setAxisServo(m_settings.angular, target_angle, frequency_hz, damping_ratio, max_torque);
+  setPoweredAngMotor(true);
+  m_read_angular_motor = {true, -m_targetAngMotorVelocity, m_maxAngMotorForce};
 }
 
 void SliderJoint::setLinFriction(btScalar max_force) {
-  setAxisFriction(m_linear, max_force, "friction max force");
-}
-void SliderJoint::setAngFriction(btScalar max_torque) { setAxisFriction(m_angular, max_torque); }
-
-// Which of the numbers a parameter is, if any.
-struct SliderJoint::Slot {
-  BulletTuning SliderJoint::*tuning = nullptr;
-  Scalar BulletTuning::*number = nullptr;
-  int flag = 0;
-};
-
-SliderJoint::Slot SliderJoint::slot(int num, int axis) {
-  using J = SliderJoint;
-  if (axis > 5) return {};
-  // 0: along, 1: across, 2: about, 3: the directions.
-  const int group = axis < 1 ? 0 : axis < 3 ? 1 : axis == 3 ? 2 : 3;
-  BulletTuning J::*const stops[] = {&J::m_lim_lin, &J::m_ortho_lin, &J::m_lim_ang, &J::m_ortho_ang};
-  constexpr int erp_flags[] = {BT_SLIDER_FLAGS_ERP_LIMLIN, BT_SLIDER_FLAGS_ERP_ORTLIN,
-                               BT_SLIDER_FLAGS_ERP_LIMANG, BT_SLIDER_FLAGS_ERP_ORTANG};
-  constexpr int cfm_flags[] = {BT_SLIDER_FLAGS_CFM_LIMLIN, BT_SLIDER_FLAGS_CFM_ORTLIN,
-                               BT_SLIDER_FLAGS_CFM_LIMANG, BT_SLIDER_FLAGS_CFM_ORTANG};
-  switch (num) {
-    case BT_CONSTRAINT_STOP_ERP: return {stops[group], &BulletTuning::softness, erp_flags[group]};
-    case BT_CONSTRAINT_STOP_CFM: return {stops[group], &BulletTuning::cfm, cfm_flags[group]};
-    case BT_CONSTRAINT_CFM:
-      if (group == 0) return {&J::m_dir_lin, &BulletTuning::cfm, BT_SLIDER_FLAGS_CFM_DIRLIN};
-      if (group == 2) return {&J::m_dir_ang, &BulletTuning::cfm, BT_SLIDER_FLAGS_CFM_DIRANG};
-      return {};
-    default: return {};
-  }
+  setAxisFriction(m_settings.linear, max_force, "friction max force");
 }
 
-void SliderJoint::setParam(int num, btScalar value, int axis) {
-  finite(parameterName(num), value);
-  const Slot to = slot(num, axis);
-  if (to.tuning == nullptr) return;
-  (this->*to.tuning).*to.number = notNegative(parameterName(num), value);
-  m_flags |= to.flag;
-  tuningChanged();
-}
-
-btScalar SliderJoint::getParam(int num, int axis) const {
-  const Slot of = slot(num, axis);
-  return of.tuning == nullptr ? infinity : (this->*of.tuning).*of.number;
-}
-
-void SliderJoint::getInfo2NonVirtual(btConstraintInfo2* info, const btTransform& transA,
-                                     const btTransform& transB, const btVector3&, const btVector3&,
-                                     btScalar, btScalar) {
-  writeRowsAt(*info, transA, transB);
-}
-
-void SliderJoint::drawJoint(btIDebugDraw& drawer) const {
-  FrameJoint::drawJoint(drawer);
-  if (!drawsLimits(drawer)) return;
-  const btTransform B = getCalculatedTransformB();
-  const btTransform rail = m_sign > 0 ? getCalculatedTransformA() : B;
-  const Scalar low = m_linear.low, high = m_linear.high;
-  if (low <= high && low > -infinity && high < infinity)
-    drawer.drawLine(rail(btVector3(low, 0, 0)), rail(btVector3(high, 0, 0)), limitColor());
-  drawRange(drawer, B.getOrigin(), rail.getBasis().getColumn(0), rail.getBasis().getColumn(1),
-            m_dbgDrawSize, m_angular.low, m_angular.high);
+void SliderJoint::setAngFriction(btScalar max_torque) {
+  setAxisFriction(m_settings.angular, max_torque);
 }
 
 // --- rows ----------------------------------------------------------------------------------------
 
-inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
+inline void SliderModel::constrain(const Observation& seen, Rows& rows) const {
   const bool document = getFormulation() == Formulation::document, locked = angleIsLocked();
   if (document) addDocumentAngularRows(seen, rows);
   Acting turn;
@@ -329,17 +466,17 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
     // With the axes all but opposite there is no angle between them.
     if (swing.h_scale < Scalar(20))
       turn = actingAngle(
-          m_angular, [&] { return angle(seen); }, swing.h, 1, [&] { return rows.turn(); });
+          m_settings.angular, [&] { return angle(seen); }, swing.h, 1, [&] { return rows.turn(); });
     if (turn.row) turn_row = equations::twist_row(swing);
   } else if (!document) {
     addLockRows(seen, rows);
   }
   const auto add_turn = [&] {
     if (!turn.row) return;
-    rows.addAngularAxis(angular, turn_row, turn.position, m_angular, turn.limit);
+    rows.addAngularAxis(angular, turn_row, turn.position, m_settings.angular, turn.limit);
     rows.shape(RowShape::turn);
   };
-  if (m_angular_only) return add_turn();
+  if (m_settings.angular_only) return add_turn();
 
   const equations::Anchors<Scalar> anchors{seen.a.r(), seen.b.r(), seen.d};
   const Vec3 lever_a = anchors.r_a + anchors.d;
@@ -361,26 +498,27 @@ inline void SliderJoint::constrain(const Observation& seen, Rows& rows) const {
   };
   add(seen.a.b(), 1);
   add(seen.a.c(), 2);
-  if (m_linear.limited() || m_linear.driven()) {
-    const Scalar position = m_sign * seen.offset[0];
+  if (m_settings.linear.limited() || m_settings.linear.driven()) {
+    const Scalar position = m_settings.sign * seen.offset[0];
     const Reach reach = rows.slide(seen.a.a().dot(moved), lever_a, anchors.r_b, bend[0]);
-    const bool limit = m_linear.limited() && slideLimitActs(position, reach);
-    if (limit || m_linear.driven()) {
+    const bool limit = m_settings.linear.limited() && slideLimitActs(position, reach);
+    if (limit || m_settings.linear.driven()) {
       const auto J = equations::contact_row(seen.a.a(), anchors).J;
-      rows.addAxis(linear, J.L, J.A_a, J.A_b, position, m_linear, limit, m_sign > 0 ? 1 : -1)
-          .curvature = m_sign * bend[0];
+      rows.addAxis(linear, J.L, J.A_a, J.A_b, position, m_settings.linear, limit,
+                   m_settings.sign > 0 ? 1 : -1)
+          .curvature = m_settings.sign * bend[0];
     }
   }
   add_turn();  // the last one, which getAppliedImpulse tells of, as in Bullet
 }
 
 // About the axes of a, so that the angle has a row of its own.
-inline void SliderJoint::addLockRows(const Observation& at, Rows& rows) const {
+inline void SliderModel::addLockRows(const Observation& at, Rows& rows) const {
   const UnwrappedAngle twist = angle(at);
   const auto R = [&] { return Mat3(at.a.axes().transpose() * at.b.axes()); };
-  const Vec3 phi = m_angular.low == 0 && twist.turns() == 0
+  const Vec3 phi = m_settings.angular.low == 0 && twist.turns() == 0
                        ? equations::orientation_error(at.crossed, at.trace, R)
-                       : turnedLockError(R(), twist, m_angular.low);
+                       : turnedLockError(R(), twist, m_settings.angular.low);
   const Scalar error = btSqrt(phi.dot(phi));
   const Scalar speed_per_error = error > 0 ? getMaxCorrectionSpeed() / error : Scalar(0);
   const auto add = [&](const Vec3& u, Scalar C, int kind) {
@@ -394,10 +532,10 @@ inline void SliderJoint::addLockRows(const Observation& at, Rows& rows) const {
 }
 
 // The lock's rows, of which a free angle leaves those about the frame's other two axes.
-void SliderJoint::addDocumentAngularRows(const Observation& seen, Rows& rows) const {
+void SliderModel::addDocumentAngularRows(const Observation& seen, Rows& rows) const {
   const bool locked = angleIsLocked();
   Mat3 F = seen.a.axes();
-  if (locked && m_angular.low != 0) F = turned(F, m_angular.low);
+  if (locked && m_settings.angular.low != 0) F = turned(F, m_settings.angular.low);
   const auto p =
       equations::relative(equations::quaternion(F), equations::quaternion(seen.b.axes()));
   if (!PosePair::is_finite(p.w + p.v.sum())) return;
@@ -417,14 +555,16 @@ void SliderJoint::addDocumentAngularRows(const Observation& seen, Rows& rows) co
 }
 
 // `reach`: along J, which the position moves with or against.
-inline bool SliderJoint::slideLimitActs(Scalar position, const Reach& reach) const {
-  const Scalar distance = m_linear.distance(position);
+inline bool SliderModel::slideLimitActs(Scalar position, const Reach& reach) const {
+  const Scalar distance = m_settings.linear.distance(position);
   if (distance <= 0) return true;
-  if (!m_linear.driven() && distance > reach.max()) return false;
-  return Reach{m_sign * reach.moved, reach.gained}.of(m_linear).reaches(m_linear, position);
+  if (!m_settings.linear.driven() && distance > reach.max()) return false;
+  return Reach{m_settings.sign * reach.moved, reach.gained}
+      .of(m_settings.linear)
+      .reaches(m_settings.linear, position);
 }
 
-template class ObservedJoint<SliderJoint, PosedJoint>;
+template class ObservedJoint<SliderModel, Joint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

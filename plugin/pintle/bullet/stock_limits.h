@@ -1,0 +1,20 @@
+// Purpose: limits as they stand in Bullet's objects.
+#pragma once
+
+#include <pintle/finite.h>
+#include <pintle/precision.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// Limits of Pintle's that Bullet's object cannot hold stand there as this pair, which is free, and which nobody else writes.
+constexpr btScalar free_low = btScalar(0.7320508), free_high = btScalar(-0.5303301);
+
+/// Whether low and high are numbers, and not the same infinity: there no position is.
+inline bool leavesAPosition(Scalar low, Scalar high) {
+  if (!isNumber(low) || !isNumber(high)) return false;
+  return !(low <= high && (low >= infinity || high <= -infinity));
+}
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

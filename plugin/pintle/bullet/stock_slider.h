@@ -1,0 +1,16 @@
+// Purpose: what a slider of Bullet's shows of its angle.
+#pragma once
+
+#include <pintle/precision.h>
+
+class btSliderConstraint;
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// What btSliderConstraint::testAngLimits leaves for getSolveAngLimit and getAngDepth: by how much the limit is broken, rad, above
+/// zero beyond the upper one.
+void showAngularLimit(btSliderConstraint& slider, Scalar depth);
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle

@@ -1,0 +1,254 @@
+// A slider of Pintle's is one of Bullet's: what clients do to one, through whatever pointer they hold it.
+#include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
+#include <gtest/gtest.h>
+#include <pintle/joints/slider_joint.h>
+
+#include <functional>
+#include <memory>
+
+#include "solver_of_tests.h"
+#include "support.h"
+
+namespace derived_slider_test {
+namespace {
+
+using pintle::SliderJoint;
+using scenes::pi;
+using support::infinite;
+using support::is_double;
+using support::nan_value;
+using support::Random;
+using support::scalar;
+using support::SolverRows;
+using support::vec;
+
+constexpr double dt = 1. / 60;
+
+// Two bodies whose joint frames coincide, and a slider along x between them.
+template <class J = SliderJoint>
+struct Pair {
+  std::unique_ptr<btRigidBody> a = support::body(1, vec(1, 2, 3), scenes::pose_at(vec(0, 0, 0)));
+  std::unique_ptr<btRigidBody> b = support::body(2, vec(2, 1, 2), scenes::pose_at(vec(1, 0, 0)));
+  J slider{*a, *b, scenes::pose_at(vec(0.5, 0, 0)), scenes::pose_at(vec(-0.5, 0, 0)), true};
+  btSliderConstraint& stock() { return slider; }
+  // b along the axis, and about it.
+  void move(double along, double angle) {
+    b->setCenterOfMassTransform(
+        btTransform(btQuaternion(vec(1, 0, 0), scalar(angle)), vec(1 + along, 0, 0)));
+  }
+};
+
+TEST(DerivedSlider, IsASliderOfBulletsAtTheSameAddress) {
+  Pair<> pair;
+  btTypedConstraint* const constraint = &pair.slider;
+  EXPECT_EQ(constraint->getConstraintType(), SLIDER_CONSTRAINT_TYPE);
+  void* const handle = &pair.slider;
+  EXPECT_EQ(static_cast<btSliderConstraint*>(handle), &pair.stock());
+  const btTransform* const frame = &pair.slider.getCalculatedTransformA();
+  EXPECT_EQ(frame, &pair.stock().getCalculatedTransformA());
+}
+
+// As an engine does, which makes a slider of its own of the type, and knows its fields.
+class Engines : public SliderJoint {
+ public:
+  using SliderJoint::SliderJoint;
+  void limit(btScalar low, btScalar high) {
+    m_lowerLinLimit = low;
+    m_upperLinLimit = high;
+  }
+};
+
+TEST(DerivedSlider, AnEnginesSliderStopsAtItsLimits) {
+  scenes::World world;
+  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+  btRigidBody& load = world.add_box(1, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+  const btTransform along_g(btQuaternion(vec(0, 1, 0), scalar(pi / 2)));  // x is -z
+  auto& by_field = world.add_joint<Engines>(post, load, along_g, along_g, true);
+  by_field.limit(scalar(-0.5), scalar(0.5));
+  btRigidBody& other = world.add_box(1, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(5, 0, 0)));
+  btTypedConstraint& constraint = world.add_joint<SliderJoint>(
+      post, other, btTransform(along_g.getBasis(), vec(5, 0, 0)), along_g, true);
+  ASSERT_EQ(constraint.getConstraintType(), SLIDER_CONSTRAINT_TYPE);
+  auto& stock = static_cast<btSliderConstraint&>(constraint);
+  stock.setLowerLinLimit(scalar(-0.5));
+  stock.setUpperLinLimit(scalar(0.5));
+  for (int i = 0; i < 180; ++i) world.step(dt);
+  for (btSliderConstraint* of : {static_cast<btSliderConstraint*>(&by_field), &stock}) {
+    EXPECT_NEAR(double(of->getLinearPos()), 0.5, 0.01);  // as it was cached in the step
+    EXPECT_NEAR(std::abs(double(of->getRigidBodyB().getCenterOfMassPosition().z())), 0.5, 0.01);
+  }
+}
+
+TEST(DerivedSlider, WhatAnyPointerWritesHoldsInTheNextStep) {
+  const btTransform frame(btQuaternion(vec(0, 1, 0), scalar(0.2)), vec(0.3, 0.1, 0));
+  const std::function<void(btSliderConstraint&)> changes[] = {
+      [](auto& s) { s.setUpperLinLimit(scalar(0.1)); },
+      [](auto& s) { s.setLowerLinLimit(scalar(0.4)); },
+      [](auto& s) { s.setUpperAngLimit(scalar(0.1)); },
+      [](auto& s) {
+        s.setLowerAngLimit(1);
+        s.setUpperAngLimit(-1);
+      },
+      [](auto& s) {
+        s.setPoweredLinMotor(true);
+        s.setTargetLinMotorVelocity(2);
+        s.setMaxLinMotorForce(3);
+      },
+      [](auto& s) {
+        s.setPoweredAngMotor(true);
+        s.setTargetAngMotorVelocity(2);
+        s.setMaxAngMotorForce(3);
+      },
+      [](auto& s) { s.setSoftnessLimLin(scalar(0.5)); },
+      [](auto& s) { s.setSoftnessOrthoLin(scalar(0.5)); },
+      [](auto& s) { s.setSoftnessOrthoAng(scalar(0.5)); },
+      [](auto& s) { s.setParam(BT_CONSTRAINT_STOP_ERP, scalar(0.7), 1); },
+      [](auto& s) { s.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.1), 3); },
+      [](auto& s) { s.setUseFrameOffset(false); },
+      [&](auto& s) { s.setFrames(frame, frame); },
+      [&](auto& s) { s.getFrameOffsetA() = frame; },
+  };
+  for (size_t i = 0; i < std::size(changes); ++i) {
+    SCOPED_TRACE(i);
+    const auto make = [] {
+      auto pair = std::make_unique<Pair<>>();
+      pair->stock().setLowerLinLimit(scalar(-0.2));
+      pair->stock().setUpperLinLimit(scalar(0.2));
+      pair->stock().setLowerAngLimit(scalar(-0.2));
+      pair->stock().setUpperAngLimit(scalar(0.2));
+      pair->move(0.3, 0.3);
+      pair->b->translate(vec(0, 0.02, 0.03));
+      pair->b->setCenterOfMassTransform(pair->b->getCenterOfMassTransform() *
+                                        btTransform(btQuaternion(vec(0, 0, 1), scalar(0.1))));
+      return pair;
+    };
+    const auto before = make(), changed = make(), twin = make();
+    SolverRows::ofStep(before->slider);
+    SolverRows::ofStep(twin->slider);
+    changes[i](before->stock());
+    changes[i](changed->stock());
+    SolverRows::ofStep(changed->slider);
+    const SolverRows rows = SolverRows::ofStep(before->slider);
+    EXPECT_NE(rows, SolverRows::ofStep(twin->slider));
+    EXPECT_EQ(rows, SolverRows::ofStep(changed->slider));
+    EXPECT_TRUE(rows.finite());
+  }
+}
+
+// Where Bullet says that a limit is broken it has a row, and where it has none there is none.
+TEST(DerivedSlider, LimitsThatBulletsSettersMadeActWhereBulletsDo) {
+  Random random(3);
+  for (int i = 0; i < 400; ++i) {
+    SCOPED_TRACE(i);
+    Pair<> ours;
+    Pair<btSliderConstraint> stock;
+    const double low = random.uniform(-1, 1), high = low + random.uniform(-0.5, 1),
+                 lower = random.uniform(-7, 7), upper = lower + random.uniform(-1, 7),
+                 along = random.uniform(-1.5, 1.5), angle = random.uniform(-pi, pi);
+    ours.move(along, angle);
+    stock.move(along, angle);
+    for (btSliderConstraint* s : {&ours.stock(), &stock.slider}) {
+      s->setLowerLinLimit(scalar(low));
+      s->setUpperLinLimit(scalar(high));
+      s->setLowerAngLimit(scalar(lower));
+      s->setUpperAngLimit(scalar(upper));
+    }
+    const SolverRows rows = SolverRows::ofStep(ours.slider),
+                     of_stock = SolverRows::ofStep(stock.slider);
+    EXPECT_EQ(rows.announced(), of_stock.announced());
+    EXPECT_EQ(ours.stock().getSolveLinLimit(), stock.slider.getSolveLinLimit());
+    EXPECT_EQ(ours.stock().getSolveAngLimit(), stock.slider.getSolveAngLimit());
+    EXPECT_EQ(ours.stock().getLinearPos(), stock.slider.getLinearPos());
+    if (stock.slider.getLowerAngLimit() <=
+        stock.slider.getUpperAngLimit()) {  // else it is not read
+      EXPECT_EQ(ours.stock().getAngularPos(), stock.slider.getAngularPos());
+    }
+  }
+}
+
+TEST(DerivedSlider, TheLimitThatWasWrittenLastHolds) {
+  Pair<> pair;
+  pair.move(0, 1.5);
+  const auto rows = [&] { return SolverRows::ofStep(pair.slider).announced(); };
+  pair.slider.setLowerAngLimit(-10);
+  pair.slider.setUpperAngLimit(10);
+  EXPECT_EQ(rows(), 4);
+  EXPECT_EQ(pair.slider.getLowerAngLimit(), -10);
+  EXPECT_GT(pair.stock().getLowerAngLimit(), pair.stock().getUpperAngLimit());  // free there
+  // One side by Bullet's: the other one is Pintle's.
+  pair.stock().setUpperAngLimit(1);
+  EXPECT_EQ(rows(), 5);
+  EXPECT_EQ(pair.slider.getLowerAngLimit(), -10);
+  EXPECT_EQ(pair.slider.getUpperAngLimit(), 1);
+  pair.slider.setUpperAngLimit(10);
+  EXPECT_EQ(rows(), 4);
+  pair.stock().setLowerAngLimit(-1);
+  pair.stock().setUpperAngLimit(1);
+  EXPECT_EQ(rows(), 5);
+  pair.stock().setLowerAngLimit(scalar(-pi));
+  pair.stock().setUpperAngLimit(scalar(pi));
+  EXPECT_EQ(rows(), 4);
+}
+
+TEST(DerivedSlider, TheDriveThatWasWrittenLastActs) {
+  Pair<> pair;
+  btSliderConstraint& stock = pair.slider;
+  stock.setPoweredLinMotor(true);
+  stock.setTargetLinMotorVelocity(2);
+  stock.setMaxLinMotorForce(3);
+  const SolverRows motor = SolverRows::ofStep(pair.slider);
+  pair.slider.setLinMotorServo(1, 1, 1, infinite);
+  const SolverRows servo = SolverRows::ofStep(pair.slider);
+  EXPECT_NE(servo, motor);
+  stock.setPoweredLinMotor(false);
+  EXPECT_EQ(SolverRows::ofStep(pair.slider).announced(), 6 - 1);
+  stock.setPoweredLinMotor(true);
+  EXPECT_EQ(SolverRows::ofStep(pair.slider), servo);
+  stock.setTargetLinMotorVelocity(1);
+  SolverRows::ofStep(pair.slider);
+  stock.setTargetLinMotorVelocity(2);
+  EXPECT_EQ(SolverRows::ofStep(pair.slider), motor);
+}
+
+TEST(DerivedSlider, HoldsNothingBeforeItHasFrames) {
+  Pair<> pair;
+  SliderJoint slider(*pair.a, *pair.b, scenes::pose_at(vec(0, nan_value, 0)),
+                     btTransform::getIdentity());
+  EXPECT_EQ(SolverRows::ofStep(slider).announced(), 0);
+  EXPECT_NE(slider.whyIgnored().find("joint frames"), std::string::npos);
+  slider.setFrames(btTransform::getIdentity(), btTransform::getIdentity());
+  EXPECT_EQ(SolverRows::ofStep(slider).announced(), 5);
+  // A mirror image: the axis stays.
+  slider.getFrameOffsetA().setBasis(btMatrix3x3(1, 0, 0, 0, 1, 0, 0, 0, -1));
+  EXPECT_TRUE(SolverRows::ofStep(slider).finite());
+  EXPECT_EQ(slider.whyIgnored(), "");
+}
+
+TEST(DerivedSlider, WhatClientsCallBetweenStepsChangesNothing) {
+  const auto run = [](bool bother) {
+    scenes::World world;
+    btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+    btRigidBody& load = world.add_box(1, vec(0.1, 0.2, 0.3), scenes::pose_at(vec(1, 0, 0)));
+    auto& slider = world.add_joint<SliderJoint>(post, load, scenes::pose_at(vec(0.5, 0, 0)),
+                                                scenes::pose_at(vec(-0.5, 0, 0)));
+    slider.setLowerLinLimit(scalar(-0.3));
+    slider.setUpperLinLimit(scalar(0.3));
+    load.setLinearVelocity(vec(2, 0, 0));
+    for (int i = 0; i < 90; ++i) {
+      world.step(dt);
+      if (!bother) continue;
+      btSliderConstraint& stock = slider;
+      stock.buildJacobian();
+      stock.calculateTransforms(load.getWorldTransform(), post.getWorldTransform());
+      stock.testLinLimits();
+      slider.calculateTransforms(load.getWorldTransform(), post.getWorldTransform());
+      slider.getLinearPos();
+      slider.whyIgnored();
+    }
+    return load.getCenterOfMassTransform();
+  };
+  EXPECT_EQ(run(false), run(true));
+}
+
+}  // namespace
+}  // namespace derived_slider_test
