@@ -2,7 +2,7 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/bullet/stock_ball.h>
-#include <pintle/joints/complaints.h>
+#include <pintle/bullet/complaints.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/position_rows.h>
 

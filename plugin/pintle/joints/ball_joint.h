@@ -10,16 +10,19 @@ inline namespace PINTLE_PRECISION {
 
 class Complaints;
 
+/// What a ball joint holds.
 struct BallSettings {
-  btVector3 pivot_a, pivot_b;  ///< m, in the bodies' frames
-  ImpulseSetting impulse;
+  btVector3 pivot_a;       ///< m, in body a's frame
+  btVector3 pivot_b;       ///< m, in body b's frame
+  ImpulseSetting impulse;  ///< damping and bound of the rows
 };
 
 /// A ball joint of Bullet's as Pintle holds it: a point of each body coincide.
 class BallModel : public Joint {
  public:
-  static constexpr RowCount row_count{3};
+  static constexpr RowCount row_count{3};  ///< the most that it has
 
+  /// Of this constraint of Bullet's, which it is a part of, or which it stands for.
   BallModel(btPoint2PointConstraint& ball, RowCount max_rows);
 
   const char* name() const override { return "BallJoint"; }

@@ -25,13 +25,12 @@ class HingeBase : public btHingeAccumulatedAngleConstraint {
   using btHingeAccumulatedAngleConstraint::btHingeAccumulatedAngleConstraint;
 
   // --- methods of Bullet's, for more turns, or const ---------------------------------------------
-  ///@{
-  /// The joint frames in the bodies' frames.
   using btHingeConstraint::getFrameOffsetA;
   using btHingeConstraint::getFrameOffsetB;
+  /// The joint frame in body a's frame.
   const btTransform& getFrameOffsetA() const { return getAFrame(); }
+  /// The joint frame in body b's frame.
   const btTransform& getFrameOffsetB() const { return getBFrame(); }
-  ///@}
   ///@{
   /// The joint frames in the world, at the bodies' poses of now.
   btTransform getCalculatedTransformA() const {
@@ -41,6 +40,7 @@ class HingeBase : public btHingeAccumulatedAngleConstraint {
     return m_rbB.getCenterOfMassTransform() * getBFrame();
   }
   ///@}
+  /// What setAngularOnly set.
   bool getAngularOnly() const;
 
   /// A new axis in body a; the frame of b follows as Bullet sets it.

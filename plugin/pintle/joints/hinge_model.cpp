@@ -2,7 +2,7 @@
 
 #include <pintle/bullet/frames.h>
 #include <pintle/bullet/stock_limits.h>
-#include <pintle/joints/complaints.h>
+#include <pintle/bullet/complaints.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/hinge_rows.h>
 #include <pintle/rows/position_rows.h>

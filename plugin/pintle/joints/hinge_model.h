@@ -24,10 +24,12 @@ class Complaints;
 /// Of the joint frames: z.
 constexpr int hinge_axis = 2;
 
+/// What a hinge holds.
 struct HingeSettings {
-  btTransform frame_a, frame_b;  ///< joint frames in the bodies' frames (m), z the hinge axis
-  Axis axis;                     ///< along the hinge angle
-  bool angular_only = false;     ///< no position rows
+  btTransform frame_a;        ///< the joint frame in body a's frame (m), z the hinge axis
+  btTransform frame_b;        ///< the same in body b's
+  Axis axis;                  ///< along the hinge angle
+  bool angular_only = false;  ///< no position rows
 };
 
 /// A hinge of Bullet's as Pintle holds it. What stands in Bullet's object is read at the start of each step; what Bullet does not

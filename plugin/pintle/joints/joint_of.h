@@ -14,25 +14,26 @@ inline namespace PINTLE_PRECISION {
 template <class Stock, class Model>
 class JointOf : public Stock, public Model {
  public:
-  ///@{
-  /// Bullet's solver calls these. A subclass that overrides getInfo1 or getInfo2 calls it, too, once a step: getInfo2 without
+  /// Bullet's solver calls this and the next three. A subclass that overrides getInfo1 or getInfo2 calls it, too, once a step: getInfo2 without
   /// getInfo1 gives Bullet's own rows where its own would be more than Bullet announces.
   void buildJacobian() override {
     m_is_announced = false;
     Model::buildJacobian();
   }
+  /// Counts the rows of the step.
   void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
     m_is_announced = true;
     Model::announceRows(*info);
   }
+  /// Writes the rows of the step.
   void getInfo2(btTypedConstraint::btConstraintInfo2* info) override {
     if (!m_is_announced && !fitsIntoStocks()) return askStock(info);
     Model::writeRows(*info);
   }
+  /// Comes after each iteration over the rows of all joints.
   void solveConstraintObsolete(btSolverBody& a, btSolverBody& b, btScalar) override {
     Model::afterPass(a, b);
   }
-  ///@}
 
  protected:
   /// `arguments`: those of a constructor of Stock.

@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 /// The rows of QuaternionHinge.
 class QuaternionHingeModel : public ObservedJoint<QuaternionHingeModel, HingeModel> {
  public:
-  static constexpr RowCount row_count{6, 1};
+  static constexpr RowCount row_count{6, 1};  ///< the most that it has
 
  protected:
   using ObservedJoint::ObservedJoint;

@@ -14,15 +14,20 @@ inline namespace PINTLE_PRECISION {
 /// Until the next step, or new frames, what a client has said; else where the bodies are.
 class SeenPoses {
  public:
+  /// What a client says (world).
   void set(const btTransform& a, const btTransform& b) {
     if (!m_poses) m_poses = std::make_unique<Poses>();
     m_poses->a = a;
     m_poses->b = b;
     m_given = true;
   }
+  /// From here on the bodies are where they are.
   void forget() { m_given = false; }
+  /// Whether a client has said so.
   bool given() const { return m_given; }
+  /// Of body a, which is at `now`.
   const btTransform& a(const btTransform& now) const { return m_given ? m_poses->a : now; }
+  /// The same of body b.
   const btTransform& b(const btTransform& now) const { return m_given ? m_poses->b : now; }
 
  private:

@@ -8,7 +8,7 @@
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/equations/slider.h>
 #include <pintle/frame.h>
-#include <pintle/joints/complaints.h>
+#include <pintle/bullet/complaints.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
 #include <pintle/joints/observed_joint_rows.h>

@@ -15,9 +15,12 @@ inline namespace PINTLE_PRECISION {
 class Complaints;
 struct Reach;
 
+/// What a slider holds.
 struct SliderSettings {
-  btTransform frame_a, frame_b;  ///< joint frames in the bodies' frames (m), x the slide axis
-  Axis linear, angular;
+  btTransform frame_a;        ///< the joint frame in body a's frame (m), x the slide axis
+  btTransform frame_b;        ///< the same in body b's
+  Axis linear;                ///< along x
+  Axis angular;               ///< about x
   Scalar sign = 1;            ///< position = sign * (way of b's anchor from a's)
   bool angular_only = false;  ///< the angle's rows alone, nothing across or along the axis
 };
@@ -26,9 +29,10 @@ struct SliderSettings {
 /// have (limits of more than a turn, springs, servos, friction) is kept here.
 class SliderModel : public ObservedJoint<SliderModel, Joint> {
  public:
-  enum { angular, linear, axes };  ///< the last one's impulse is known best
-  static constexpr RowCount row_count{6, axes};
+  enum { angular, linear, axes };                ///< the last one's impulse is known best
+  static constexpr RowCount row_count{6, axes};  ///< the most that it has
 
+  /// Of this constraint of Bullet's, which it is a part of, or which it stands for.
   SliderModel(btSliderConstraint& slider, RowCount max_rows);
 
   const char* name() const override { return "SliderJoint"; }
