@@ -88,6 +88,17 @@ function(_pintle_find_bullet precision)
     endif()
   endif()
 
+  # From 2.89 on a solver of joints may be derived from Bullet's: what the exact solver needs.
+  file(STRINGS "${include_dir}/LinearMath/btScalar.h" version REGEX "define BT_BULLET_VERSION")
+  string(REGEX MATCH "[0-9]+" version "${version}")
+  set(PintleBullet_${precision}_VERSION "${version}" PARENT_SCOPE)
+  file(STRINGS "${include_dir}/BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h" convert REGEX "virtual.* convertJoints")
+  set(has_exact_solver FALSE)
+  if(convert)
+    set(has_exact_solver TRUE)
+  endif()
+  set(PintleBullet_${precision}_EXACT_SOLVER ${has_exact_solver} PARENT_SCOPE)
+
   if(NOT TARGET PintleBullet::${precision})
     add_library(PintleBullet::${precision} INTERFACE IMPORTED GLOBAL)
     set_target_properties(PintleBullet::${precision} PROPERTIES

@@ -68,6 +68,13 @@ function(pintle_add_library precision wanted)
   add_library(pintle::extend_${precision} ALIAS pintle_extend_${precision})
   target_link_libraries(pintle_extend_${precision} INTERFACE ${target} Eigen3::Eigen)
   pintle_compile_library(${target} ${precision})
+  if(NOT PintleBullet_${precision}_EXACT_SOLVER)
+    message(STATUS "Pintle: this Bullet (${PintleBullet_${precision}_VERSION}, ${precision} precision) is older than 2.89: pintle::${precision} has "
+                   "the joints and the recorder, but not the exact solver, whose base class has no convertJoints there.")
+    pintle_set_warnings(${target} -Wconversion)
+    set(PINTLE_PRECISIONS ${PINTLE_PRECISIONS} ${precision} PARENT_SCOPE)
+    return()
+  endif()
   # The exact solver is in double, and so packs what it can: a tenth of its step. It is compiled a few files at once, for Eigen's
   # headers take longest. (A precompiled header would bring its own options.)
   file(GLOB_RECURSE solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp")

@@ -93,6 +93,8 @@ TEST(DerivedBall, OfWhatIsNotANumberTheLastGoodOneStays) {
   };
   for (const Bad& bad : all) {
     for (const btScalar value : {nan_value, infinite, -infinite}) {
+      if (bad.name == std::string("impulse clamp") && !std::isnan(value))
+        continue;  // none, as in Bullet
       SCOPED_TRACE(testing::Message() << bad.name << " = " << value);
       Pair pair, twin;
       for (Pair* of : {&pair, &twin}) {

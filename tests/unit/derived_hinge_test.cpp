@@ -5,6 +5,7 @@
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/two_point_hinge.h>
 
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -187,6 +188,67 @@ TEST(DerivedHinge, TheDriveThatWasWrittenLastActs) {
   EXPECT_EQ(SolverRows::ofStep(pair.hinge), motor);
 }
 
+// The numbers of the velocity motor that stood there before the servo.
+TEST(DerivedHinge, AMotorComesAgainAfterAServo) {
+  const std::function<void(QuaternionHinge&)> again[] = {
+      [](auto& h) { h.enableAngularMotor(true, 2, 10); },
+      [](auto& h) { h.setMotorTargetVelocity(2); }};
+  for (const auto& call : again) {
+    Pair<> pair, twin;
+    pair.hinge.enableAngularMotor(false, 2, 10);
+    pair.hinge.setMotorServo(1, 1, 1, infinite);
+    call(pair.hinge);
+    twin.hinge.enableAngularMotor(true, 2, 10);
+    EXPECT_EQ(SolverRows::ofStep(pair.hinge), SolverRows::ofStep(twin.hinge));
+    EXPECT_EQ(pair.hinge.whyIgnored(), "");
+  }
+}
+
+TEST(DerivedHinge, AWallAtHalfATurnGoesWithBulletsLimit) {
+  for (const double half : {pi, 3.14159, 3.1415926}) {
+    Pair<> pair;
+    pair.hinge.setAccumulatedLimit(scalar(-half), scalar(half));
+    pair.turn(3.1);
+    pair.b->setAngularVelocity(vec(0, 0, 6));
+    EXPECT_EQ(SolverRows::ofStep(pair.hinge).announced(), 6);
+    pair.stock().setLimit(scalar(-half), scalar(half));
+    EXPECT_EQ(SolverRows::ofStep(pair.hinge).announced(), 5);
+  }
+}
+
+// A pivot that is moved is no other zero, nor is what stands in the fourth number of a vector.
+TEST(DerivedHinge, TurnsAreKeptWhereAxesStay) {
+  Pair<> pair;
+  for (int i = 1; i <= 30; ++i) {
+    pair.turn(0.5 * i);
+    SolverRows::ofStep(pair.hinge);
+    pair.hinge.getAFrame().getOrigin().setX(scalar(0.5 + 0.001 * i));
+    pair.hinge.getAFrame().getOrigin()[3] = scalar(i);
+    pair.hinge.getBFrame().getBasis()[1][3] = nan_value;
+  }
+  EXPECT_NEAR(double(pair.hinge.getAccumulatedHingeAngle()), 15, is_double ? 1e-9 : 1e-4);
+}
+
+// At its limit by what it presses, not by the last bit of its angle.
+TEST(DerivedHinge, AHingeThatLiesOnItsLimitSaysSo) {
+  scenes::World world;
+  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+  btRigidBody& arm = world.add_box(1, vec(0.3, 0.1, 0.1), scenes::pose_at(vec(1, 0, 0)));
+  const btQuaternion about_y(vec(1, 0, 0), scalar(-pi / 2));
+  auto& hinge = world.add_joint<QuaternionHinge>(post, arm, btTransform(about_y, vec(0.5, 0, 0)),
+                                                 btTransform(about_y, vec(-0.5, 0, 0)), true);
+  hinge.setLimit(scalar(-0.2), scalar(0.2), scalar(0.9), 1, 0);
+  btHingeConstraint& stock = hinge;
+  for (int i = 0; i < 120; ++i) world.step(dt);
+  const btScalar side = stock.getLimitSign();
+  EXPECT_NE(side, 0);
+  for (int i = 0; i < 60; ++i) {
+    world.step(dt);
+    EXPECT_TRUE(stock.getSolveLimit()) << i;
+    EXPECT_EQ(stock.getLimitSign(), side) << i;
+  }
+}
+
 // Also where its two numbers do not say what it is: (-2 pi, 2 pi) reads as (0, 0), (-5, 5) as a range.
 TEST(DerivedHinge, ALimitThatBulletsSetterMadeActsWhereBulletsDoes) {
   Random random(3);
@@ -337,6 +399,31 @@ TEST(DerivedHinge, HoldsWithFramesThatAreNone) {
   }
 }
 
+// Bullet measures the angle by the y axes.
+TEST(DerivedHinge, AMirrorImageOfAFrameHasBulletsZero) {
+  const auto a = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+  const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+  const btTransform mirrored(btMatrix3x3(-1, 0, 0, 0, 1, 0, 0, 0, 1));
+  QuaternionHinge hinge(*a, *b, mirrored, btTransform::getIdentity());
+  hinge.setLimit(scalar(-0.5), scalar(0.5));
+  EXPECT_NEAR(double(hinge.getHingeAngle()), 0, 1e-6);
+  EXPECT_NEAR(double(hinge.getAccumulatedHingeAngle()), 0, 1e-6);
+  EXPECT_EQ(SolverRows::ofStep(hinge).announced(), 5);
+}
+
+// A parameter that was never set, and is set to no number, is not set.
+TEST(DerivedHinge, AParameterThatIsNotANumberIsNone) {
+  Pair<> pair, twin;
+  for (Pair<>* of : {&pair, &twin}) {
+    of->hinge.setLimit(1, 2);
+    of->b->translate(vec(0, 0.1, 0));
+  }
+  for (const int number : {BT_CONSTRAINT_ERP, BT_CONSTRAINT_STOP_ERP, BT_CONSTRAINT_STOP_CFM})
+    pair.hinge.setParam(number, nan_value);
+  EXPECT_EQ(SolverRows::ofStep(pair.hinge), SolverRows::ofStep(twin.hinge));
+  EXPECT_NE(pair.hinge.whyIgnored(), "");
+}
+
 TEST(DerivedHinge, HoldsNothingBeforeItHasFrames) {
   const auto a = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
   const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
@@ -359,6 +446,31 @@ TEST(DerivedHinge, HoldsNothingBeforeItHasFrames) {
   }
 }
 
+// Bullet leaves a motor's numbers as the memory was.
+TEST(DerivedHinge, AMotorThatWasNeverSetStandsStill) {
+  const auto a = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+  const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
+  alignas(16) static unsigned char memory[sizeof(QuaternionHinge)];
+  const btTransform frame = btTransform::getIdentity();
+  const btVector3 none(0, 0, 0), up(0, 0, 1);
+  const std::function<QuaternionHinge*()> constructors[] = {
+      [&] { return new (memory) QuaternionHinge(*a, *b, none, none, up, up); },
+      [&] { return new (memory) QuaternionHinge(*a, none, up); },
+      [&] { return new (memory) QuaternionHinge(*a, *b, frame, frame); },
+      [&] { return new (memory) QuaternionHinge(*a, frame); }};
+  for (const auto& construct : constructors) {
+    std::memset(memory, 0x42, sizeof(memory));
+    QuaternionHinge* const hinge = construct();
+    static_cast<btHingeConstraint*>(hinge)->enableMotor(true);
+    const SolverRows rows = SolverRows::ofStep(*hinge);
+    ASSERT_EQ(rows.announced(), 6);
+    EXPECT_EQ(rows[5].rhs(), 0);
+    EXPECT_EQ(rows[5].upper(), 0);
+    EXPECT_EQ(hinge->getParam(BT_CONSTRAINT_STOP_ERP), 0);
+    hinge->~QuaternionHinge();
+  }
+}
+
 // --- subclasses, and clients between steps -------------------------------------------------------
 
 // A client's: it announces by itself how many rows there are.
@@ -378,6 +490,28 @@ class AnnouncesAsBullet : public J {
   using J::J;
   void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
     btHingeConstraint::getInfo1(info);
+  }
+};
+
+// A client's that sets frames where its base has announced its rows, and before it writes them: the joint's angle is another one then.
+template <class J>
+class SetsFrames : public J {
+ public:
+  using J::J;
+  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
+    J::getInfo1(info);
+    turn(0.5);
+  }
+  void getInfo2(btTypedConstraint::btConstraintInfo2* info) override {
+    turn(1);
+    J::getInfo2(info);
+    turn(0);
+  }
+
+ private:
+  void turn(double angle) {
+    const btTransform about_z(btQuaternion(vec(0, 0, 1), scalar(angle)), vec(0.5, 0, 0));
+    btHingeConstraint::setFrames(about_z, btTransform(this->getBFrame()));
   }
 };
 
@@ -416,14 +550,25 @@ TEST(DerivedHinge, ASubclassThatOverridesGetInfo1AloneHolds) {
   EXPECT_LT(gapOfSwing<AnnouncesAsBullet<QuaternionHinge>>(), 0.02);
 }
 
-// A limit that is near has a row of ours, which Bullet's getInfo1 did not announce: the rows are Bullet's then.
-TEST(DerivedHinge, NoMoreRowsAreWrittenThanBulletsGetInfo1Announced) {
-  Pair<AnnouncesAsBullet<QuaternionHinge>> pair;
-  pair.hinge.setLimit(-1, scalar(0.01));
-  pair.b->setAngularVelocity(vec(0, 0, 6));
-  const SolverRows rows = SolverRows::ofStep(pair.hinge);
-  EXPECT_EQ(rows.announced(), 5);
-  EXPECT_LE(rows.touched(), 5);
+// As many as it announced, whatever of ours acts beyond them, and whatever is called between.
+TEST(DerivedHinge, NoMoreRowsAreWrittenThanAreAnnounced) {
+  const auto touched = [](auto& pair, double high, double speed) {
+    pair.hinge.setLimit(-1, scalar(high));
+    pair.b->setAngularVelocity(vec(0, 0, speed));
+    SolverRows rows = SolverRows::ofStep(pair.hinge);
+    EXPECT_LE(rows.touched(), rows.announced());
+    rows = SolverRows::ofStep(pair.hinge);
+    EXPECT_LE(rows.touched(), rows.announced());
+    return rows.announced();
+  };
+  for (const double high : {0.01, -0.01}) {
+    Pair<Announces<QuaternionHinge>> alone;
+    EXPECT_EQ(touched(alone, high, 6), 5);
+    Pair<AnnouncesAsBullet<QuaternionHinge>> bullets;
+    EXPECT_EQ(touched(bullets, high, 6), high > 0 ? 5 : 6);
+    Pair<SetsFrames<QuaternionHinge>> busy;
+    EXPECT_EQ(touched(busy, high, 6), 6);
+  }
 }
 
 TEST(DerivedHinge, WhatClientsCallBetweenStepsChangesNothing) {

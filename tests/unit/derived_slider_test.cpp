@@ -210,6 +210,23 @@ TEST(DerivedSlider, TheDriveThatWasWrittenLastActs) {
   EXPECT_EQ(SolverRows::ofStep(pair.slider), motor);
 }
 
+TEST(DerivedSlider, ASliderThatLiesOnItsLimitSaysSo) {
+  scenes::World world;
+  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+  btRigidBody& load = world.add_box(1, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+  const btTransform down(btQuaternion(vec(0, 1, 0), scalar(pi / 2)));  // x is -z
+  auto& slider = world.add_joint<SliderJoint>(post, load, down, down, true);
+  slider.setLowerLinLimit(scalar(-0.3));
+  slider.setUpperLinLimit(scalar(0.3));
+  slider.setDampingLimLin(1);
+  btSliderConstraint& stock = slider;
+  for (int i = 0; i < 120; ++i) world.step(dt);
+  for (int i = 0; i < 60; ++i) {
+    world.step(dt);
+    EXPECT_TRUE(stock.getSolveLinLimit()) << i;
+  }
+}
+
 TEST(DerivedSlider, HoldsNothingBeforeItHasFrames) {
   Pair<> pair;
   SliderJoint slider(*pair.a, *pair.b, scenes::pose_at(vec(0, nan_value, 0)),

@@ -496,7 +496,9 @@ class Log : public btIDebugDraw {
                  const btVector3& c) override {
     write("plane", n, d, t, c);
   }
+#if BT_BULLET_VERSION >= 287
   void clearLines() override { write("clear"); }
+#endif
   void flushLines() override { write("flush"); }
 
  private:
@@ -536,7 +538,9 @@ void tellAll(btIDebugDraw& to) {
   const btTransform pose = t();
   const btScalar r = s(), q = s(), low = s(), high = s(), left = s(), right = s(), step = s();
   to.setDebugMode(5);
+#if BT_BULLET_VERSION >= 287
   to.clearLines();
+#endif
   to.drawLine(a, b, color);
   to.drawLine(a, b, c, color);
   to.drawSphere(r, pose, color);
@@ -563,7 +567,7 @@ TEST(JointDrawing, HandsEverythingOn) {
   Log direct, wrapped;
   tellAll(direct);
   const std::string told = direct.text.str();
-  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 22);
+  EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), BT_BULLET_VERSION >= 287 ? 22 : 21);
   Scene scene;
   scene.bullet().setDebugDrawer(&wrapped);
   const pintle::JointDrawing drawing(scene.bullet());
@@ -589,7 +593,8 @@ TEST(JointDrawing, AJointIsDrawnByWhatTheDrawerHasOfItsOwn) {
   std::string words, all;
   while (text >> words)
     if (std::isalpha(static_cast<unsigned char>(words[0]))) all += words + ' ';
-  EXPECT_EQ(all, "clear transform transform flush ");
+  const std::string clear = BT_BULLET_VERSION >= 287 ? "clear " : "";
+  EXPECT_EQ(all, clear + "transform transform flush ");
 }
 
 TEST(DrawJoints, OneCallDrawsThemWithoutBulletsWorld) {

@@ -303,8 +303,9 @@ TYPED_TEST(DropInClient, ASubclassThatCallsItsBaseIsTheSameJoint) {
   };
   check(static_cast<typename TypeParam::ours*>(nullptr));
   check(static_cast<typename TypeParam::stock*>(nullptr));
-  // By these names a class that derives from Bullet's has Bullet's rows. (On ExactJointSolver they close at a bounded speed.)
-  if (TypeParam::derives && !onExactSolver()) {
+  // By these names a class that derives from Bullet's has Bullet's rows. (On ExactJointSolver they close at a bounded speed. The
+  // slider's are made of what its getInfo1NonVirtual leaves as the memory was.)
+  if (TypeParam::derives && !onExactSolver() && !is_slider<typename TypeParam::ours>) {
     EXPECT_EQ(swing<NonVirtual<typename TypeParam::ours>>([](auto&) {}),
               swing<NonVirtual<typename TypeParam::stock>>([](auto&) {}));
   }
@@ -424,6 +425,8 @@ std::vector<double> look(J& joint, const btTransform& a, const btTransform& b) {
 
 TYPED_TEST(DropInClient, ReadingsAtOtherPosesAreStocksAndNotLasting) {
   using Ours = typename TypeParam::ours;
+  if (BT_BULLET_VERSION < 287 && std::is_same_v<Ours, pintle::ConeTwistJoint>)
+    GTEST_SKIP() << "Bullet reads otherwise there";
   const auto ours = make<Ours>(*this->a, *this->b, this->frame);
   const auto stock = make<typename TypeParam::stock>(*this->a, *this->b, this->frame);
   const auto limit = [](auto& joint) {
@@ -575,6 +578,7 @@ struct Shaft {
 };
 
 TEST(LimitMotor, DrivesAndStopsAsStocksDoes) {
+  if (BT_BULLET_VERSION < 289) GTEST_SKIP() << "there a bound of a motor is an impulse in a step";
   const auto drive = [](auto* type, int index, double velocity) {
     using J = std::remove_pointer_t<decltype(type)>;
     Shaft shaft;

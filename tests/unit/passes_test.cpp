@@ -29,7 +29,11 @@ class Rod {
 
   explicit Rod(double load = 10, int iterations = 10, double threshold = 0)
       : world_(scenes::standard_gravity, iterations, make_bullets) {
+#if BT_BULLET_VERSION >= 287
     world_.bullet().getSolverInfo().m_leastSquaresResidualThreshold = scalar(threshold);
+#else
+    (void)threshold;  // Bullet has none
+#endif
     for (int i = 0; i < links; ++i) {
       bodies_.push_back(&world_.add_box(i + 1 < links ? 1 : load, vec(0.1, 0.1, 0.5),
                                         scenes::pose_at(vec(0, 0, -0.5 - i))));

@@ -60,10 +60,14 @@ TEST_P(Recovery, IsSoonAndGentleAndForGood) {
                               std::to_string(stock.max_angular_speed) + " rad/s");
   ASSERT_TRUE(ours.finite);
   ASSERT_NEAR(ours.start_axis_angle, start.angle, physics::rounding(1e-3, 1e-7));
+#if BT_BULLET_VERSION >= 289
   ASSERT_GT(stock.steps, 0);
+#endif
   EXPECT_GT(ours.steps, 0) << "never";
   EXPECT_LE(ours.steps, onExactSolver() ? 44 : 40);
-  EXPECT_LE(ours.steps, stock.steps + 4);
+  if (stock.steps > 0) {  // older ones need not arrive
+    EXPECT_LE(ours.steps, stock.steps + 4);
+  }
   EXPECT_LE(ours.max_turning, 12);
 }
 

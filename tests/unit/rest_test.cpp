@@ -56,6 +56,7 @@ double passes() {
 }
 
 TEST(Rest, AJointThatNothingDisturbsIsSolvedByFourPassesOfTen) {
+  if (BT_BULLET_VERSION < 287) GTEST_SKIP() << "Bullet makes all of its passes there";
   EXPECT_GT(passes<btHingeConstraint>(), 8);
   EXPECT_LE(passes<pintle::QuaternionHinge>(), 4);
 }

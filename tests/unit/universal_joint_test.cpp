@@ -370,6 +370,7 @@ class Rig {
 };
 
 TEST(DropInUniversal, MotorsGoStocksWayWithStocksTorque) {
+  if (BT_BULLET_VERSION < 289) GTEST_SKIP() << "there a bound of a motor is an impulse in a step";
   for (const int axis : {4, 5}) {
     for (const double velocity : {2., -2.}) {
       SCOPED_TRACE(testing::Message() << "axis " << axis << ", " << velocity);

@@ -72,9 +72,9 @@ inline void takeParameter(Parameter& to, const StockParameter& from, const char*
     to = {};
     return;
   }
-  Scalar value = to.orElse(0);
+  Scalar value = 0;
   takeNotNegative(value, from.value, field, complaints);
-  to = value;
+  if (isFinite(from.value)) to = value;  // else it may be none, still
 }
 
 /// How errors name the numbers of a motor.
@@ -85,8 +85,9 @@ struct MotorNames {
 /// what was taken before.
 inline void takeMotor(Axis& axis, Scalar Axis::*bound, const StockMotor& from, StockMotor& last,
                       const MotorNames& names, Complaints* complaints) {
-  const bool is_another = !from.isAsStrongAs(last);
-  if (from.on && (is_another || complaints != nullptr)) {
+  const bool is_another = !from.isSameAs(last);
+  const bool complains = complaints != nullptr && axis.chosen == Axis::Drive::velocity;
+  if (from.on && (is_another || complains)) {
     takeFinite(axis.motor_velocity, from.velocity, names.velocity, complaints);
     takeBound(axis.*bound, from.bound, names.bound, complaints);
   }

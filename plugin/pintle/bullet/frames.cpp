@@ -15,6 +15,13 @@ bool areFinite(const btTransform& t) {
 
 }  // namespace
 
+bool isSameBasis(const btMatrix3x3& a, const btMatrix3x3& b) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (a[i][j] != b[i][j]) return false;
+  return true;
+}
+
 bool isRotation(const btMatrix3x3& R) {
   constexpr Scalar tolerance = Scalar(1e-3);
   for (int i = 0; i < 3; ++i)
@@ -23,28 +30,30 @@ bool isRotation(const btMatrix3x3& R) {
   return R.determinant() > 0;
 }
 
-bool repairFrame(const btTransform& given, int main, btTransform& frame) {
-  if (!areFinite(given) || !isRotation(given.getBasis())) return orthonormalize(given, main, frame);
+bool repairFrame(const btTransform& given, int main, int second, btTransform& frame) {
+  if (!areFinite(given) || !isRotation(given.getBasis()))
+    return orthonormalize(given, main, second, frame);
   frame = given;
   return true;
 }
 
-bool orthonormalize(const btTransform& given, int main, btTransform& frame) {
+bool orthonormalize(const btTransform& given, int main, int second, btTransform& frame) {
   if (!areFinite(given)) return false;
-  const int next = (main + 1) % 3, third = (main + 2) % 3;
+  const int third = 3 - main - second;
   const btMatrix3x3& R = given.getBasis();
   const Scalar length = R.getColumn(main).length();
   if (!(length > SIMD_EPSILON && isFinite(length))) return false;
   btVector3 axis[3];
   axis[main] = R.getColumn(main) / length;
-  axis[next] = R.getColumn(next) - axis[main] * axis[main].dot(R.getColumn(next));
+  axis[second] = R.getColumn(second) - axis[main] * axis[main].dot(R.getColumn(second));
   // Along the main axis there is nothing left of it but rounding.
-  const Scalar across = axis[next].length();
-  if (across > Scalar(0.5) * R.getColumn(next).length() && isFinite(across) && across > 0)
-    axis[next] /= across;
+  const Scalar across = axis[second].length();
+  if (across > Scalar(0.5) * R.getColumn(second).length() && isFinite(across) && across > 0)
+    axis[second] /= across;
   else
-    btPlaneSpace1(axis[main], axis[next], axis[third]);
-  axis[third] = axis[main].cross(axis[next]);
+    btPlaneSpace1(axis[main], axis[second], axis[third]);
+  axis[third] =
+      (main + 1) % 3 == second ? axis[main].cross(axis[second]) : axis[second].cross(axis[main]);
   frame.setOrigin(given.getOrigin());
   for (int i = 0; i < 3; ++i) frame.getBasis()[i].setValue(axis[0][i], axis[1][i], axis[2][i]);
   return true;

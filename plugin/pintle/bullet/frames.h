@@ -11,13 +11,16 @@ inline namespace PINTLE_PRECISION {
 /// Whether the axes are unit vectors at right angles, right-handed, to a thousandth.
 bool isRotation(const btMatrix3x3& R);
 
-/// Makes a frame of what a client gave: its axis number `main` made unit, the part of the next one across that, and the third for
-/// a right hand. (About or along the main axis as it stands Bullet's joints are driven.) False, and changes nothing, if a number
-/// is not finite or the main axis has no direction.
-bool orthonormalize(const btTransform& given, int main, btTransform& frame);
+/// Whether the axes are the same numbers.
+bool isSameBasis(const btMatrix3x3& a, const btMatrix3x3& b);
+
+/// Makes a frame of what a client gave: its axis number `main` made unit, the part of number `second` across that, and the third for
+/// a right hand. (About or along the main axis as it stands Bullet's joints are driven, and by the second they measure angles.) False, and
+/// changes nothing, if a number is not finite or the main axis has no direction.
+bool orthonormalize(const btTransform& given, int main, int second, btTransform& frame);
 
 /// The same, but what is a frame stays as it stands.
-bool repairFrame(const btTransform& given, int main, btTransform& frame);
+bool repairFrame(const btTransform& given, int main, int second, btTransform& frame);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -68,6 +68,17 @@ void showLimit(btHingeConstraint& hinge, Scalar sign, Scalar correction) {
   limit.*pointer(HingeCorrection()) = correction;
 }
 
+int writtenRows(const btHingeConstraint& hinge) {
+  const bool is_broken = (hinge.*pointer(HingeLimit())).*pointer(HingeIsBroken());
+  return is_broken || hinge.*pointer(HingeMotorOn()) ? 6 : 5;
+}
+
+void clearSettings(btHingeConstraint& hinge) {
+  hinge.*pointer(HingeMotorVelocity()) = hinge.*pointer(HingeMaxMotorImpulse()) = 0;
+  hinge.*pointer(HingeNormalErp()) = hinge.*pointer(HingeNormalCfm()) = 0;
+  hinge.*pointer(HingeStopErp()) = hinge.*pointer(HingeStopCfm()) = 0;
+}
+
 btScalar& accumulatedAngle(btHingeAccumulatedAngleConstraint& hinge) {
   return hinge.*pointer(HingeAccumulatedAngle());
 }

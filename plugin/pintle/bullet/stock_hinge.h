@@ -41,6 +41,10 @@ bool isAngularOnly(const btHingeConstraint& hinge);
 /// What btHingeConstraint::testLimit leaves for getSolveLimit and getLimitSign: on which side the limit is broken, +1 low, -1 high,
 /// 0 not; and by how much (rad, towards the inside).
 void showLimit(btHingeConstraint& hinge, Scalar sign, Scalar correction);
+/// Bullet leaves the motor's numbers, and in some versions the parameters that are not set, as the memory was.
+void clearSettings(btHingeConstraint& hinge);
+/// How many rows its getInfo2 writes, as its limit was last tested.
+int writtenRows(const btHingeConstraint& hinge);
 /// Where the class keeps its accumulated angle.
 btScalar& accumulatedAngle(btHingeAccumulatedAngleConstraint& hinge);
 

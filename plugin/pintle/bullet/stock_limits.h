@@ -10,6 +10,10 @@ inline namespace PINTLE_PRECISION {
 /// Limits of Pintle's that Bullet's object cannot hold stand there as this pair, which is free, and which nobody else writes.
 constexpr btScalar free_low = btScalar(0.7320508), free_high = btScalar(-0.5303301);
 
+/// rad: (-pi, pi) within this is no limit. Clients write pi in either precision, or as 3.14159
+/// (FreeTurn.HalfATurnEitherWayIsNoLimit).
+constexpr Scalar of_pi = Scalar(1e-5);
+
 /// Whether low and high are numbers, and not the same infinity: there no position is.
 inline bool leavesAPosition(Scalar low, Scalar high) {
   if (!isNumber(low) || !isNumber(high)) return false;

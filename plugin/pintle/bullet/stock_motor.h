@@ -12,7 +12,7 @@ struct StockMotor {
   bool on;
   Scalar velocity, bound;  ///< rad/s or m/s; N m s, or N and N m
 
-  bool isAsStrongAs(const StockMotor& other) const {
+  bool isSameAs(const StockMotor& other) const {
     return isSame(velocity, other.velocity) && isSame(bound, other.bound);
   }
 };

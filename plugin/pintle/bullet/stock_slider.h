@@ -11,6 +11,8 @@ inline namespace PINTLE_PRECISION {
 /// What btSliderConstraint::testAngLimits leaves for getSolveAngLimit and getAngDepth: by how much the limit is broken, rad, above
 /// zero beyond the upper one.
 void showAngularLimit(btSliderConstraint& slider, Scalar depth);
+/// What getSolveLinLimit and getSolveAngLimit say.
+void showBroken(btSliderConstraint& slider, bool linear, bool angular);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

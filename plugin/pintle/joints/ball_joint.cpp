@@ -18,7 +18,7 @@ const btPoint2PointConstraint& BallModel::ball() const {
   return static_cast<const btPoint2PointConstraint&>(constraint());
 }
 
-void BallModel::readSettings() { read(nullptr); }
+void BallModel::readFromBullet() { read(nullptr); }
 
 std::string BallModel::whyIgnored() {
   Complaints complaints(name());
@@ -34,7 +34,10 @@ void BallModel::read(Complaints* complaints) {
   takeNotNegative(m_settings.impulse.damping, setting.m_damping, "damping", complaints);
   // As in Bullet: one that is not above zero is none.
   Scalar clamp = m_settings.impulse.max_impulse;
-  takeFinite(clamp, setting.m_impulseClamp, "impulse clamp", complaints);
+  if (isNumber(setting.m_impulseClamp))
+    clamp = btMin(setting.m_impulseClamp, infinity);
+  else
+    takeFinite(clamp, setting.m_impulseClamp, "impulse clamp", complaints);
   m_settings.impulse.max_impulse = clamp > 0 ? clamp : infinity;
   takeParameter(m_erp, from.erp, "ERP", complaints);
   takeParameter(m_cfm, from.cfm, "CFM", complaints);
@@ -59,7 +62,7 @@ BallJoint::BallJoint(btRigidBody& rbA, const btTransform& frameInA)
     : BallJoint(rbA, frameInA.getOrigin()) {}
 
 void BallModel::drawJoint(btIDebugDraw& drawer) const {
-  const_cast<BallModel*>(this)->readSettings();
+  const_cast<BallModel*>(this)->readFromBullet();
   const btScalar size = const_cast<btPoint2PointConstraint&>(ball()).getDbgDrawSize();
   const btMatrix3x3 upright = btMatrix3x3::getIdentity();
   // As Bullet: the first one in any mode.

@@ -26,13 +26,14 @@ class BallModel : public Joint {
   BallModel(btPoint2PointConstraint& ball, RowCount max_rows);
 
   const char* name() const override { return "BallJoint"; }
-  void readSettings() override;
+  void readFromBullet() override;
   std::string whyIgnored() override;
   void addRows(const PosePair& poses, Rows& rows) const override;
   /// The two pivots.
   void drawJoint(btIDebugDraw& drawer) const override;
 
  protected:
+  static int rowsOfStock(const btPoint2PointConstraint&) { return row_count.rows; }
   ImpulseSetting impulseSetting() const override { return m_settings.impulse; }
 
  private:

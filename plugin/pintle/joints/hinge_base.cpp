@@ -1,5 +1,6 @@
 #include <pintle/joints/hinge_base.h>
 
+#include <pintle/bullet/complaints.h>
 #include <pintle/bullet/frames.h>
 #include <pintle/bullet/stock_limits.h>
 #include <pintle/joints/hinge_rows.h>
@@ -14,13 +15,16 @@ btVector3 HingeBase::unit(const btVector3& axis) {
   return length > 0 && isFinite(length) ? axis / length : axis;
 }
 
+void HingeBase::clear() { clearSettings(*this); }
+
 void HingeBase::straightenFrames() {
   btTransform a, b;
-  if (!orthonormalize(getAFrame(), hinge_axis, a) || !orthonormalize(getBFrame(), hinge_axis, b))
+  if (!orthonormalize(getAFrame(), hinge_axis, measured_axis, a) ||
+      !orthonormalize(getBFrame(), hinge_axis, measured_axis, b))
     return;
   getAFrame() = a;
   getBFrame() = b;
-  model().readSettings();
+  model().readFromBullet();
 }
 
 void HingeBase::setAxis(const btVector3& axisInA) {
@@ -55,7 +59,7 @@ btScalar HingeBase::getUpperLimit() const {
 
 void HingeBase::testLimit(const btTransform& transA, const btTransform& transB) {
   HingeModel& m = model();
-  m.readSettings();
+  m.readFromBullet();
   m.showLimitAt(followed(m.m_twist, m.observe({transA, transB}).twist));
 }
 
@@ -75,7 +79,7 @@ void HingeBase::setMotorTargetVelocity(btScalar motorTargetVelocity) {
 btScalar HingeBase::getMotorTargetVelocity() const { return motorVelocity(*this); }
 
 void HingeBase::setMotorTarget(btScalar targetAngle, btScalar dt) {
-  model().readSettings();
+  model().readFromBullet();
   const Axis& axis = model().m_settings.axis;
   const btScalar now = axis.limited() ? getAccumulatedHingeAngle() : getHingeAngle();
   if (axis.limited() && isNumber(targetAngle))
@@ -84,7 +88,7 @@ void HingeBase::setMotorTarget(btScalar targetAngle, btScalar dt) {
 }
 
 void HingeBase::setMotorTarget(const btQuaternion& qAinB, btScalar dt) {
-  model().readSettings();
+  model().readFromBullet();
   const HingeSettings& settings = model().m_settings;
   const btQuaternion q =
       settings.frame_b.getRotation().inverse() * qAinB * settings.frame_a.getRotation();
@@ -98,9 +102,11 @@ void HingeBase::setMotorServo(btScalar target_angle, btScalar frequency_hz, btSc
                               btScalar max_torque) {
   HingeModel& m = model();
   m.setAxisServo(m.m_settings.axis, target_angle, frequency_hz, damping_ratio, max_torque);
-  // Other numbers there are another motor.
+  // Other numbers there are another motor: of those that are there the velocity motor is, if it comes again.
   btHingeConstraint::enableMotor(true);
   m.m_read_motor = {true, getMotorTargetVelocity(), getMaxMotorImpulse()};
+  takeFinite(m.m_settings.axis.motor_velocity, m.m_read_motor.velocity, "", nullptr);
+  takeBound(m.m_settings.axis.max_motor_impulse, m.m_read_motor.bound, "", nullptr);
 }
 
 void HingeBase::setFriction(btScalar max_torque) {
@@ -120,7 +126,7 @@ btScalar HingeBase::getFrictionImpulse() const { return model().axisImpulse(0, A
 
 btScalar HingeBase::getAccumulatedHingeAngle() {
   HingeModel& m = model();
-  m.readSettings();
+  m.readFromBullet();
   m.updateState(BodyPair(m_rbA, m_rbB));
   const btScalar within = getHingeAngle();
   m_accumulatedAngle = within + SIMD_2_PI * std::round((m.angle() - within) / SIMD_2_PI);
@@ -131,7 +137,7 @@ void HingeBase::setAccumulatedHingeAngle(btScalar accAngle) {
   btHingeAccumulatedAngleConstraint::setAccumulatedHingeAngle(accAngle);
   if (!isFinite(accAngle)) return;
   HingeModel& m = model();
-  m.readSettings();
+  m.readFromBullet();
   m.m_twist.set(m.m_sign * accAngle);
   m.m_turn_given = true;
 }

@@ -108,6 +108,8 @@ class HingeBase : public btHingeAccumulatedAngleConstraint {
  protected:
   /// Of length 1, if it has a direction.
   static btVector3 unit(const btVector3& axis);
+  /// What Bullet leaves as the memory was is 0.
+  void clear();
   /// Bullet makes a frame of an axis whose x and y need not be unit vectors.
   void straightenFrames();
 

@@ -14,14 +14,14 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // rad: a limit of half a turn to either side is none, as in Bullet (Joint::setAngleLimit).
-constexpr Scalar free_half_range = SIMD_PI - Scalar(1e-5);
+constexpr Scalar free_half_range = SIMD_PI - of_pi;
 
 }  // namespace
 
 HingeModel::HingeModel(btHingeConstraint& hinge, RowCount max_rows)
     : Joint(hinge, max_rows),
       m_sign(-referenceSign(hinge)),
-      m_read_limit(limitOf(hinge)),
+      m_read_limit{0, -1},
       m_read_motor{false, 0, 0} {
   // Until there are frames the joint holds nothing.
   m_settings.frame_a.setOrigin(noPoint());
@@ -49,7 +49,7 @@ bool HingeModel::getBlockRows() const { return hinge().getUseFrameOffset(); }
 
 // --- what stands in Bullet's object --------------------------------------------------------------
 
-void HingeModel::readSettings() { read(nullptr); }
+void HingeModel::readFromBullet() { read(nullptr); }
 
 std::string HingeModel::whyIgnored() {
   Complaints complaints(name());
@@ -71,15 +71,17 @@ void HingeModel::read(Complaints* complaints) {
   takeParameter(m_limit_cfm, from.limit_cfm, "STOP_CFM", complaints);
 }
 
-// The fourth numbers of vectors are anybody's: with others there only the bits differ.
+// Other axes are another zero. (The fourth numbers of vectors are anybody's: with others there only the bits differ.)
 void HingeModel::readFrames(const StockHinge& from, Complaints* complaints) {
   if (isSame(from.frame_a, m_settings.frame_a) && isSame(from.frame_b, m_settings.frame_b)) return;
   btTransform a, b;
-  if (!(repairFrame(from.frame_a, hinge_axis, a) && repairFrame(from.frame_b, hinge_axis, b))) {
+  if (!(repairFrame(from.frame_a, hinge_axis, measured_axis, a) &&
+        repairFrame(from.frame_b, hinge_axis, measured_axis, b))) {
     if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with a z axis");
     return;
   }
-  const bool are_others = !(a == m_settings.frame_a && b == m_settings.frame_b);
+  const bool are_others = !isSameBasis(a.getBasis(), m_settings.frame_a.getBasis()) ||
+                          !isSameBasis(b.getBasis(), m_settings.frame_b.getBasis());
   m_settings.frame_a = a;
   m_settings.frame_b = b;
   if (are_others) framesChanged();
@@ -123,7 +125,7 @@ void HingeModel::keepLimit(Scalar low, Scalar high, bool of_any_turn) {
   else
     setAngleLimit(axis, low, high);
   const btHingeConstraint& stock = hinge();
-  const bool shown = axis.is_any_angle || low > high || high - low < SIMD_2_PI;
+  const bool shown = axis.is_any_angle || low > high || high - low < SIMD_2_PI - 2 * of_pi;
   hinge().setLimit(shown ? low : free_low, shown ? high : free_high, stock.getLimitSoftness(),
                    stock.getLimitBiasFactor(), stock.getLimitRelaxationFactor());
   m_read_limit = limitOf(stock);
@@ -145,21 +147,23 @@ void HingeModel::limitSet(const Axis& before) {
 void HingeModel::showAngle() {
   // Near enough for Bullet's getter, which makes up for the rest.
   if (m_accumulated != nullptr) *m_accumulated = m_sign * m_twist.roughValue();
-  showLimitAt(m_twist);
+  showLimitAt(m_twist, rows().axis(0).impulse[Axis::limit]);
 }
 
-void HingeModel::showLimitAt(const UnwrappedAngle& twist) {
+// What lies on a limit has broken it in Bullet; here it may be at it to the last bit.
+void HingeModel::showLimitAt(const UnwrappedAngle& twist, Scalar last_impulse) {
   const Axis& axis = m_settings.axis;
   Scalar correction = 0;
   if (axis.limited() && axis.distance(m_sign * twist.roughValue()) < UnwrappedAngle::rough_error) {
     const Scalar angle = m_sign * twist.value();
     correction = btMax(axis.low - angle, btMin(axis.high - angle, Scalar(0)));
   }
-  showLimit(hinge(), correction > 0 ? Scalar(1) : Scalar(correction < 0 ? -1 : 0), correction);
+  const Scalar sign = correction != 0 ? correction : last_impulse;
+  showLimit(hinge(), sign > 0 ? Scalar(1) : Scalar(sign < 0 ? -1 : 0), correction);
 }
 
 void HingeModel::drawJoint(btIDebugDraw& drawer) const {
-  const_cast<HingeModel*>(this)->readSettings();
+  const_cast<HingeModel*>(this)->readFromBullet();
   const btTransform a = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
                     b = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
   const btScalar size = hinge().getDbgDrawSize();

@@ -21,8 +21,8 @@ inline namespace PINTLE_PRECISION {
 struct Acting;
 class Complaints;
 
-/// Of the joint frames: z.
-constexpr int hinge_axis = 2;
+/// Of the joint frames: z, and y, by which Bullet measures the angle.
+constexpr int hinge_axis = 2, measured_axis = 1;
 
 /// What a hinge holds.
 struct HingeSettings {
@@ -39,7 +39,7 @@ class HingeModel : public Joint {
   /// The rows are solved as a block: Bullet's setUseFrameOffset, which stands for the same.
   void setBlockRows(bool block) override;
   bool getBlockRows() const override;
-  void readSettings() override;
+  void readFromBullet() override;
   std::string whyIgnored() override;
   /// The frames, and the range of the angle about the axis of b.
   void drawJoint(btIDebugDraw& drawer) const override;
@@ -50,6 +50,9 @@ class HingeModel : public Joint {
   /// Of the one class the accumulated angle is kept up to date, too.
   HingeModel(btHingeConstraint& hinge, RowCount max_rows);
   HingeModel(btHingeAccumulatedAngleConstraint& hinge, RowCount max_rows);
+
+  static int rowsOfStock(const btHingeConstraint& hinge) { return writtenRows(hinge); }
+  void hideLimits() { showLimit(hinge(), 0, 0); }
 
   // For the rows of the hinges: hinge_rows.h, inline.
   struct Observation;
@@ -82,7 +85,7 @@ class HingeModel : public Joint {
   ///@{
   /// Leaves in Bullet's object what a step of its own would, and what its testLimit does.
   void showAngle();
-  void showLimitAt(const UnwrappedAngle& twist);
+  void showLimitAt(const UnwrappedAngle& twist, Scalar last_impulse = 0);
   ///@}
 
   btScalar* m_accumulated = nullptr;  ///< Bullet's accumulated angle

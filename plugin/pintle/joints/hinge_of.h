@@ -20,6 +20,7 @@ class HingeOf : public JointOf<HingeBase, Model> {
       : JointOf<HingeBase, Model>(Self::row_count, rbA, rbB, pivotInA, pivotInB,
                                   HingeBase::unit(axisInA), HingeBase::unit(axisInB),
                                   useReferenceFrameA) {
+    this->clear();
     this->straightenFrames();
   }
   /// To the world, where the body is now.
@@ -27,17 +28,22 @@ class HingeOf : public JointOf<HingeBase, Model> {
           bool useReferenceFrameA = false)
       : JointOf<HingeBase, Model>(Self::row_count, rbA, pivotInA, HingeBase::unit(axisInA),
                                   useReferenceFrameA) {
+    this->clear();
     this->straightenFrames();
   }
   /// Joint frames in the bodies' frames, z the hinge axis.
   HingeOf(btRigidBody& rbA, btRigidBody& rbB, const btTransform& rbAFrame,
           const btTransform& rbBFrame, bool useReferenceFrameA = false)
       : JointOf<HingeBase, Model>(Self::row_count, rbA, rbB, rbAFrame, rbBFrame,
-                                  useReferenceFrameA) {}
+                                  useReferenceFrameA) {
+    this->clear();
+  }
   /// To the world, as Bullet has it: the pivot where it is now, but the frame's axes as they
   /// stand in `rbAFrame`, not turned with the body.
   HingeOf(btRigidBody& rbA, const btTransform& rbAFrame, bool useReferenceFrameA = false)
-      : JointOf<HingeBase, Model>(Self::row_count, rbA, rbAFrame, useReferenceFrameA) {}
+      : JointOf<HingeBase, Model>(Self::row_count, rbA, rbAFrame, useReferenceFrameA) {
+    this->clear();
+  }
 
   /// The type's name, as errors say it.
   const char* name() const override { return Self::joint_name; }

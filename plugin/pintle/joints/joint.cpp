@@ -8,7 +8,6 @@
 #include <pintle/rows/block.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -208,7 +207,7 @@ void Joint::buildJacobian() {
 }
 
 void Joint::beginStep() {
-  readSettings();
+  readFromBullet();
   if (!m_step_begins) return;
   m_step_begins = false;
   m_last_angular_speed = m_angular_speed;
@@ -227,7 +226,7 @@ void Joint::beginStep() {
   m_passes = m_passes_left = 0;
 }
 
-void Joint::announceRows(Info1& info) {
+void Joint::announceRows(Info1& info, int room) {
   beginStep();
   const int before = m_rows.equalities();
   m_rows.clear();
@@ -238,7 +237,8 @@ void Joint::announceRows(Info1& info) {
   m_rows = rows;
   // Other rows: what is remembered is not theirs.
   if (m_rows.equalities() != before) forget();
-  placeRows(std::numeric_limits<signed char>::max());
+  m_rows.truncate(room);
+  placeRows(room);
   info.m_numConstraintRows = m_solver_row_count;
   info.nub = 0;
 }

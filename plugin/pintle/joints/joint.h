@@ -65,7 +65,7 @@ class Joint {
 
   /// Takes over what stands in the constraint of Bullet's, which a client may have written by any pointer. A step does so by itself;
   /// addRows sees what was read last.
-  virtual void readSettings() {}
+  virtual void readFromBullet() {}
   /// Which of the settings that stand there are not used, and why: a number that is not finite, of which the last good one stays.
   /// Empty: all are.
   virtual std::string whyIgnored() { return {}; }
@@ -125,9 +125,15 @@ class Joint {
   /// What Bullet's solver calls of a constraint: buildJacobian, getInfo1, getInfo2 and, after each pass,
   /// solveConstraintObsolete.
   void buildJacobian();
-  void announceRows(Info1& info);
+  void announceRows(Info1& info, int room = max_room);
   void writeRows(Info2& info);
   void afterPass(btSolverBody& a, btSolverBody& b);
+  ///@}
+  static constexpr int max_room = 127;
+  ///@{
+  /// How many rows Bullet's own getInfo2 of a constraint would write, as its limits were last tested; and that none is broken.
+  static int rowsOfStock(const btTypedConstraint&) { return max_room; }
+  void hideLimits() {}
   ///@}
   /// writeRows at other poses of the bodies, as Bullet's
   /// getInfo2NonVirtual has it. As many rows as were announced at the most: a limit that acts at

@@ -3,7 +3,6 @@
 
 #include <pintle/joints/joint.h>
 
-#include <type_traits>
 #include <utility>
 
 namespace pintle {
@@ -14,20 +13,26 @@ inline namespace PINTLE_PRECISION {
 template <class Stock, class Model>
 class JointOf : public Stock, public Model {
  public:
-  /// Bullet's solver calls this and the next three. A subclass that overrides getInfo1 or getInfo2 calls it, too, once a step: getInfo2 without
-  /// getInfo1 gives Bullet's own rows where its own would be more than Bullet announces.
+  /// Bullet's solver calls this and the next three. A subclass that overrides getInfo1 calls it, too, once a step: else getInfo2 has
+  /// as many rows as Bullet's own getInfo1 last announced, and what acts beyond them is left out.
   void buildJacobian() override {
-    m_is_announced = false;
+    if (m_is_written) m_is_announced = false;
     Model::buildJacobian();
   }
   /// Counts the rows of the step.
   void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
     m_is_announced = true;
+    m_is_written = false;
     Model::announceRows(*info);
   }
   /// Writes the rows of the step.
   void getInfo2(btTypedConstraint::btConstraintInfo2* info) override {
-    if (!m_is_announced && !fitsIntoStocks()) return askStock(info);
+    if (!m_is_announced) {
+      btTypedConstraint::btConstraintInfo1 own;
+      Model::announceRows(own, Model::rowsOfStock(*this));
+      Model::hideLimits();
+    }
+    m_is_written = true;
     Model::writeRows(*info);
   }
   /// Comes after each iteration over the rows of all joints.
@@ -42,24 +47,8 @@ class JointOf : public Stock, public Model {
       : Stock(std::forward<Arguments>(arguments)...), Model(static_cast<Stock&>(*this), max_rows) {}
 
  private:
-  static constexpr bool has_rows_of_stock = !std::is_same<Stock, btTypedConstraint>::value;
-
-  // Of a client's getInfo1, which did not ask for the rows, the number is not known: it can only be that of Bullet's.
-  bool fitsIntoStocks() {
-    btTypedConstraint::btConstraintInfo1 own;
-    Model::announceRows(own);
-    if constexpr (has_rows_of_stock) {
-      btTypedConstraint::btConstraintInfo1 stock;
-      Stock::getInfo1(&stock);
-      return own.m_numConstraintRows <= stock.m_numConstraintRows;
-    }
-    return true;
-  }
-  void askStock(btTypedConstraint::btConstraintInfo2* info) {
-    if constexpr (has_rows_of_stock) Stock::getInfo2(info);
-  }
-
-  bool m_is_announced = false;
+  bool m_is_announced = false;  ///< by getInfo1 here, in this step
+  bool m_is_written = false;    ///< since
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,6 +1,7 @@
 // Purpose: how settings are checked and kept. Nothing here is called in a step.
 #include <pintle/joints/joint.h>
 
+#include <pintle/bullet/stock_limits.h>
 #include <pintle/finite.h>
 
 #include <sstream>
@@ -95,8 +96,6 @@ void Joint::setAxisLimit(Axis& axis, Scalar low, Scalar high) const {
 }
 
 void Joint::setAngleLimit(Axis& axis, Scalar low, Scalar high) const {
-  // rad: clients write pi in either precision, or as 3.14159 (FreeTurn.HalfATurnEitherWayIsNoLimit).
-  constexpr Scalar of_pi = Scalar(1e-5);
   setAxisLimit(axis, low, high);
   axis.is_any_angle = btFabs(low + SIMD_PI) <= of_pi && btFabs(high - SIMD_PI) <= of_pi;
 }

@@ -22,8 +22,8 @@ inline namespace PINTLE_PRECISION {
 // The joint frames in the world. The slide axis is a of each; d = p_b - p_a.
 namespace {
 
-// Of the joint frames: x.
-constexpr int slide_axis = 0;
+// Of the joint frames: x, and y, by which Bullet measures the angle.
+constexpr int slide_axis = 0, angle_axis = 1;
 
 // The frame turned by an angle (rad) about its x axis.
 Mat3 turned(const Mat3& F, Scalar angle) {
@@ -84,6 +84,10 @@ inline void SliderModel::remember(const Observation& seen, bool in_step) {
   m_seen_poses.forget();
   showPosition();
   showAngle();
+  // What lies on a limit has broken it in Bullet; here it may be at it to the last bit.
+  const auto presses = [&](int axis) { return rows().axis(axis).impulse[Axis::limit] != 0; };
+  showBroken(slider(), slider().getSolveLinLimit() || presses(linear),
+             slider().getSolveAngLimit() || presses(angular));
 }
 
 SliderModel::SliderModel(btSliderConstraint& slider, RowCount max_rows)
@@ -97,6 +101,10 @@ SliderModel::SliderModel(btSliderConstraint& slider, RowCount max_rows)
   m_settings.frame_b = m_settings.frame_a;
   SliderModel::read(nullptr);
   remember(observe(BodyPair(bodyA(), bodyB())), false);
+  // Bullet leaves them as the memory was until the first step.
+  showPosition();
+  showAngle();
+  hideLimits();
 }
 
 btSliderConstraint& SliderModel::slider() const {
@@ -117,7 +125,7 @@ bool SliderModel::getBlockRows() const { return slider().getUseFrameOffset(); }
 
 // --- what stands in Bullet's object --------------------------------------------------------------
 
-void SliderModel::readSettings() { read(nullptr); }
+void SliderModel::readFromBullet() { read(nullptr); }
 
 std::string SliderModel::whyIgnored() {
   Complaints complaints(name());
@@ -143,16 +151,18 @@ void SliderModel::read(Complaints* complaints) {
   Joint::setBlockRows(from.getUseFrameOffset());
 }
 
-// The fourth numbers of vectors are anybody's: with others there only the bits differ.
+// Other axes are another zero. (The fourth numbers of vectors are anybody's: with others there only the bits differ.)
 void SliderModel::readFrames(Complaints* complaints) {
   const btTransform &from_a = slider().getFrameOffsetA(), &from_b = slider().getFrameOffsetB();
   if (isSame(from_a, m_settings.frame_a) && isSame(from_b, m_settings.frame_b)) return;
   btTransform a, b;
-  if (!(repairFrame(from_a, slide_axis, a) && repairFrame(from_b, slide_axis, b))) {
+  if (!(repairFrame(from_a, slide_axis, angle_axis, a) &&
+        repairFrame(from_b, slide_axis, angle_axis, b))) {
     if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with an x axis");
     return;
   }
-  const bool are_others = !(a == m_settings.frame_a && b == m_settings.frame_b);
+  const bool are_others = !isSameBasis(a.getBasis(), m_settings.frame_a.getBasis()) ||
+                          !isSameBasis(b.getBasis(), m_settings.frame_b.getBasis());
   m_settings.frame_a = a;
   m_settings.frame_b = b;
   if (are_others) framesChanged();
@@ -254,7 +264,8 @@ void SliderModel::keepAngularLimits(Scalar low, Scalar high, bool of_any_turn) {
   else
     setAngleLimit(axis, low, high);
   // Bullet brings each into half a turn by itself.
-  const bool shown = btFabs(low) <= SIMD_PI && btFabs(high) <= SIMD_PI;
+  const bool is_wall_at_pi = !axis.is_any_angle && high - low >= SIMD_2_PI - 2 * of_pi;
+  const bool shown = btFabs(low) <= SIMD_PI && btFabs(high) <= SIMD_PI && !is_wall_at_pi;
   btSliderConstraint& stock = slider();
   stock.setLowerAngLimit(shown ? low : free_low);
   stock.setUpperAngLimit(shown ? high : free_high);
@@ -272,6 +283,13 @@ void SliderModel::limitSet(const Axis& before) {
 }
 
 // --- what a client reads from Bullet's object after a step ---------------------------------------
+
+int SliderModel::rowsOfStock(btSliderConstraint& slider) {
+  return 4 + (slider.getSolveLinLimit() || slider.getPoweredLinMotor() ? 1 : 0) +
+         (slider.getSolveAngLimit() || slider.getPoweredAngMotor() ? 1 : 0);
+}
+
+void SliderModel::hideLimits() { showBroken(slider(), false, false); }
 
 void SliderModel::showPosition() {
   const PosePair seen = seenPair();
@@ -291,7 +309,7 @@ void SliderModel::showAngle() {
 }
 
 void SliderModel::drawJoint(btIDebugDraw& drawer) const {
-  const_cast<SliderModel*>(this)->readSettings();
+  const_cast<SliderModel*>(this)->readFromBullet();
   const btTransform A = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
                     B = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
   const btScalar size = slider().getDbgDrawSize();
@@ -313,14 +331,14 @@ void SliderModel::drawJoint(btIDebugDraw& drawer) const {
 // Its frames in the world are handed out by reference.
 void SliderJoint::refresh() const {
   auto& self = const_cast<SliderJoint&>(*this);
-  self.readSettings();
+  self.readFromBullet();
   const PosePair seen = seenPair();
   self.m_calculatedTransformA = seen.pose_a() * m_frameInA;
   self.m_calculatedTransformB = seen.pose_b() * m_frameInB;
 }
 
 void SliderJoint::calculateTransforms(const btTransform& transA, const btTransform& transB) {
-  readSettings();
+  readFromBullet();
   m_seen_poses.set(transA, transB);
   btSliderConstraint::calculateTransforms(transA, transB);
 }
@@ -341,12 +359,12 @@ const btTransform& SliderJoint::getCalculatedTransformB() const {
 }
 
 void SliderJoint::testLinLimits() {
-  readSettings();
+  readFromBullet();
   showPosition();
 }
 
 void SliderJoint::testAngLimits() {
-  readSettings();
+  readFromBullet();
   if (!m_seen_poses.given()) updateState(BodyPair(m_rbA, m_rbB));
   refresh();
   showAngle();
@@ -376,13 +394,13 @@ btScalar SliderJoint::getAngularPos() const {
 }
 
 btScalar SliderJoint::getAccumulatedAngularPos() {
-  readSettings();
+  readFromBullet();
   updateState(BodyPair(m_rbA, m_rbB));
   return m_twist.value();
 }
 
 void SliderJoint::setAccumulatedAngularPos(btScalar angle) {
-  readSettings();
+  readFromBullet();
   m_twist.set(finite("accumulated angle", angle));
   m_turn_given = true;
 }
@@ -429,13 +447,15 @@ void SliderJoint::setAngLimitSpring(btScalar frequency_hz, btScalar damping_rati
   setAxisSpring(m_settings.angular, frequency_hz, damping_ratio);
 }
 
-// Other numbers of the velocity motor are another motor.
+// Other numbers of the velocity motor are another motor; of those that are there it is, if it comes again.
 void SliderJoint::setLinMotorServo(btScalar target, btScalar frequency_hz, btScalar damping_ratio,
                                    btScalar max_force) {
   setAxisServo(m_settings.linear, target, frequency_hz, damping_ratio, max_force,
                "servo max force");
   setPoweredLinMotor(true);
   m_read_linear_motor = {true, m_targetLinMotorVelocity, m_maxLinMotorForce};
+  takeFinite(m_settings.linear.motor_velocity, m_read_linear_motor.velocity, "", nullptr);
+  takeBound(m_settings.linear.max_motor_force, m_read_linear_motor.bound, "", nullptr);
 }
 
 void SliderJoint::setAngMotorServo(btScalar target_angle, btScalar frequency_hz,
@@ -443,6 +463,8 @@ void SliderJoint::setAngMotorServo(btScalar target_angle, btScalar frequency_hz,
   setAxisServo(m_settings.angular, target_angle, frequency_hz, damping_ratio, max_torque);
   setPoweredAngMotor(true);
   m_read_angular_motor = {true, -m_targetAngMotorVelocity, m_maxAngMotorForce};
+  takeFinite(m_settings.angular.motor_velocity, m_read_angular_motor.velocity, "", nullptr);
+  takeBound(m_settings.angular.max_motor_force, m_read_angular_motor.bound, "", nullptr);
 }
 
 void SliderJoint::setLinFriction(btScalar max_force) {

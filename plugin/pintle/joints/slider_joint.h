@@ -39,12 +39,14 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   /// The rows are solved as a block: Bullet's setUseFrameOffset, which stands for the same.
   void setBlockRows(bool block) override;
   bool getBlockRows() const override;
-  void readSettings() override;
+  void readFromBullet() override;
   std::string whyIgnored() override;
   /// The frames, the stretch between the linear limits, and the range of the angle.
   void drawJoint(btIDebugDraw& drawer) const override;
 
  protected:
+  static int rowsOfStock(btSliderConstraint& slider);
+  void hideLimits();
   const ErpCfm* groups() const override { return m_erp_cfm; }
 
  private:

@@ -1,6 +1,8 @@
 #include <pintle/record/observer.h>
 #include <pintle/record/shapes.h>
 
+#include <pintle/bullet/private_member.h>
+
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -11,6 +13,14 @@
 #include <cstring>
 
 namespace pintle {
+namespace {
+
+// Public from Bullet 2.87 on.
+using LinkVelocities = void(btVector3* angular, btVector3* linear) const;
+PINTLE_PRIVATE_MEMBER(TreeVelocities, LinkVelocities, btMultiBody, compTreeLinkVelocities);
+
+}  // namespace
+
 inline namespace PINTLE_PRECISION {
 namespace record {
 namespace {
@@ -158,7 +168,7 @@ void Observer::read(const btCollisionObject& object, State& state) {
 void Observer::readVelocities(btMultiBody& tree, Frame& frame) {
   m_tree_linear.resize(tree.getNumLinks() + 1);
   m_tree_angular.resize(tree.getNumLinks() + 1);
-  tree.compTreeLinkVelocities(&m_tree_angular[0], &m_tree_linear[0]);
+  (tree.*pointer(TreeVelocities()))(&m_tree_angular[0], &m_tree_linear[0]);
   for (int link = -1; link < tree.getNumLinks(); ++link) {
     const btCollisionObject* const collider = colliderOf(tree, link);
     const int body = bodyOf(collider);
