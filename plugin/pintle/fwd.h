@@ -20,11 +20,15 @@ class TwoPointHinge;
 class UniversalJoint;
 class WedgeJoint;
 
-// Their bases.
+// Their bases, and what they hold.
 class FrameJoint;
 class HingeBase;
 class Joint;
 class PosedJoint;
+class BallModel;
+class HingeModel;
+class QuaternionHingeModel;
+class SliderModel;
 class StandaloneJoint;
 
 // unstable/: for comparison only.
