@@ -25,7 +25,7 @@ Scalar carryOver(Scalar now, Scalar before) {
 
 // A joint starts apart if it is to be corrected at more than this part of its largest speeds of correction. Until it has
 // come together it begins each step from nothing.
-constexpr Scalar apart = Scalar(0.1);
+constexpr Scalar apart_fraction = Scalar(0.1);
 
 // s, about: longer than so many no gap is to take, of however many metres.
 constexpr Scalar longest_closing = 1;
@@ -265,7 +265,8 @@ inline void Joint::limitClosing(const Step& step, Scalar gap2, Scalar other2) {
   m_gap = btSqrt(gap2);
   const Scalar speed = rate * m_gap,
                max_speed = btMax(m_max_linear_correction_speed, m_gap / longest_closing);
-  if (!(speed > apart * max_speed || rate * btSqrt(other2) > apart * m_max_correction_speed)) {
+  if (!(speed > apart_fraction * max_speed ||
+        rate * btSqrt(other2) > apart_fraction * m_max_correction_speed)) {
     m_starts_apart = false;
     return;
   }

@@ -78,8 +78,8 @@ void boundTurn(btSolverBody& body, Scalar dt) {
     body.m_deltaAngularVelocity -= (1 - max_turn / btSqrt(turn2)) * w;
 }
 
-Vec3 linear(const btSolverBody& body) { return view(linearVelocity(body)); }
-Vec3 angular(const btSolverBody& body) { return view(angularVelocity(body)); }
+Vec3 linearOf(const btSolverBody& body) { return view(linearVelocity(body)); }
+Vec3 angularOf(const btSolverBody& body) { return view(angularVelocity(body)); }
 
 bool isPowerOfTwo(int n) { return (n & (n - 1)) == 0; }
 
@@ -308,7 +308,7 @@ inline bool Joint::isDisturbed() const {
 
 // What the passes have come to, and the velocities that they leave.
 inline void Joint::learn(const btSolverBody& a, const btSolverBody& b) {
-  const RelativeVelocity V(linear(a), angular(a), linear(b), angular(b));
+  const RelativeVelocity V(linearOf(a), angularOf(a), linearOf(b), angularOf(b));
   for (int i = 0; i < m_rows.equalities(); ++i) {
     RowHistory& history = m_rows.history(i);
     history.impulse = m_solver_rows[i].m_appliedImpulse;
@@ -320,7 +320,7 @@ inline void Joint::learn(const btSolverBody& a, const btSolverBody& b) {
 // How far the rows move besides J v with the velocities of now, and the targets to match: these go through the
 // elimination of rows/block.h as they did there.
 PINTLE_NOINLINE void Joint::lookAhead(const btSolverBody& a, const btSolverBody& b) {
-  const Vec3 v_ab = linear(b) - linear(a), w_a = angular(a), w_b = angular(b);
+  const Vec3 v_ab = linearOf(b) - linearOf(a), w_a = angularOf(a), w_b = angularOf(b);
   const Scalar max_w = max_look_turn / m_time_step;
   if (!(btMax(w_a.squaredNorm(), w_b.squaredNorm()) < max_w * max_w)) return;
   const int n = m_rows.equalities();
@@ -494,7 +494,7 @@ PINTLE_NOINLINE void Joint::seeDisturbance(const Row& row, AxisState& axis, cons
     const btSolverConstraint& part = m_solver_rows[axis.row[k]];
     if (part.m_lowerLimit != part.m_upperLimit) taken += axis.impulse[k];
   }
-  const Scalar now = velocity(row, linear(b) - linear(a), angular(a), angular(b));
+  const Scalar now = velocity(row, linearOf(b) - linearOf(a), angularOf(a), angularOf(b));
   axis.disturbance = axis.sign * now - axis.expected - axis.K * taken;
 }
 
