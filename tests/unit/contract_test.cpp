@@ -5,8 +5,8 @@
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <gtest/gtest.h>
 #include <pintle/body_pair.h>
-#include <pintle/joints/frame_joint.h>
 #include <pintle/joints/ball_joint.h>
+#include <pintle/joints/frame_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/rows/row.h>
 #include <scenes/chain.h>
