@@ -31,7 +31,7 @@ for version in "${versions[@]}"; do
     { tail -n 40 "$build/log"; failed+=("$version"); continue; }
   grep "^-- Pintle: " "$build/log" || true
   if result=$("$build/build/pintle/tests/pintle_tests_single" --gtest_brief=1 2>&1); then
-    echo "Bullet $version: $(tail -n 1 <<<"$result")"
+    echo "Bullet $version: $(grep PASSED <<<"$result")"
   else
     grep "FAILED" <<<"$result" || true
     failed+=("$version")

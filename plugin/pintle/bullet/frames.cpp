@@ -1,5 +1,6 @@
 #include <pintle/bullet/frames.h>
 
+#include <pintle/bullet/complaints.h>
 #include <pintle/finite.h>
 
 namespace pintle {
@@ -57,6 +58,24 @@ bool orthonormalize(const btTransform& given, int main, int second, btTransform&
   frame.setOrigin(given.getOrigin());
   for (int i = 0; i < 3; ++i) frame.getBasis()[i].setValue(axis[0][i], axis[1][i], axis[2][i]);
   return true;
+}
+
+// The fourth numbers of vectors are anybody's: with others there only the bits differ.
+bool takeFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
+                const btTransform& from_b, int main, int second, Complaints* complaints) {
+  if (isSame(from_a, frame_a) && isSame(from_b, frame_b)) return false;
+  btTransform a, b;
+  if (!(repairFrame(from_a, main, second, a) && repairFrame(from_b, main, second, b))) {
+    if (complaints != nullptr)
+      complaints->add("joint frames", from_a.getOrigin().x() + from_b.getOrigin().x(),
+                      "must be finite, and their main axis no null vector");
+    return false;
+  }
+  const bool is_other = !isSameBasis(a.getBasis(), frame_a.getBasis()) ||
+                        !isSameBasis(b.getBasis(), frame_b.getBasis());
+  frame_a = a;
+  frame_b = b;
+  return is_other;
 }
 
 }  // namespace PINTLE_PRECISION

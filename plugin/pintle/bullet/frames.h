@@ -8,6 +8,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+class Complaints;
+
 /// Whether the axes are unit vectors at right angles, right-handed, to a thousandth.
 bool isRotation(const btMatrix3x3& R);
 
@@ -21,6 +23,11 @@ bool orthonormalize(const btTransform& given, int main, int second, btTransform&
 
 /// The same, but what is a frame stays as it stands.
 bool repairFrame(const btTransform& given, int main, int second, btTransform& frame);
+
+/// Takes over the frames of a joint, repaired; both or neither. Returns whether an axis is another one: then angles have another zero.
+/// `complaints`: null in a step.
+bool takeFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
+                const btTransform& from_b, int main, int second, Complaints* complaints);
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -18,14 +18,6 @@ const btPoint2PointConstraint& BallModel::ball() const {
   return static_cast<const btPoint2PointConstraint&>(constraint());
 }
 
-void BallModel::readFromBullet() { read(nullptr); }
-
-std::string BallModel::whyIgnored() {
-  Complaints complaints(name());
-  read(&complaints);
-  return complaints.text();
-}
-
 void BallModel::read(Complaints* complaints) {
   const StockBall from(ball());
   takePoint(m_settings.pivot_a, ball().getPivotInA(), "pivotA", complaints);

@@ -26,8 +26,6 @@ class BallModel : public Joint {
   BallModel(btPoint2PointConstraint& ball, RowCount max_rows);
 
   const char* name() const override { return "BallJoint"; }
-  void readFromBullet() override;
-  std::string whyIgnored() override;
   void addRows(const PosePair& poses, Rows& rows) const override;
   /// The two pivots.
   void drawJoint(btIDebugDraw& drawer) const override;
@@ -38,7 +36,7 @@ class BallModel : public Joint {
 
  private:
   const btPoint2PointConstraint& ball() const;
-  void read(Complaints* complaints);
+  void read(Complaints* complaints) override;
 
   BallSettings m_settings;
 };

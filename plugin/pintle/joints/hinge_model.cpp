@@ -49,17 +49,11 @@ bool HingeModel::getBlockRows() const { return hinge().getUseFrameOffset(); }
 
 // --- what stands in Bullet's object --------------------------------------------------------------
 
-void HingeModel::readFromBullet() { read(nullptr); }
-
-std::string HingeModel::whyIgnored() {
-  Complaints complaints(name());
-  read(&complaints);
-  return complaints.text();
-}
-
 void HingeModel::read(Complaints* complaints) {
   const StockHinge from(hinge());
-  readFrames(from, complaints);
+  if (takeFrames(m_settings.frame_a, m_settings.frame_b, from.frame_a, from.frame_b, hinge_axis,
+                 measured_axis, complaints))
+    framesChanged();
   readLimit(from, complaints);
   takeMotor(m_settings.axis, &Axis::max_motor_impulse, from.motor, m_read_motor,
             {"motor target velocity", "max motor impulse"}, complaints);
@@ -69,22 +63,6 @@ void HingeModel::read(Complaints* complaints) {
   takeParameter(m_motor_cfm, from.motor_cfm, "CFM", complaints);
   takeParameter(m_limit_erp, from.limit_erp, "STOP_ERP", complaints);
   takeParameter(m_limit_cfm, from.limit_cfm, "STOP_CFM", complaints);
-}
-
-// Other axes are another zero. (The fourth numbers of vectors are anybody's: with others there only the bits differ.)
-void HingeModel::readFrames(const StockHinge& from, Complaints* complaints) {
-  if (isSame(from.frame_a, m_settings.frame_a) && isSame(from.frame_b, m_settings.frame_b)) return;
-  btTransform a, b;
-  if (!(repairFrame(from.frame_a, hinge_axis, measured_axis, a) &&
-        repairFrame(from.frame_b, hinge_axis, measured_axis, b))) {
-    if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with a z axis");
-    return;
-  }
-  const bool are_others = !isSameBasis(a.getBasis(), m_settings.frame_a.getBasis()) ||
-                          !isSameBasis(b.getBasis(), m_settings.frame_b.getBasis());
-  m_settings.frame_a = a;
-  m_settings.frame_b = b;
-  if (are_others) framesChanged();
 }
 
 void HingeModel::framesChanged() {

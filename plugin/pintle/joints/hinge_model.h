@@ -39,8 +39,6 @@ class HingeModel : public Joint {
   /// The rows are solved as a block: Bullet's setUseFrameOffset, which stands for the same.
   void setBlockRows(bool block) override;
   bool getBlockRows() const override;
-  void readFromBullet() override;
-  std::string whyIgnored() override;
   /// The frames, and the range of the angle about the axis of b.
   void drawJoint(btIDebugDraw& drawer) const override;
 
@@ -73,8 +71,7 @@ class HingeModel : public Joint {
  private:
   btHingeConstraint& hinge() const;
   Scalar angle() const { return m_sign * m_twist.value(); }
-  void read(Complaints* complaints);
-  void readFrames(const StockHinge& from, Complaints* complaints);
+  void read(Complaints* complaints) override;
   void readLimit(const StockHinge& from, Complaints* complaints);
   void framesChanged();
   /// A limit by Pintle's own methods, which Bullet's object shows as far as it can.

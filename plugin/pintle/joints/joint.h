@@ -22,6 +22,7 @@ class BodyPair;
 struct JointAccess;
 class PosePair;
 class Rows;
+class Complaints;
 struct AxisMotion;
 struct AxisRow;
 struct BlockRow;
@@ -65,10 +66,10 @@ class Joint {
 
   /// Takes over what stands in the constraint of Bullet's, which a client may have written by any pointer. A step does so by itself;
   /// addRows sees what was read last.
-  virtual void readFromBullet() {}
+  void readFromBullet() { read(nullptr); }
   /// Which of the settings that stand there are not used, and why: a number that is not finite, of which the last good one stays.
   /// Empty: all are.
-  virtual std::string whyIgnored() { return {}; }
+  std::string whyIgnored();
 
   /// Whether the rows of the joint are solved as a block (rows/block.h), so that one pass of
   /// Bullet's solver solves the joint by itself, and with the residual of the last step in view.
@@ -109,6 +110,8 @@ class Joint {
   /// Those of the last step.
   const RowList& rows() const { return m_rows; }
 
+  /// What readFromBullet does. `complaints`: null, or who is told what is not used.
+  virtual void read(Complaints*) {}
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
   virtual void updateState(const PosePair&) {}
   /// Both together, at the start of a step (observed_joint.h).

@@ -1,6 +1,7 @@
 // Purpose: how settings are checked and kept. Nothing here is called in a step.
 #include <pintle/joints/joint.h>
 
+#include <pintle/bullet/complaints.h>
 #include <pintle/bullet/stock_limits.h>
 #include <pintle/finite.h>
 
@@ -9,6 +10,12 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+
+std::string Joint::whyIgnored() {
+  Complaints complaints(name());
+  read(&complaints);
+  return complaints.text();
+}
 
 void Joint::setMaxCorrectionSpeed(btScalar speed) {
   m_max_correction_speed = positive("max correction speed", speed);

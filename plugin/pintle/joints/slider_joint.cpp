@@ -125,18 +125,12 @@ bool SliderModel::getBlockRows() const { return slider().getUseFrameOffset(); }
 
 // --- what stands in Bullet's object --------------------------------------------------------------
 
-void SliderModel::readFromBullet() { read(nullptr); }
-
-std::string SliderModel::whyIgnored() {
-  Complaints complaints(name());
-  read(&complaints);
-  return complaints.text();
-}
-
 void SliderModel::read(Complaints* complaints) {
   btSliderConstraint& from = slider();
   m_settings.sign = from.getUseLinearReferenceFrameA() ? Scalar(1) : Scalar(-1);
-  readFrames(complaints);
+  if (takeFrames(m_settings.frame_a, m_settings.frame_b, from.getFrameOffsetA(),
+                 from.getFrameOffsetB(), slide_axis, angle_axis, complaints))
+    framesChanged();
   readLimits(complaints);
   readTuning(complaints);
   takeMotor(
@@ -149,23 +143,6 @@ void SliderModel::read(Complaints* complaints) {
       m_read_angular_motor, {"target angular motor velocity", "max angular motor force"},
       complaints);
   Joint::setBlockRows(from.getUseFrameOffset());
-}
-
-// Other axes are another zero. (The fourth numbers of vectors are anybody's: with others there only the bits differ.)
-void SliderModel::readFrames(Complaints* complaints) {
-  const btTransform &from_a = slider().getFrameOffsetA(), &from_b = slider().getFrameOffsetB();
-  if (isSame(from_a, m_settings.frame_a) && isSame(from_b, m_settings.frame_b)) return;
-  btTransform a, b;
-  if (!(repairFrame(from_a, slide_axis, angle_axis, a) &&
-        repairFrame(from_b, slide_axis, angle_axis, b))) {
-    if (complaints != nullptr) complaints->add("joint frames", 0, "must be finite, with an x axis");
-    return;
-  }
-  const bool are_others = !isSameBasis(a.getBasis(), m_settings.frame_a.getBasis()) ||
-                          !isSameBasis(b.getBasis(), m_settings.frame_b.getBasis());
-  m_settings.frame_a = a;
-  m_settings.frame_b = b;
-  if (are_others) framesChanged();
 }
 
 void SliderModel::framesChanged() {

@@ -39,8 +39,6 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   /// The rows are solved as a block: Bullet's setUseFrameOffset, which stands for the same.
   void setBlockRows(bool block) override;
   bool getBlockRows() const override;
-  void readFromBullet() override;
-  std::string whyIgnored() override;
   /// The frames, the stretch between the linear limits, and the range of the angle.
   void drawJoint(btIDebugDraw& drawer) const override;
 
@@ -70,8 +68,7 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
 
   btSliderConstraint& slider() const;
   PosePair seenPair() const;
-  void read(Complaints* complaints);
-  void readFrames(Complaints* complaints);
+  void read(Complaints* complaints) override;
   void readLimits(Complaints* complaints);
   void readTuning(Complaints* complaints);
   void framesChanged();
