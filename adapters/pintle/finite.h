@@ -34,7 +34,7 @@ inline bool isFinite(float x) {
   return (bits << 1) < std::uint32_t(0xff) << 24;
 }
 
-/// Whether the bits are the same: two NaN may be. (Without a branch: what is asked in each step is the same.)
+/// True of the same bits: two NaN may be. (Without a branch: what is asked in each step is the same.)
 template <class T>
 bool isSame(const T& a, const T& b) {
   using Word =

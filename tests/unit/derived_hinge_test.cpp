@@ -36,7 +36,7 @@ struct Pair {
   std::unique_ptr<btRigidBody> b = support::body(2, vec(2, 1, 2), scenes::pose_at(vec(1, 0, 0)));
   Hinge hinge{*a, *b, scenes::pose_at(vec(0.5, 0, 0)), scenes::pose_at(vec(-0.5, 0, 0)), true};
   btHingeConstraint& stock() { return hinge; }
-  // Of b, about the hinge's axis.
+  // Turns b about the hinge's axis.
   void turn(double angle) {
     const btTransform at(btQuaternion(vec(0, 0, 1), scalar(angle)), vec(0.5, 0, 0));
     b->setCenterOfMassTransform(at * scenes::pose_at(vec(0.5, 0, 0)));
@@ -62,6 +62,16 @@ TEST(DerivedHinge, IsAHingeOfBulletsAtTheSameAddress) {
   EXPECT_EQ(frame, &pair.hinge.getAFrame());
 }
 
+// An arm that falls about an axis that lies.
+struct Hanging {
+  scenes::World world;
+  const btQuaternion about_y{vec(1, 0, 0), scalar(-pi / 2)};
+  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+  btRigidBody& arm = world.add_box(1, vec(0.3, 0.1, 0.1), scenes::pose_at(vec(1, 0, 0)));
+  QuaternionHinge& hinge = world.add_joint<QuaternionHinge>(
+      post, arm, btTransform(about_y, vec(0.5, 0, 0)), btTransform(about_y, vec(-0.5, 0, 0)), true);
+};
+
 // As an engine does, which knows its joints by their type.
 void configure(btTypedConstraint& constraint) {
   switch (constraint.getConstraintType()) {
@@ -76,20 +86,18 @@ void configure(btTypedConstraint& constraint) {
 }
 
 TEST(DerivedHinge, AnEngineThatAsksForItsTypeConfiguresIt) {
-  scenes::World world;
-  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
-  btRigidBody& arm = world.add_box(1, vec(0.3, 0.1, 0.1), scenes::pose_at(vec(1, 0, 0)));
-  const btQuaternion about_y(vec(1, 0, 0), scalar(-pi / 2));
-  auto& hinge = world.add_joint<QuaternionHinge>(post, arm, btTransform(about_y, vec(0.5, 0, 0)),
-                                                 btTransform(about_y, vec(-0.5, 0, 0)), true);
+  Hanging hanging;
+  scenes::World& world = hanging.world;
+  QuaternionHinge& hinge = hanging.hinge;
   auto& stock = static_cast<btHingeConstraint&>(hinge);
   configure(hinge);
-  stock.setFrames(btTransform(about_y, vec(0.4, 0, 0)), btTransform(about_y, vec(-0.6, 0, 0)));
+  stock.setFrames(btTransform(hanging.about_y, vec(0.4, 0, 0)),
+                  btTransform(hanging.about_y, vec(-0.6, 0, 0)));
   for (int i = 0; i < 240; ++i) world.step(dt);
   // It hangs against a limit of either side, by the pivots that it was given then.
   const double angle = double(stock.getHingeAngle());
   EXPECT_LT(std::min(std::abs(angle - 0.25), std::abs(angle + 0.5)), 0.02) << angle;
-  const btVector3 gap = arm.getCenterOfMassTransform() * vec(-0.6, 0, 0) - vec(0.4, 0, 0);
+  const btVector3 gap = hanging.arm.getCenterOfMassTransform() * vec(-0.6, 0, 0) - vec(0.4, 0, 0);
   EXPECT_LT(double(gap.length()), 0.01);
 }
 
@@ -231,12 +239,9 @@ TEST(DerivedHinge, TurnsAreKeptWhereAxesStay) {
 
 // At its limit by what it presses, not by the last bit of its angle.
 TEST(DerivedHinge, AHingeThatLiesOnItsLimitSaysSo) {
-  scenes::World world;
-  btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
-  btRigidBody& arm = world.add_box(1, vec(0.3, 0.1, 0.1), scenes::pose_at(vec(1, 0, 0)));
-  const btQuaternion about_y(vec(1, 0, 0), scalar(-pi / 2));
-  auto& hinge = world.add_joint<QuaternionHinge>(post, arm, btTransform(about_y, vec(0.5, 0, 0)),
-                                                 btTransform(about_y, vec(-0.5, 0, 0)), true);
+  Hanging hanging;
+  scenes::World& world = hanging.world;
+  QuaternionHinge& hinge = hanging.hinge;
   hinge.setLimit(scalar(-0.2), scalar(0.2), scalar(0.9), 1, 0);
   btHingeConstraint& stock = hinge;
   for (int i = 0; i < 120; ++i) world.step(dt);

@@ -20,12 +20,17 @@ class Complaints {
   explicit Complaints(const char* joint) : m_joint(joint) {}
 
   void add(const char* field, Scalar value, const char* why) {
-    if (m_text.tellp() > 0) m_text << "; ";
-    m_text << "pintle::" << m_joint << ": " << field << " = " << value << ": " << why;
+    begin(field) << " = " << value << ": " << why;
   }
+  void add(const char* field, const char* why) { begin(field) << ": " << why; }
   std::string text() const { return m_text.str(); }
 
  private:
+  std::ostream& begin(const char* field) {
+    if (m_text.tellp() > 0) m_text << "; ";
+    return m_text << "pintle::" << m_joint << ": " << field;
+  }
+
   const char* m_joint;
   std::ostringstream m_text;
 };
@@ -48,7 +53,7 @@ inline void takePoint(btVector3& to, const btVector3& from, const char* field,
   }
   to = from;
 }
-/// What a point is that was never given: rows of it are none.
+/// A point that was never given: rows of it are none.
 inline btVector3 noPoint() {
   constexpr Scalar none = std::numeric_limits<Scalar>::quiet_NaN();
   return {none, none, none};

@@ -24,10 +24,10 @@ bool isSameBasis(const btMatrix3x3& a, const btMatrix3x3& b) {
 }
 
 bool isRotation(const btMatrix3x3& R) {
-  constexpr Scalar tolerance = Scalar(1e-3);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j)
-      if (!(btFabs(R.getColumn(i).dot(R.getColumn(j)) - Scalar(i == j)) <= tolerance)) return false;
+      if (!(btFabs(R.getColumn(i).dot(R.getColumn(j)) - Scalar(i == j)) <= frame_tolerance))
+        return false;
   return R.determinant() > 0;
 }
 
@@ -67,8 +67,7 @@ bool takeFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& f
   btTransform a, b;
   if (!(repairFrame(from_a, main, second, a) && repairFrame(from_b, main, second, b))) {
     if (complaints != nullptr)
-      complaints->add("joint frames", from_a.getOrigin().x() + from_b.getOrigin().x(),
-                      "must be finite, and their main axis no null vector");
+      complaints->add("joint frames", "must be finite, and their main axis no null vector");
     return false;
   }
   const bool is_other = !isSameBasis(a.getBasis(), frame_a.getBasis()) ||

@@ -10,10 +10,13 @@ inline namespace PINTLE_PRECISION {
 
 class Complaints;
 
-/// Whether the axes are unit vectors at right angles, right-handed, to a thousandth.
+/// Products of the axes of a frame may be off by this: clients make frames of rounded numbers (DerivedHinge, ConstructorsRefuseBadFrames).
+constexpr Scalar frame_tolerance = Scalar(1e-3);
+
+/// True of unit axes at right angles, right-handed.
 bool isRotation(const btMatrix3x3& R);
 
-/// Whether the axes are the same numbers.
+/// True of the same numbers in both.
 bool isSameBasis(const btMatrix3x3& a, const btMatrix3x3& b);
 
 /// Makes a frame of what a client gave: its axis number `main` made unit, the part of number `second` across that, and the third for

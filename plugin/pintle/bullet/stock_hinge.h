@@ -38,7 +38,7 @@ Scalar referenceSign(const btHingeConstraint& hinge);
 btScalar motorVelocity(const btHingeConstraint& hinge);
 bool isAngularOnly(const btHingeConstraint& hinge);
 
-/// What btHingeConstraint::testLimit leaves for getSolveLimit and getLimitSign: on which side the limit is broken, +1 low, -1 high,
+/// The state that btHingeConstraint::testLimit leaves for getSolveLimit and getLimitSign: on which side the limit is broken, +1 low, -1 high,
 /// 0 not; and by how much (rad, towards the inside).
 void showLimit(btHingeConstraint& hinge, Scalar sign, Scalar correction);
 /// Bullet leaves the motor's numbers, and in some versions the parameters that are not set, as the memory was.

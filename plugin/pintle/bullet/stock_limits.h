@@ -14,7 +14,7 @@ constexpr btScalar free_low = btScalar(0.7320508), free_high = btScalar(-0.53033
 /// (FreeTurn.HalfATurnEitherWayIsNoLimit).
 constexpr Scalar of_pi = Scalar(1e-5);
 
-/// Whether low and high are numbers, and not the same infinity: there no position is.
+/// False where low and high are no numbers, or the same infinity: there no position is.
 inline bool leavesAPosition(Scalar low, Scalar high) {
   if (!isNumber(low) || !isNumber(high)) return false;
   return !(low <= high && (low >= infinity || high <= -infinity));

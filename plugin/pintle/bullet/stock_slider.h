@@ -8,10 +8,10 @@ class btSliderConstraint;
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-/// What btSliderConstraint::testAngLimits leaves for getSolveAngLimit and getAngDepth: by how much the limit is broken, rad, above
+/// The state that btSliderConstraint::testAngLimits leaves for getSolveAngLimit and getAngDepth: by how much the limit is broken, rad, above
 /// zero beyond the upper one.
 void showAngularLimit(btSliderConstraint& slider, Scalar depth);
-/// What getSolveLinLimit and getSolveAngLimit say.
+/// The answers of getSolveLinLimit and getSolveAngLimit.
 void showBroken(btSliderConstraint& slider, bool linear, bool angular);
 
 }  // namespace PINTLE_PRECISION

@@ -10,7 +10,7 @@ inline namespace PINTLE_PRECISION {
 
 class Complaints;
 
-/// What a ball joint holds.
+/// Settings of a ball joint.
 struct BallSettings {
   btVector3 pivot_a;       ///< m, in body a's frame
   btVector3 pivot_b;       ///< m, in body b's frame
@@ -22,7 +22,7 @@ class BallModel : public Joint {
  public:
   static constexpr RowCount row_count{3};  ///< the most that it has
 
-  /// Of this constraint of Bullet's, which it is a part of, or which it stands for.
+  /// Reads this constraint of Bullet's, which it is a part of, or which it stands for.
   BallModel(btPoint2PointConstraint& ball, RowCount max_rows);
 
   const char* name() const override { return "BallJoint"; }

@@ -15,6 +15,13 @@ inline bool drawsFrames(const btIDebugDraw& drawer) {
 inline bool drawsLimits(const btIDebugDraw& drawer) {
   return (drawer.getDebugMode() & btIDebugDraw::DBG_DrawConstraintLimits) != 0;
 }
+/// The joint frames, if the mode asks for them.
+inline void drawFrames(btIDebugDraw& drawer, const btTransform& a, const btTransform& b,
+                       btScalar size) {
+  if (!drawsFrames(drawer)) return;
+  drawer.drawTransform(a, size);
+  drawer.drawTransform(b, size);
+}
 /// The colour of limits.
 inline btVector3 limitColor() { return {0, 0, 0}; }
 

@@ -54,9 +54,7 @@ void FrameJoint::addPivotRows(const equations::Anchors<Scalar>& at, Rows& rows) 
 }
 
 void FrameJoint::drawJoint(btIDebugDraw& drawer) const {
-  if (!drawsFrames(drawer)) return;
-  drawer.drawTransform(getCalculatedTransformA(), m_dbgDrawSize);
-  drawer.drawTransform(getCalculatedTransformB(), m_dbgDrawSize);
+  drawFrames(drawer, getCalculatedTransformA(), getCalculatedTransformB(), m_dbgDrawSize);
 }
 
 }  // namespace PINTLE_PRECISION

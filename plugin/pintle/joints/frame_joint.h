@@ -37,8 +37,8 @@ class FrameJoint : public StandaloneJoint {
   }
   btTransform getCalculatedTransformB() const {
     return m_rbB.getCenterOfMassTransform() * m_frame_b;
-    ///@}
   }
+  ///@}
   /// Joint frames in the bodies' frames (m). Throws if a basis is no rotation.
   virtual void setFrames(const btTransform& frameInA, const btTransform& frameInB);
 

@@ -106,9 +106,9 @@ class HingeBase : public btHingeAccumulatedAngleConstraint {
   ///@}
 
  protected:
-  /// Of length 1, if it has a direction.
+  /// The axis made unit, if it has a direction.
   static btVector3 unit(const btVector3& axis);
-  /// What Bullet leaves as the memory was is 0.
+  /// Sets to 0 what Bullet leaves as the memory was.
   void clear();
   /// Bullet makes a frame of an axis whose x and y need not be unit vectors.
   void straightenFrames();

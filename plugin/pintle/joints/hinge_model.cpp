@@ -11,13 +11,6 @@
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
-namespace {
-
-// rad: a limit of half a turn to either side is none, as in Bullet (Joint::setAngleLimit).
-constexpr Scalar free_half_range = SIMD_PI - of_pi;
-
-}  // namespace
-
 HingeModel::HingeModel(btHingeConstraint& hinge, RowCount max_rows)
     : Joint(hinge, max_rows),
       m_sign(-referenceSign(hinge)),
@@ -78,7 +71,8 @@ void HingeModel::readLimit(const StockHinge& from, Complaints* complaints) {
   takeNotNegative(axis.relaxation, from.relaxation, "relaxation factor", complaints);
   if (from.limit == m_read_limit) return;
   const auto& [center, half_range] = from.limit;
-  const bool is_free = isNumber(half_range) && (half_range < 0 || half_range >= free_half_range);
+  // Half a turn to either side is no limit, as in Bullet (Joint::setAngleLimit).
+  const bool is_free = isNumber(half_range) && (half_range < 0 || half_range >= SIMD_PI - of_pi);
   if (!is_free && !(isFinite(half_range) && isFinite(center))) {
     if (complaints != nullptr)
       complaints->add("limit", isFinite(center) ? half_range : center, "must be a number");
@@ -128,7 +122,7 @@ void HingeModel::showAngle() {
   showLimitAt(m_twist, rows().axis(0).impulse[Axis::limit]);
 }
 
-// What lies on a limit has broken it in Bullet; here it may be at it to the last bit.
+// A load on a limit has broken it in Bullet; here it may be at it to the last bit.
 void HingeModel::showLimitAt(const UnwrappedAngle& twist, Scalar last_impulse) {
   const Axis& axis = m_settings.axis;
   Scalar correction = 0;
@@ -145,10 +139,7 @@ void HingeModel::drawJoint(btIDebugDraw& drawer) const {
   const btTransform a = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
                     b = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
   const btScalar size = hinge().getDbgDrawSize();
-  if (drawsFrames(drawer)) {
-    drawer.drawTransform(a, size);
-    drawer.drawTransform(b, size);
-  }
+  drawFrames(drawer, a, b, size);
   const Axis& axis = m_settings.axis;
   if (drawsLimits(drawer) && !axis.locked())
     drawRange(drawer, b.getOrigin(), b.getBasis().getColumn(2), b.getBasis().getColumn(0), size,

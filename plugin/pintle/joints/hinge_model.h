@@ -21,10 +21,10 @@ inline namespace PINTLE_PRECISION {
 struct Acting;
 class Complaints;
 
-/// Of the joint frames: z, and y, by which Bullet measures the angle.
+/// Axes of the joint frames: z, and y, by which Bullet measures the angle.
 constexpr int hinge_axis = 2, measured_axis = 1;
 
-/// What a hinge holds.
+/// Settings of a hinge.
 struct HingeSettings {
   btTransform frame_a;        ///< the joint frame in body a's frame (m), z the hinge axis
   btTransform frame_b;        ///< the same in body b's
@@ -45,7 +45,7 @@ class HingeModel : public Joint {
  protected:
   friend class HingeBase;
 
-  /// Of the one class the accumulated angle is kept up to date, too.
+  /// The accumulated angle of the one class is kept up to date, too.
   HingeModel(btHingeConstraint& hinge, RowCount max_rows);
   HingeModel(btHingeAccumulatedAngleConstraint& hinge, RowCount max_rows);
 
@@ -77,7 +77,7 @@ class HingeModel : public Joint {
   /// A limit by Pintle's own methods, which Bullet's object shows as far as it can.
   void keepLimit(Scalar low, Scalar high, bool of_any_turn);
   void limitSet(const Axis& before);
-  /// Whether the limit of Bullet's object is still the one that keepLimit left there.
+  /// True while the limit of Bullet's object is the one that keepLimit left there.
   bool hasOwnLimit() const { return m_own_limit && limitOf(hinge()) == m_read_limit; }
   ///@{
   /// Leaves in Bullet's object what a step of its own would, and what its testLimit does.

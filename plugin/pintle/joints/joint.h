@@ -9,6 +9,7 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 class btIDebugDraw;
@@ -110,7 +111,7 @@ class Joint {
   /// Those of the last step.
   const RowList& rows() const { return m_rows; }
 
-  /// What readFromBullet does. `complaints`: null, or who is told what is not used.
+  /// Does the work of readFromBullet, and tells the complaints, if any are given, of each value that is not used.
   virtual void read(Complaints*) {}
   /// Takes what the joint remembers of the poses (turns of an angle). Called once a step or more.
   virtual void updateState(const PosePair&) {}
@@ -125,14 +126,14 @@ class Joint {
   using Info1 = btTypedConstraint::btConstraintInfo1;
   using Info2 = btTypedConstraint::btConstraintInfo2;
   ///@{
-  /// What Bullet's solver calls of a constraint: buildJacobian, getInfo1, getInfo2 and, after each pass,
+  /// The calls of Bullet's solver to a constraint: buildJacobian, getInfo1, getInfo2 and, after each pass,
   /// solveConstraintObsolete.
   void buildJacobian();
   void announceRows(Info1& info, int room = max_room);
   void writeRows(Info2& info);
   void afterPass(btSolverBody& a, btSolverBody& b);
   ///@}
-  static constexpr int max_room = 127;
+  static constexpr int max_room = std::numeric_limits<signed char>::max();  ///< m_solver_row_count
   ///@{
   /// How many rows Bullet's own getInfo2 of a constraint would write, as its limits were last tested; and that none is broken.
   static int rowsOfStock(const btTypedConstraint&) { return max_room; }

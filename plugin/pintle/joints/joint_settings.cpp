@@ -2,6 +2,7 @@
 #include <pintle/joints/joint.h>
 
 #include <pintle/bullet/complaints.h>
+#include <pintle/bullet/frames.h>
 #include <pintle/bullet/stock_limits.h>
 #include <pintle/finite.h>
 
@@ -74,7 +75,7 @@ const btTransform& Joint::frame(const char* field, const btTransform& value) con
     point(field, R[i]);
     for (int j = 0; j <= i; ++j) {
       const Scalar product = R.getColumn(i).dot(R.getColumn(j));
-      if (btFabs(product - Scalar(i == j)) > Scalar(1e-3))
+      if (btFabs(product - Scalar(i == j)) > frame_tolerance)
         reject(field, product, "its axes must be unit vectors at right angles");
     }
   }

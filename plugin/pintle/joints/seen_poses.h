@@ -14,7 +14,7 @@ inline namespace PINTLE_PRECISION {
 /// Until the next step, or new frames, what a client has said; else where the bodies are.
 class SeenPoses {
  public:
-  /// What a client says (world).
+  /// The poses that a client says (world).
   void set(const btTransform& a, const btTransform& b) {
     if (!m_poses) m_poses = std::make_unique<Poses>();
     m_poses->a = a;
@@ -23,9 +23,9 @@ class SeenPoses {
   }
   /// From here on the bodies are where they are.
   void forget() { m_given = false; }
-  /// Whether a client has said so.
+  /// True if a client has said so.
   bool given() const { return m_given; }
-  /// Of body a, which is at `now`.
+  /// The pose of body a, which is at `now`.
   const btTransform& a(const btTransform& now) const { return m_given ? m_poses->a : now; }
   /// The same of body b.
   const btTransform& b(const btTransform& now) const { return m_given ? m_poses->b : now; }

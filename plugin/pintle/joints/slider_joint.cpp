@@ -22,7 +22,7 @@ inline namespace PINTLE_PRECISION {
 // The joint frames in the world. The slide axis is a of each; d = p_b - p_a.
 namespace {
 
-// Of the joint frames: x, and y, by which Bullet measures the angle.
+// Axes of the joint frames: x, and y, by which Bullet measures the angle.
 constexpr int slide_axis = 0, angle_axis = 1;
 
 // The frame turned by an angle (rad) about its x axis.
@@ -84,7 +84,7 @@ inline void SliderModel::remember(const Observation& seen, bool in_step) {
   m_seen_poses.forget();
   showPosition();
   showAngle();
-  // What lies on a limit has broken it in Bullet; here it may be at it to the last bit.
+  // A load on a limit has broken it in Bullet; here it may be at it to the last bit.
   const auto presses = [&](int axis) { return rows().axis(axis).impulse[Axis::limit] != 0; };
   showBroken(slider(), slider().getSolveLinLimit() || presses(linear),
              slider().getSolveAngLimit() || presses(angular));
@@ -180,24 +180,21 @@ void SliderModel::readLimits(Complaints* complaints) {
   limitSet(before);
 }
 
-// What Bullet makes of these numbers. One that is set as STOP_ERP counts twice at a limit, there too:
+// Bullet's use of these numbers. One that is set as STOP_ERP counts twice at a limit, there too:
 // as the ERP, and as its softness.
 void SliderModel::readTuning(Complaints* complaints) {
   btSliderConstraint& from = slider();
   const int flags = from.btSliderConstraint::getFlags();
   const auto limit = [&](Axis& axis, Scalar softness, Scalar damping) {
     takeNotNegative(axis.bias, softness, "limit softness", complaints);
-    Scalar rebound = 1 - damping;
-    if (!isFinite(damping)) rebound = axis.relaxation;
-    takeFinite(damping, damping, "limit damping", complaints);
-    axis.relaxation = btFabs(rebound);
+    takeFinite(axis.relaxation, btFabs(1 - damping), "limit damping", complaints);
   };
   limit(m_settings.linear, from.getSoftnessLimLin(), from.getDampingLimLin());
   limit(m_settings.angular, from.getSoftnessLimAng(), from.getDampingLimAng());
   const auto equality = [&](int i, Scalar softness, int erp_flag) {
     ErpCfm& of = m_erp_cfm[i];
     const bool is_erp = (flags & erp_flag) != 0;
-    takeParameter(of.erp, {is_erp, softness}, "STOP_ERP", complaints);
+    takeParameter(of.erp, {is_erp, softness}, parameterName(BT_CONSTRAINT_STOP_ERP), complaints);
     if (is_erp)
       of.factor = 1;
     else
@@ -205,30 +202,26 @@ void SliderModel::readTuning(Complaints* complaints) {
   };
   equality(across, from.getSoftnessOrthoLin(), BT_SLIDER_FLAGS_ERP_ORTLIN);
   equality(directions, from.getSoftnessOrthoAng(), BT_SLIDER_FLAGS_ERP_ORTANG);
-  equality(locked_angle, from.getSoftnessLimAng(), BT_SLIDER_FLAGS_ERP_LIMANG);
-  m_erp_cfm[locked_angle].factor = m_settings.angular.bias;
+  const auto take = [&](Parameter& to, int flag, int num, int axis) {
+    const bool is_set = (flags & flag) != 0;
+    const Scalar value = is_set ? from.btSliderConstraint::getParam(num, axis) : Scalar(0);
+    takeParameter(to, {is_set, value}, parameterName(num), complaints);
+  };
+  AxisParameters &along = m_linear_parameters, &about = m_angular_parameters;
+  if (flags != 0) {
+    take(along.limit_erp, BT_SLIDER_FLAGS_ERP_LIMLIN, BT_CONSTRAINT_STOP_ERP, 0);
+    take(along.limit_cfm, BT_SLIDER_FLAGS_CFM_LIMLIN, BT_CONSTRAINT_STOP_CFM, 0);
+    take(along.motor_cfm, BT_SLIDER_FLAGS_CFM_DIRLIN, BT_CONSTRAINT_CFM, 0);
+    take(about.limit_erp, BT_SLIDER_FLAGS_ERP_LIMANG, BT_CONSTRAINT_STOP_ERP, 3);
+    take(about.limit_cfm, BT_SLIDER_FLAGS_CFM_LIMANG, BT_CONSTRAINT_STOP_CFM, 3);
+    take(about.motor_cfm, BT_SLIDER_FLAGS_CFM_DIRANG, BT_CONSTRAINT_CFM, 3);
+    take(m_erp_cfm[across].cfm, BT_SLIDER_FLAGS_CFM_ORTLIN, BT_CONSTRAINT_STOP_CFM, 1);
+    take(m_erp_cfm[directions].cfm, BT_SLIDER_FLAGS_CFM_ORTANG, BT_CONSTRAINT_STOP_CFM, 4);
+  }
+  m_erp_cfm[locked_angle] = {about.limit_erp, about.limit_cfm, m_settings.angular.bias};
   m_erp_cfm_differs = m_erp_cfm[across].factor != 1 || m_erp_cfm[directions].factor != 1 ||
                       m_settings.angular.bias != 1 ||
                       (flags & ~(BT_SLIDER_FLAGS_CFM_DIRLIN | BT_SLIDER_FLAGS_CFM_DIRANG)) != 0;
-  if (flags == 0) return;
-  const auto parameter = [&](Parameter& to, int flag, int num, int axis, const char* field) {
-    const bool is_set = (flags & flag) != 0;
-    const Scalar value = is_set ? from.btSliderConstraint::getParam(num, axis) : Scalar(0);
-    takeParameter(to, {is_set, value}, field, complaints);
-  };
-  const auto stop = [&](Parameter& to, int flag, int num, int axis) {
-    parameter(to, flag, num, axis, num == BT_CONSTRAINT_STOP_ERP ? "STOP_ERP" : "STOP_CFM");
-  };
-  stop(m_linear_parameters.limit_erp, BT_SLIDER_FLAGS_ERP_LIMLIN, BT_CONSTRAINT_STOP_ERP, 0);
-  stop(m_linear_parameters.limit_cfm, BT_SLIDER_FLAGS_CFM_LIMLIN, BT_CONSTRAINT_STOP_CFM, 0);
-  stop(m_angular_parameters.limit_erp, BT_SLIDER_FLAGS_ERP_LIMANG, BT_CONSTRAINT_STOP_ERP, 3);
-  stop(m_angular_parameters.limit_cfm, BT_SLIDER_FLAGS_CFM_LIMANG, BT_CONSTRAINT_STOP_CFM, 3);
-  stop(m_erp_cfm[across].cfm, BT_SLIDER_FLAGS_CFM_ORTLIN, BT_CONSTRAINT_STOP_CFM, 1);
-  stop(m_erp_cfm[directions].cfm, BT_SLIDER_FLAGS_CFM_ORTANG, BT_CONSTRAINT_STOP_CFM, 4);
-  stop(m_erp_cfm[locked_angle].cfm, BT_SLIDER_FLAGS_CFM_LIMANG, BT_CONSTRAINT_STOP_CFM, 3);
-  parameter(m_linear_parameters.motor_cfm, BT_SLIDER_FLAGS_CFM_DIRLIN, BT_CONSTRAINT_CFM, 0, "CFM");
-  parameter(m_angular_parameters.motor_cfm, BT_SLIDER_FLAGS_CFM_DIRANG, BT_CONSTRAINT_CFM, 3,
-            "CFM");
 }
 
 // --- limits that Bullet's object does not have ---------------------------------------------------
@@ -290,10 +283,7 @@ void SliderModel::drawJoint(btIDebugDraw& drawer) const {
   const btTransform A = bodyA().getCenterOfMassTransform() * m_settings.frame_a,
                     B = bodyB().getCenterOfMassTransform() * m_settings.frame_b;
   const btScalar size = slider().getDbgDrawSize();
-  if (drawsFrames(drawer)) {
-    drawer.drawTransform(A, size);
-    drawer.drawTransform(B, size);
-  }
+  drawFrames(drawer, A, B, size);
   if (!drawsLimits(drawer)) return;
   const btTransform& rail = m_settings.sign > 0 ? A : B;
   const Scalar low = m_settings.linear.low, high = m_settings.linear.high;

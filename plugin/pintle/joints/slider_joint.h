@@ -15,7 +15,7 @@ inline namespace PINTLE_PRECISION {
 class Complaints;
 struct Reach;
 
-/// What a slider holds.
+/// Settings of a slider.
 struct SliderSettings {
   btTransform frame_a;        ///< the joint frame in body a's frame (m), x the slide axis
   btTransform frame_b;        ///< the same in body b's
@@ -32,7 +32,7 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   enum { angular, linear, axes };                ///< the last one's impulse is known best
   static constexpr RowCount row_count{6, axes};  ///< the most that it has
 
-  /// Of this constraint of Bullet's, which it is a part of, or which it stands for.
+  /// Reads this constraint of Bullet's, which it is a part of, or which it stands for.
   SliderModel(btSliderConstraint& slider, RowCount max_rows);
 
   const char* name() const override { return "SliderJoint"; }
