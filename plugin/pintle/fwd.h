@@ -26,6 +26,7 @@ class HingeBase;
 class Joint;
 class PosedJoint;
 class BallModel;
+class ConeTwistModel;
 class HingeModel;
 class QuaternionHingeModel;
 class SliderModel;

@@ -73,12 +73,8 @@ TEST_F(FastMath, RefusesWhatIsNotFinite) {
       {"hinge friction", [&](btScalar x) { hinge.setFriction(x); }, true},
       {"hinge limit spring", [&](btScalar x) { hinge.setLimitSpring(x, 1); }},
       {"correction speed", [&](btScalar x) { hinge.setMaxCorrectionSpeed(x); }},
-      {"cone-twist span", [&](btScalar x) { cone_twist.setLimit(x, 1, 1); }, true},
-      {"cone-twist bias", [&](btScalar x) { cone_twist.setLimit(1, 1, 1, 1, x); }},
       {"cone-twist swing", [&](btScalar x) { cone_twist.setSwingLimits(-1, 1, -1, x); }, true},
       {"cone-twist twist", [&](btScalar x) { cone_twist.setTwistLimit(-1, x); }},
-      {"cone-twist target",
-       [&](btScalar x) { cone_twist.setMotorTarget(btQuaternion(0, x, 0, 1)); }},
       {"universal limit", [&](btScalar x) { universal.setUpperLimit(x, 1); }, true},
       {"universal bounce", [&](btScalar x) { universal.setLimitBounce(5, x); }},
       {"fixed limit", [&](btScalar x) { fixed.setLinearLowerLimit(btVector3(0, x - 1, 0)); }},
@@ -152,7 +148,18 @@ TEST_F(FastMath, DoesNotUseWhatIsNotFinite) {
       {"motor bound", [&](btScalar x) { slider.setMaxLinMotorForce(x); }, true},
       {"damping", [&](btScalar x) { slider.setDampingLimLin(x); }},
   };
+  cone_twist.enableMotor(true);
+  const std::vector<Setting> of_cone_twist = {
+      {"span", [&](btScalar x) { cone_twist.setLimit(x, 1, 1); }, true},
+      {"span by its index", [&](btScalar x) { cone_twist.setLimit(3, x); }, true},
+      {"bias", [&](btScalar x) { cone_twist.setLimit(1, 1, 1, 1, x); }},
+      {"fix threshold", [&](btScalar x) { cone_twist.setFixThresh(x); }},
+      {"target", [&](btScalar x) { cone_twist.setMotorTarget(btQuaternion(0, x, 0, 1)); }},
+      {"motor bound", [&](btScalar x) { cone_twist.setMaxMotorImpulse(x); }, true},
+      {"ERP", [&](btScalar x) { cone_twist.setParam(BT_CONSTRAINT_ERP, x, 0); }},
+  };
   check(hinge, settings);
+  check(cone_twist, of_cone_twist);
   check(slider, of_slider);
   check(ball, of_ball);
 }

@@ -368,16 +368,15 @@ TYPED_TEST(DropInClient, RowsAtOtherPosesAreThoseOfBodiesThere) {
 TEST(DropInClients, ALimitThatActsElsewhereOnlyIsNotWrittenBeyondTheRowsAnnounced) {
   const auto a = support::body(0, vec(1, 1, 1), btTransform::getIdentity());
   const auto b = support::body(1, vec(1, 1, 1), btTransform::getIdentity());
-  NonVirtual<pintle::ConeTwistJoint> cone(*a, *b, btTransform::getIdentity(),
-                                          btTransform::getIdentity());
-  cone.setLimit(scalar(0.5), scalar(0.5), scalar(0.5));
-  const btTransform beyond(btQuaternion(vec(0, 1, 0), 1));
-  const SolverRows rows = rowsAt(cone, a->getCenterOfMassTransform(), beyond);
+  NonVirtual<pintle::UniversalJoint> universal(*a, *b, vec(0, 0, 0), vec(0, 0, 1), vec(0, 1, 0));
+  universal.setLimit(5, scalar(-0.5), scalar(0.5));
+  const btTransform beyond(btQuaternion(vec(0, 0, 1), 1));
+  const SolverRows rows = rowsAt(universal, a->getCenterOfMassTransform(), beyond);
   const int here = rows.announced();
   EXPECT_EQ(rows.touched(), here);
   // It would have a row there.
   b->setCenterOfMassTransform(beyond);
-  EXPECT_EQ(SolverRows::ofStep(cone).announced(), here + 1);
+  EXPECT_EQ(SolverRows::ofStep(universal).announced(), here + 1);
 }
 
 // --- readings at other poses ---------------------------------------------------------------------

@@ -51,8 +51,12 @@ TYPED_TEST(Size, IsBoundedByThatOfStock) {
   const long rows = contract_test::allocated_bytes - before;
   EXPECT_GT(rows, 0);
   constexpr bool derives = std::is_base_of_v<typename TypeParam::stock, Joint>;
+  // It has two limits beside Bullet's.
+  constexpr bool is_cone_twist = std::is_same_v<Joint, pintle::ConeTwistJoint>;
   const auto stock = double(sizeof(typename TypeParam::stock));
-  EXPECT_LE(double(sizeof(Joint)) + double(rows), stock * (derives ? 2.25 : 1.7));
+  EXPECT_LE(double(sizeof(Joint)) + double(rows), stock * (is_cone_twist ? 2.6
+                                                           : derives     ? 2.25
+                                                                         : 1.7));
 }
 
 }  // namespace size_test
