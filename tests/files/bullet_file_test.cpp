@@ -3,7 +3,10 @@
 #include <LinearMath/btSerializer.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
+#include <pintle/joints/ball_joint.h>
+#include <pintle/joints/cone_twist_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/slider_joint.h>
 #include <scenes/world.h>
 
 #include <memory>
@@ -42,8 +45,7 @@ TEST(BulletFile, AHingeIsLoadedAsBullets) {
   const btVector3 half(btScalar(0.3), btScalar(0.1), btScalar(0.1));
   btRigidBody& a = written.add_box(0, half, scenes::pose_at(btVector3(0, 0, 0)));
   btRigidBody& b = written.add_box(2, half, scenes::pose_at(btVector3(1, 0, 0)));
-  auto& hinge =
-      written.add_joint<pintle::QuaternionHinge>(a, b, at(0.5, 0.3), at(-0.5, 0.3), true);
+  auto& hinge = written.add_joint<pintle::QuaternionHinge>(a, b, at(0.5, 0.3), at(-0.5, 0.3), true);
   hinge.setLimit(btScalar(-0.5), btScalar(0.75), btScalar(0.9), btScalar(0.6), btScalar(0.5));
   hinge.enableAngularMotor(true, 2, 3);
   hinge.setAngularOnly(true);
@@ -83,6 +85,76 @@ TEST(BulletFile, ALimitOfSeveralTurnsIsLoadedAsNone) {
                   at(0.5, 0));
     EXPECT_EQ(of->getSolveLimit(), 0) << angle;
   }
+}
+
+// Two boxes in a world, a fixed one and one that moves.
+struct Boxes {
+  const btVector3 half{btScalar(0.3), btScalar(0.1), btScalar(0.1)};
+  scenes::World world;
+  btRigidBody& a = world.add_box(0, half, scenes::pose_at(btVector3(0, 0, 0)));
+  btRigidBody& b = world.add_box(2, half, scenes::pose_at(btVector3(1, 0, 0)));
+};
+
+// The only joint of a loaded world, which is exactly Bullet's.
+template <class Stock>
+Stock* onlyJoint(Loaded& loaded) {
+  if (loaded.world().getNumConstraints() != 1) return nullptr;
+  btTypedConstraint* const joint = loaded.world().getConstraint(0);
+  EXPECT_EQ(typeid(*joint), typeid(Stock));
+  return dynamic_cast<Stock*>(joint);
+}
+
+TEST(BulletFile, ABallIsLoadedAsBullets) {
+  Boxes written;
+  written.world.add_joint<pintle::BallJoint>(written.a, written.b, btVector3(btScalar(0.5), 0, 0),
+                                             btVector3(btScalar(-0.5), btScalar(0.25), 0));
+  Loaded loaded(written.world.bullet());
+  const auto* const of = onlyJoint<btPoint2PointConstraint>(loaded);
+  ASSERT_NE(of, nullptr);
+  EXPECT_EQ(of->getPivotInA(), btVector3(btScalar(0.5), 0, 0));
+  EXPECT_EQ(of->getPivotInB(), btVector3(btScalar(-0.5), btScalar(0.25), 0));
+}
+
+TEST(BulletFile, ASliderIsLoadedAsBullets) {
+  Boxes written;
+  auto& slider = written.world.add_joint<pintle::SliderJoint>(written.a, written.b, at(0.5, 0.3),
+                                                              at(-0.5, 0.3), true);
+  slider.setLowerLinLimit(btScalar(-0.5));
+  slider.setUpperLinLimit(btScalar(0.75));
+  slider.setLowerAngLimit(btScalar(-0.25));
+  slider.setUpperAngLimit(btScalar(0.125));
+  Loaded loaded(written.world.bullet());
+  auto* const of = onlyJoint<btSliderConstraint>(loaded);
+  ASSERT_NE(of, nullptr);
+  EXPECT_FLOAT_EQ(float(of->getLowerLinLimit()), -0.5f);
+  EXPECT_FLOAT_EQ(float(of->getUpperLinLimit()), 0.75f);
+  EXPECT_FLOAT_EQ(float(of->getLowerAngLimit()), -0.25f);
+  EXPECT_FLOAT_EQ(float(of->getUpperAngLimit()), 0.125f);
+  EXPECT_TRUE(of->getUseLinearReferenceFrameA());
+  EXPECT_EQ(of->getFrameOffsetA().getOrigin(), slider.getFrameOffsetA().getOrigin());
+}
+
+TEST(BulletFile, AConeTwistIsLoadedAsBullets) {
+  Boxes written;
+  auto& cone = written.world.add_joint<pintle::ConeTwistJoint>(written.b, written.a, at(-0.5, 0.3),
+                                                               at(0.5, 0.3));
+  cone.setLimit(btScalar(0.5), btScalar(0.75), btScalar(0.25), btScalar(0.875), btScalar(0.625),
+                btScalar(0.5));
+  cone.setDamping(btScalar(0.125));
+  // Bullet's file has the larger side for both.
+  cone.setTwistLimit(btScalar(-0.375), btScalar(0.125));
+  Loaded loaded(written.world.bullet());
+  const auto* const of = onlyJoint<btConeTwistConstraint>(loaded);
+  ASSERT_NE(of, nullptr);
+  EXPECT_FLOAT_EQ(float(of->getSwingSpan1()), 0.5f);
+  EXPECT_FLOAT_EQ(float(of->getSwingSpan2()), 0.75f);
+  EXPECT_FLOAT_EQ(float(of->getTwistSpan()), 0.375f);
+  EXPECT_FLOAT_EQ(float(of->getLimitSoftness()), 0.875f);
+  EXPECT_FLOAT_EQ(float(of->getBiasFactor()), 0.625f);
+  EXPECT_FLOAT_EQ(float(of->getRelaxationFactor()), 0.5f);
+  EXPECT_FLOAT_EQ(float(of->getDamping()), 0.125f);
+  EXPECT_EQ(of->getAFrame().getOrigin(), cone.getAFrame().getOrigin());
+  for (int i = 0; i < 60; ++i) loaded.world().stepSimulation(btScalar(1. / 60), 0);
 }
 
 }  // namespace
