@@ -1,7 +1,6 @@
 // Purpose: what stands in a cone-twist joint of Bullet's and has no method there.
 #pragma once
 
-#include <pintle/finite.h>
 #include <pintle/precision.h>
 
 class btConeTwistConstraint;
@@ -16,12 +15,6 @@ struct StockConeLimits {
   Scalar swing_1, swing_2, twist;     ///< rad: spans, to either side
   Scalar softness, bias, relaxation;  ///< factors
   Scalar fix_threshold;               ///< rad
-
-  bool operator==(const StockConeLimits& to) const {
-    return isSame(swing_1, to.swing_1) & isSame(swing_2, to.swing_2) & isSame(twist, to.twist) &
-           isSame(softness, to.softness) & isSame(bias, to.bias) &
-           isSame(relaxation, to.relaxation) & isSame(fix_threshold, to.fix_threshold);
-  }
 };
 
 ///@{

@@ -40,6 +40,13 @@ StockConeLimits coneLimits(btConeTwistConstraint& cone) {
           cone.getFixThresh()};
 }
 
+// (Without a branch: what is asked in each step is the same.)
+bool areSame(const StockConeLimits& a, const StockConeLimits& b) {
+  return isSame(a.swing_1, b.swing_1) & isSame(a.swing_2, b.swing_2) & isSame(a.twist, b.twist) &
+         isSame(a.softness, b.softness) & isSame(a.bias, b.bias) &
+         isSame(a.relaxation, b.relaxation) & isSame(a.fix_threshold, b.fix_threshold);
+}
+
 // Takes a span over if it is another one than the last.
 void takeSpan(AngleRange& range, Scalar& last, Scalar from, const char* field,
               Complaints* complaints) {
@@ -77,6 +84,8 @@ ConeTwistModel::ConeTwistModel(btConeTwistConstraint& cone, RowCount max_rows)
 
 ConeTwistModel::~ConeTwistModel() = default;
 
+const char* ConeTwistModel::name() const { return "ConeTwistJoint"; }
+
 // --- what stands in Bullet's object --------------------------------------------------------------
 
 void ConeTwistModel::read(Complaints* complaints) {
@@ -85,7 +94,7 @@ void ConeTwistModel::read(Complaints* complaints) {
         isSame(from.getBFrame(), m_settings.frame_b)))
     readFrames(complaints);
   const StockConeLimits now = coneLimits(from);
-  if (!(now == m_read)) readLimits(now, complaints);
+  if (!areSame(now, m_read)) readLimits(now, complaints);
   m_settings.angular_only = from.getAngularOnly();
   readParameters(complaints);
   if (from.isMotorEnabled())
@@ -109,7 +118,7 @@ void ConeTwistModel::readLimits(const StockConeLimits& from, Complaints* complai
   takeNotNegative(now.bias, from.bias, "bias factor", complaints);
   takeFinite(now.relaxation, from.relaxation, "relaxation factor", complaints);
   takeFinite(now.fix_threshold, from.fix_threshold, "fix threshold", complaints);
-  if (now == m_read) return;
+  if (areSame(now, m_read)) return;
   m_read = now;
   limitsChanged();
 }

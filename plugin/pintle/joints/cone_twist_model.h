@@ -68,7 +68,7 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
   ConeTwistModel(btConeTwistConstraint& cone, RowCount max_rows);
   ~ConeTwistModel() override;
 
-  const char* name() const override { return "ConeTwistJoint"; }
+  const char* name() const override;
   /// The frames, the cone, and the range of the twist about x of b: as in Bullet with no softness, and about x
   /// of a where b does not move.
   void drawJoint(btIDebugDraw& drawer) const override;
