@@ -28,6 +28,7 @@ inline namespace PINTLE_PRECISION {
 /// - a step takes away biasFactor / relaxationFactor^2 of what is beyond it (at most all); a relaxation factor of 0 turns both limits
 ///   off;
 /// - damping: nothing; kept to be read;
+/// - angular only: no position rows, which Bullet keeps;
 /// - the motor turns a against b to its target: each step goes biasFactor of the way, and may apply
 ///   up to the maximal impulse (N m s; below 0: any) along it, and as much against what turns the
 ///   bodies out of the way. Normalized: the impulse that changes the spin of a alone by so much
@@ -71,7 +72,7 @@ class ConeTwistJoint : public JointOf<btConeTwistConstraint, ConeTwistModel> {
   void setLimit(int limitIndex, btScalar limitValue);
   ///@}
 
-  /// The next five say what holds now,
+  /// The next four say what holds now,
   void calcAngleInfo();
   /// or at these poses of the bodies (world), until the next step or new frames. The inertias are not
   /// needed here.
@@ -79,8 +80,6 @@ class ConeTwistJoint : public JointOf<btConeTwistConstraint, ConeTwistModel> {
                       const btMatrix3x3& invInertiaWorldA, const btMatrix3x3& invInertiaWorldB);
   /// The size of the twist (rad, >= 0) now; as in Bullet 0 if it is free by a span below 0.
   btScalar getTwistAngle() const;
-  /// As in Bullet always 0.
-  btScalar getTwistLimitSign() { return 0; }
   ///@{
   /// Whether the twist, the swing is beyond its limit now. As in Bullet a locked swing always is.
   int getSolveTwistLimit();
