@@ -241,6 +241,93 @@ TEST(DerivedSlider, HoldsNothingBeforeItHasFrames) {
   EXPECT_EQ(slider.whyIgnored(), "");
 }
 
+// A client's that announces its rows by itself: as many as Bullet's has at least,
+class Announces : public SliderJoint {
+ public:
+  using SliderJoint::SliderJoint;
+  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
+    info->m_numConstraintRows = 4;
+    info->nub = 2;
+  }
+};
+// or by Bullet's method.
+class AnnouncesAsBullet : public SliderJoint {
+ public:
+  using SliderJoint::SliderJoint;
+  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
+    btSliderConstraint::getInfo1(info);
+  }
+};
+
+template <class J>
+void limit(Pair<J>& pair) {
+  pair.slider.setLowerLinLimit(scalar(-0.2));
+  pair.slider.setUpperLinLimit(scalar(0.2));
+  pair.slider.setLowerAngLimit(scalar(-0.2));
+  pair.slider.setUpperAngLimit(scalar(0.2));
+}
+
+// A test of a limit after the rows are announced makes no row of it.
+template <class J>
+SolverRows rowsAroundATest(double before, double after, bool by_limits) {
+  Pair<J> pair;
+  limit(pair);
+  pair.move(before, before);
+  SolverRows::ofStep(pair.slider);
+  pair.slider.buildJacobian();
+  SolverRows rows;
+  rows.count(pair.slider);
+  if (by_limits) {
+    pair.slider.setUpperLinLimit(scalar(before - 0.1));
+    pair.slider.setUpperAngLimit(scalar(before - 0.1));
+  } else {
+    pair.move(after, after);
+  }
+  pair.slider.testLinLimits();
+  pair.slider.testAngLimits();
+  EXPECT_TRUE(pair.slider.getSolveLinLimit());
+  EXPECT_TRUE(pair.slider.getSolveAngLimit());
+  rows.fill(pair.slider);
+  return rows;
+}
+
+TEST(DerivedSlider, NoMoreRowsAreWrittenThanAreAnnounced) {
+  for (const bool by_limits : {false, true}) {
+    for (const double before : {0.1, 0.3}) {
+      SCOPED_TRACE(testing::Message() << by_limits << ", " << before);
+      const SolverRows alone = rowsAroundATest<Announces>(before, 0.4, by_limits);
+      EXPECT_EQ(alone.touched(), 4);
+      const SolverRows bullets = rowsAroundATest<AnnouncesAsBullet>(before, 0.4, by_limits);
+      EXPECT_EQ(bullets.announced(), before > 0.2 ? 6 : 4);
+      EXPECT_EQ(bullets.touched(), bullets.announced());
+    }
+  }
+}
+
+TEST(DerivedSlider, ASubclassThatOverridesGetInfo1AloneStillHolds) {
+  const auto farthest = [](auto* type) {
+    scenes::World world;
+    btRigidBody& post = world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+    btRigidBody& load = world.add_box(1, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(0, 0, 0)));
+    const btTransform down(btQuaternion(vec(0, 1, 0), scalar(pi / 2)));  // x is -z
+    auto& slider = world.add_joint<std::remove_pointer_t<decltype(type)>>(post, load, down, down);
+    slider.setLowerLinLimit(scalar(-0.3));
+    slider.setUpperLinLimit(scalar(0.3));
+    slider.setLowerAngLimit(1);
+    slider.setUpperAngLimit(-1);
+    for (int i = 0; i < 60; ++i) {
+      world.step(dt);
+      slider.testLinLimits();
+      slider.testAngLimits();
+    }
+    const btVector3 at = load.getCenterOfMassPosition();
+    EXPECT_NEAR(double(at.x()), 0, 1e-3);
+    return std::abs(double(at.z()));
+  };
+  EXPECT_GT(farthest(static_cast<Announces*>(nullptr)), 1);  // there is no row for the limit
+  EXPECT_LT(farthest(static_cast<AnnouncesAsBullet*>(nullptr)), 0.35);
+}
+
 TEST(DerivedSlider, WhatClientsCallBetweenStepsChangesNothing) {
   const auto run = [](bool bother) {
     scenes::World world;

@@ -34,6 +34,8 @@ Mat3 turned(const Mat3& F, Scalar angle) {
   return result;
 }
 
+Scalar depthOf(const Axis& axis, Scalar position) { return beyond(position, axis.low, axis.high); }
+
 // The error R of the frame of a, turned to the locked angle, and by as many turns as the angle is from it.
 PINTLE_NOINLINE Vec3 turnedLockError(const Mat3& R, const UnwrappedAngle& twist, Scalar locked) {
   Vec3 phi = equations::orientation_error<Scalar>(turned(Mat3::Identity(), locked), R);
@@ -81,7 +83,7 @@ inline void SliderModel::remember(const Observation& seen, bool in_step) {
   followStep(m_twist, seen.twist, seen.a.a(), seen.b.a(), bodyA(), bodyB(), timeStep(),
              angularSpeed());
   if (!in_step) return;
-  m_seen_poses.forget();
+  forgetLooks();
   showPosition();
   showAngle();
   // A load on a limit has broken it in Bullet; here it may be at it to the last bit.
@@ -146,7 +148,7 @@ void SliderModel::read(Complaints* complaints) {
 }
 
 void SliderModel::framesChanged() {
-  m_seen_poses.forget();
+  forgetLooks();
   // Another zero: the turns counted from the old one mean nothing.
   m_twist = {};
   m_turn_given = false;
@@ -272,10 +274,7 @@ void SliderModel::showAngle() {
   const Axis& axis = m_settings.angular;
   const bool is_bullets = btFabs(axis.low) <= SIMD_PI && btFabs(axis.high) <= SIMD_PI;
   if (!axis.limited() || is_bullets) return;
-  const Scalar now = angle(observe(seenPair())).value();
-  showAngularLimit(slider(), now > axis.high  ? now - axis.high
-                             : now < axis.low ? now - axis.low
-                                              : Scalar(0));
+  showAngularLimit(slider(), depthOf(axis, angle(observe(seenPair())).value()));
 }
 
 void SliderModel::drawJoint(btIDebugDraw& drawer) const {
@@ -311,7 +310,7 @@ void SliderJoint::calculateTransforms(const btTransform& transA, const btTransfo
 }
 
 void SliderJoint::setFrames(const btTransform& frameA, const btTransform& frameB) {
-  m_seen_poses.forget();
+  forgetLooks();
   btSliderConstraint::setFrames(frameA, frameB);
 }
 
@@ -326,15 +325,33 @@ const btTransform& SliderJoint::getCalculatedTransformB() const {
 }
 
 void SliderJoint::testLinLimits() {
-  readFromBullet();
-  showPosition();
+  m_looks[linear] = {true, depthOf(m_settings.linear, getLinearPos())};
 }
 
 void SliderJoint::testAngLimits() {
   readFromBullet();
   if (!m_seen_poses.given()) updateState(BodyPair(m_rbA, m_rbB));
-  refresh();
-  showAngle();
+  m_looks[angular] = {true, depthOf(m_settings.angular, getAngularPos())};
+}
+
+bool SliderJoint::getSolveLinLimit() {
+  const Look& look = m_looks[linear];
+  return look.given ? look.depth != 0 : btSliderConstraint::getSolveLinLimit();
+}
+
+btScalar SliderJoint::getLinDepth() {
+  const Look& look = m_looks[linear];
+  return look.given ? look.depth : btSliderConstraint::getLinDepth();
+}
+
+bool SliderJoint::getSolveAngLimit() {
+  const Look& look = m_looks[angular];
+  return look.given ? look.depth != 0 : btSliderConstraint::getSolveAngLimit();
+}
+
+btScalar SliderJoint::getAngDepth() {
+  const Look& look = m_looks[angular];
+  return look.given ? look.depth : btSliderConstraint::getAngDepth();
 }
 
 btVector3 SliderJoint::getAncorInA() const {

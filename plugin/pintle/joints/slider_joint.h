@@ -75,13 +75,24 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   /// Limits by Pintle's own methods, which Bullet's object shows as far as it can.
   void keepAngularLimits(Scalar low, Scalar high, bool of_any_turn);
   void limitSet(const Axis& before);
-  /// Leaves in Bullet's object what a step of its own would, and what its tests do.
+  /// Leaves in Bullet's object what a step of its own would.
   void showPosition();
   void showAngle();
+  void forgetLooks() {
+    m_seen_poses.forget();
+    m_looks[linear].given = m_looks[angular].given = false;
+  }
+
+  /// A test of a limit that a client asked for since the last step.
+  struct Look {
+    bool given = false;
+    Scalar depth = 0;  ///< m or rad beyond the limit, above zero beyond the upper one
+  };
 
   SliderSettings m_settings;
   UnwrappedAngle m_twist;  ///< of b against a, about x
   SeenPoses m_seen_poses;
+  Look m_looks[axes];
   AxisParameters m_linear_parameters, m_angular_parameters;
   ErpCfm m_erp_cfm[group_count];
   StockMotor m_read_linear_motor = {false, 0, 0}, m_read_angular_motor = {false, 0, 0};
@@ -169,10 +180,17 @@ class SliderJoint : public JointOf<btSliderConstraint, SliderModel> {
   /// more, on the side of the nearer one. With a limit beyond half a turn the accumulated angle.
   btScalar getAngularPos() const;
   ///@{
-  /// Look at the bodies, or where calculateTransforms says that they are; getSolveLinLimit, getLinDepth, getSolveAngLimit and
-  /// getAngDepth (m, rad, above zero beyond the upper limit) say what was seen then, or in the last step.
+  /// Look at the bodies, or where calculateTransforms says that they are. (Bullet's object keeps what the last step saw of its limits: a
+  /// subclass may count its rows by that.)
   void testLinLimits();
   void testAngLimits();
+  ///@}
+  ///@{
+  /// As a test has seen it since the last step, else as that has. The depths (m, rad) are above zero beyond the upper limit.
+  bool getSolveLinLimit();
+  btScalar getLinDepth();
+  bool getSolveAngLimit();
+  btScalar getAngDepth();
   ///@}
 
   // --- beyond Bullet -----------------------------------------------------------------------------
