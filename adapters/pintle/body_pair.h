@@ -23,6 +23,10 @@ inline MatrixView view(const btMatrix3x3& m) {
 /// The fourth lane is what Bullet pads with: anything.
 inline LanesView lanes(const btVector3& v) { return LanesView(static_cast<const btScalar*>(v)); }
 
+inline void setLanes(btVector3& v, const Lanes& to) {
+  Eigen::Map<Lanes, Eigen::Unaligned>(static_cast<btScalar*>(v)) = to;
+}
+
 /// The velocity of a body at the end of a step in which only its forces act.
 inline Vec3 freeLinear(const btRigidBody& body, Scalar dt) {
   return view(body.getLinearVelocity()) +

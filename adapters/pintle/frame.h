@@ -43,6 +43,14 @@ class Frame {
     return F;
   }
 
+  /// As Bullet has it, of a body whose centre is at x.
+  void store(btTransform& to, const btVector3& x) const {
+    setLanes(to.getBasis()[0], m_x);
+    setLanes(to.getBasis()[1], m_y);
+    setLanes(to.getBasis()[2], m_z);
+    to.getOrigin().setValue(m_r.x() + x.x(), m_r.y() + x.y(), m_r.z() + x.z());
+  }
+
   /// a.v, b.v, c.v
   Lanes components(const Vec3& v) const { return m_x * v.x() + m_y * v.y() + m_z * v.z(); }
   /// a x a' + b x b' + c x c'

@@ -2,8 +2,8 @@
 
 #include <pintle/body_pair.h>
 #include <pintle/bullet/frames.h>
+#include <pintle/bullet/open_slider.h>
 #include <pintle/bullet/stock_limits.h>
-#include <pintle/bullet/stock_slider.h>
 #include <pintle/equations/quaternion_hinge.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/equations/slider.h>
@@ -84,12 +84,19 @@ inline void SliderModel::remember(const Observation& seen, bool in_step) {
              angularSpeed());
   if (!in_step) return;
   forgetLooks();
-  showPosition();
-  showAngle();
-  // A load on a limit has broken it in Bullet; here it may be at it to the last bit.
+  show(seen);
+}
+
+// A load on a limit has broken it in Bullet; here it may be at it to the last bit.
+inline void SliderModel::show(const Observation& seen) {
   const auto presses = [&](int axis) { return rows().axis(axis).impulse[Axis::limit] != 0; };
-  showBroken(slider(), slider().getSolveLinLimit() || presses(linear),
-             slider().getSolveAngLimit() || presses(angular));
+  showTravel(slider(), {bodyA().getCenterOfMassTransform(), bodyB().getCenterOfMassTransform()},
+             seen.a, seen.b, m_settings.sign, presses(linear));
+  const Lanes y_b = seen.a.components(seen.b.b());
+  showAngle(slider(), y_b[1], y_b[2], presses(angular));
+  const Axis& axis = m_settings.angular;
+  if (axis.limited() && (axis.low < -SIMD_PI || axis.high > SIMD_PI))
+    showAngularLimit(slider(), depthOf(axis, angle(seen).value()), presses(angular));
 }
 
 SliderModel::SliderModel(btSliderConstraint& slider, RowCount max_rows)
@@ -101,11 +108,13 @@ SliderModel::SliderModel(btSliderConstraint& slider, RowCount max_rows)
   m_settings.frame_a.setOrigin(noPoint());
   m_settings.frame_a.getBasis().setIdentity();
   m_settings.frame_b = m_settings.frame_a;
-  SliderModel::read(nullptr);
-  remember(observe(BodyPair(bodyA(), bodyB())), false);
+  m_read.update(slider);
+  readFrames(nullptr);
+  readSettings(nullptr);
+  const Observation seen = observe(BodyPair(bodyA(), bodyB()));
+  remember(seen, false);
   // Bullet leaves them as the memory was until the first step.
-  showPosition();
-  showAngle();
+  show(seen);
   hideLimits();
 }
 
@@ -129,10 +138,26 @@ bool SliderModel::getBlockRows() const { return slider().getUseFrameOffset(); }
 
 void SliderModel::read(Complaints* complaints) {
   btSliderConstraint& from = slider();
+  const bool is_a_same = isSame(from.getFrameOffsetA(), m_settings.frame_a),
+             is_b_same = isSame(from.getFrameOffsetB(), m_settings.frame_b);
+  if (!is_a_same || !is_b_same) readFrames(complaints);
+  if (m_read.update(from) || complaints != nullptr) readSettings(complaints);
+}
+
+void SliderModel::readFrames(Complaints* complaints) {
+  if (!takeFrames(m_settings.frame_a, m_settings.frame_b, slider().getFrameOffsetA(),
+                  slider().getFrameOffsetB(), slide_axis, angle_axis, complaints))
+    return;
+  forgetLooks();
+  // Another zero: the turns counted from the old one mean nothing.
+  m_twist = {};
+  m_turn_given = false;
+  remember(observe(BodyPair(bodyA(), bodyB())), false);
+}
+
+void SliderModel::readSettings(Complaints* complaints) {
+  btSliderConstraint& from = slider();
   m_settings.sign = from.getUseLinearReferenceFrameA() ? Scalar(1) : Scalar(-1);
-  if (takeFrames(m_settings.frame_a, m_settings.frame_b, from.getFrameOffsetA(),
-                 from.getFrameOffsetB(), slide_axis, angle_axis, complaints))
-    framesChanged();
   readLimits(complaints);
   readTuning(complaints);
   takeMotor(
@@ -145,14 +170,6 @@ void SliderModel::read(Complaints* complaints) {
       m_read_angular_motor, {"target angular motor velocity", "max angular motor force"},
       complaints);
   Joint::setBlockRows(from.getUseFrameOffset());
-}
-
-void SliderModel::framesChanged() {
-  forgetLooks();
-  // Another zero: the turns counted from the old one mean nothing.
-  m_twist = {};
-  m_turn_given = false;
-  remember(observe(BodyPair(bodyA(), bodyB())), false);
 }
 
 void SliderModel::readLimits(Complaints* complaints) {
@@ -261,21 +278,7 @@ int SliderModel::rowsOfStock(btSliderConstraint& slider) {
          (slider.getSolveAngLimit() || slider.getPoweredAngMotor() ? 1 : 0);
 }
 
-void SliderModel::hideLimits() { showBroken(slider(), false, false); }
-
-void SliderModel::showPosition() {
-  const PosePair seen = seenPair();
-  slider().calculateTransforms(seen.pose_a(), seen.pose_b());
-  slider().testLinLimits();
-}
-
-void SliderModel::showAngle() {
-  slider().testAngLimits();
-  const Axis& axis = m_settings.angular;
-  const bool is_bullets = btFabs(axis.low) <= SIMD_PI && btFabs(axis.high) <= SIMD_PI;
-  if (!axis.limited() || is_bullets) return;
-  showAngularLimit(slider(), depthOf(axis, angle(observe(seenPair())).value()));
-}
+void SliderModel::hideLimits() { hideBroken(slider()); }
 
 void SliderModel::drawJoint(btIDebugDraw& drawer) const {
   const_cast<SliderModel*>(this)->readFromBullet();
@@ -415,12 +418,12 @@ void SliderJoint::setAccumulatedAngLimits(btScalar low, btScalar high) {
 
 void SliderJoint::setTargetLinMotorVelocity(btScalar targetLinMotorVelocity) {
   btSliderConstraint::setTargetLinMotorVelocity(targetLinMotorVelocity);
-  m_settings.linear.chosen = Axis::Drive::velocity;
+  m_settings.linear.choose(Axis::Drive::velocity);
 }
 
 void SliderJoint::setTargetAngMotorVelocity(btScalar targetAngMotorVelocity) {
   btSliderConstraint::setTargetAngMotorVelocity(targetAngMotorVelocity);
-  m_settings.angular.chosen = Axis::Drive::velocity;
+  m_settings.angular.choose(Axis::Drive::velocity);
 }
 
 void SliderJoint::setLinLimitSpring(btScalar frequency_hz, btScalar damping_ratio) {
@@ -486,10 +489,6 @@ inline void SliderModel::constrain(const Observation& seen, Rows& rows) const {
 
   const equations::Anchors<Scalar> anchors{seen.a.r(), seen.b.r(), seen.d};
   const Vec3 lever_a = anchors.r_a + anchors.d;
-  const Vec3 moved = rows.moved([&](const BodyPair& v) {
-    return Vec3(equations::relative_velocity<Scalar>({v.v_a(), v.w_a(), v.v_b(), v.w_b()}, lever_a,
-                                                     anchors.r_b));
-  });
   const Lanes bend = seen.a.components(rows.curvature([&](const BodyPair& v) {
     return Vec3(equations::position_curvature_conserving<Scalar>(
         anchors, {v.v_a(), v.w_a(), v.v_b(), v.w_b()}));
@@ -505,6 +504,10 @@ inline void SliderModel::constrain(const Observation& seen, Rows& rows) const {
   add(seen.a.b(), 1);
   add(seen.a.c(), 2);
   if (m_settings.linear.limited() || m_settings.linear.driven()) {
+    const Vec3 moved = rows.moved([&](const BodyPair& v) {
+      return Vec3(equations::relative_velocity<Scalar>({v.v_a(), v.w_a(), v.v_b(), v.w_b()},
+                                                       lever_a, anchors.r_b));
+    });
     const Scalar position = m_settings.sign * seen.offset[0];
     const Reach reach = rows.slide(seen.a.a().dot(moved), lever_a, anchors.r_b, bend[0]);
     const bool limit = m_settings.linear.limited() && slideLimitActs(position, reach);

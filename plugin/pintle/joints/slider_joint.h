@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pintle/bullet/stock_motor.h>
+#include <pintle/bullet/stock_slider.h>
 #include <pintle/joints/joint_of.h>
 #include <pintle/joints/observed_joint.h>
 #include <pintle/joints/seen_poses.h>
@@ -69,15 +70,15 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   btSliderConstraint& slider() const;
   PosePair seenPair() const;
   void read(Complaints* complaints) override;
+  void readFrames(Complaints* complaints);
+  void readSettings(Complaints* complaints);
   void readLimits(Complaints* complaints);
   void readTuning(Complaints* complaints);
-  void framesChanged();
   /// Limits by Pintle's own methods, which Bullet's object shows as far as it can.
   void keepAngularLimits(Scalar low, Scalar high, bool of_any_turn);
   void limitSet(const Axis& before);
   /// Leaves in Bullet's object what a step of its own would.
-  void showPosition();
-  void showAngle();
+  void show(const Observation& seen);
   void forgetLooks() {
     m_seen_poses.forget();
     m_looks[linear].given = m_looks[angular].given = false;
@@ -93,6 +94,7 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   UnwrappedAngle m_twist;  ///< of b against a, about x
   SeenPoses m_seen_poses;
   Look m_looks[axes];
+  StockSliderBits m_read;  ///< as Bullet's object was read last
   AxisParameters m_linear_parameters, m_angular_parameters;
   ErpCfm m_erp_cfm[group_count];
   StockMotor m_read_linear_motor = {false, 0, 0}, m_read_angular_motor = {false, 0, 0};
