@@ -10,6 +10,7 @@
 
 #include "physics_support.h"
 #include "solver_of_tests.h"
+#include "support.h"
 
 namespace physics_conservation_test {
 

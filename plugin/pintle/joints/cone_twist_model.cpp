@@ -7,6 +7,8 @@
 
 #include <limits>
 
+#include <cstring>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -40,11 +42,9 @@ StockConeLimits coneLimits(btConeTwistConstraint& cone) {
           cone.getFixThresh()};
 }
 
-// (Without a branch: what is asked in each step is the same.)
 bool areSame(const StockConeLimits& a, const StockConeLimits& b) {
-  return isSame(a.swing_1, b.swing_1) & isSame(a.swing_2, b.swing_2) & isSame(a.twist, b.twist) &
-         isSame(a.softness, b.softness) & isSame(a.bias, b.bias) &
-         isSame(a.relaxation, b.relaxation) & isSame(a.fix_threshold, b.fix_threshold);
+  static_assert(sizeof(StockConeLimits) == 7 * sizeof(Scalar), "no padding");
+  return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
 // Takes a span over if it is another one than the last.
@@ -90,8 +90,8 @@ const char* ConeTwistModel::name() const { return "ConeTwistJoint"; }
 
 void ConeTwistModel::read(Complaints* complaints) {
   btConeTwistConstraint& from = cone();
-  if (!(isSame(from.getAFrame(), m_settings.frame_a) &
-        isSame(from.getBFrame(), m_settings.frame_b)))
+  if (!isSame(from.getAFrame(), m_settings.frame_a) ||
+      !isSame(from.getBFrame(), m_settings.frame_b))
     readFrames(complaints);
   const StockConeLimits now = coneLimits(from);
   if (!areSame(now, m_read)) readLimits(now, complaints);

@@ -28,7 +28,8 @@ class Complaints;
 
 /// From low to high, rad; low > high: free.
 struct AngleRange {
-  Scalar low, high;
+  Scalar low;   ///< the smaller angle
+  Scalar high;  ///< the larger one
 
   /// As Bullet's span, which holds nothing more: the larger side; below 0 if it is free by low > high.
   Scalar span() const { return low <= high ? btMax(high, -low) : btMin(high, -low); }
@@ -36,9 +37,12 @@ struct AngleRange {
 
 /// Settings of a cone-twist joint.
 struct ConeTwistSettings {
-  btTransform frame_a;                 ///< the joint frame in body a's frame (m), x the twist axis
-  btTransform frame_b;                 ///< the same in body b's
-  AngleRange swing_1, swing_2, twist;  ///< as set
+  btTransform frame_a;  ///< the joint frame in body a's frame (m), x the twist axis
+  btTransform frame_b;  ///< the same in body b's
+  ///@{
+  /// As set.
+  AngleRange swing_1, swing_2, twist;
+  ///@}
   Axis swing_limit;           ///< its coordinate is the distance out of the cone, or the one swing
   Axis twist_limit;           ///< of a against b
   bool angular_only = false;  ///< no position rows
@@ -46,14 +50,18 @@ struct ConeTwistSettings {
 
 /// What a cone-twist joint says of itself.
 struct ConeTwistReadings {
-  Scalar twist;                 ///< rad, its size; 0 if it is free by a span below 0
-  bool past_swing, past_twist;  ///< the limits
+  Scalar twist;  ///< rad, its size; 0 if it is free by a span below 0
+  ///@{
+  /// Whether a limit is passed.
+  bool past_swing, past_twist;
+  ///@}
 };
 
 /// A cone-twist joint of Bullet's as Pintle holds it. What stands in Bullet's object is read at the start of each step; what Bullet
 /// does not have (spans that differ on both sides, springs, a motor of a velocity, friction) is kept here.
 class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
  public:
+  /// Of its axes.
   enum AxisIndex {
     swing_axis,
     twist_axis,
