@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "announcing_joints.h"
 #include "drawing.h"
 #include "solver_of_tests.h"
 #include "support.h"
@@ -145,7 +146,7 @@ TEST(DerivedConeTwist, WhatAnyPointerWritesHoldsInTheNextStep) {
   }
 }
 
-// What has no effect in Bullet has none here.
+// Without an effect in Bullet it has none here.
 TEST(DerivedConeTwist, ADampingChangesNothing) {
   Pair<> pair, twin;
   pair.turn(rotation(0.5, 1, 0.4));
@@ -308,23 +309,8 @@ TEST(DerivedConeTwist, HoldsNothingBeforeItHasFrames) {
   }
 }
 
-// A client's that announces as many rows as Bullet's has at least.
-class Announces : public ConeTwistJoint {
- public:
-  using ConeTwistJoint::ConeTwistJoint;
-  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
-    info->m_numConstraintRows = 3;
-    info->nub = 3;
-  }
-};
-// One that asks for the limits there, by Bullet's method.
-class AnnouncesAsBullet : public ConeTwistJoint {
- public:
-  using ConeTwistJoint::ConeTwistJoint;
-  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
-    btConeTwistConstraint::getInfo1(info);
-  }
-};
+using Announces = support::Announces<ConeTwistJoint, 3>;
+using AnnouncesAsBullet = support::AnnouncesAsBullet<ConeTwistJoint, btConeTwistConstraint>;
 
 template <class J>
 double gapOfASwing(double span, double& farthest) {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "announcing_joints.h"
 #include "solver_of_tests.h"
 #include "support.h"
 
@@ -478,25 +479,8 @@ TEST(DerivedHinge, AMotorThatWasNeverSetStandsStill) {
 
 // --- subclasses, and clients between steps -------------------------------------------------------
 
-// A client's: it announces by itself how many rows there are.
-template <class J>
-class Announces : public J {
- public:
-  using J::J;
-  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
-    info->m_numConstraintRows = 5;
-    info->nub = 1;
-  }
-};
-// A client's that asks for the angle there, by Bullet's method.
-template <class J>
-class AnnouncesAsBullet : public J {
- public:
-  using J::J;
-  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
-    btHingeConstraint::getInfo1(info);
-  }
-};
+using Announces = support::Announces<QuaternionHinge, 5>;
+using AnnouncesAsBullet = support::AnnouncesAsBullet<QuaternionHinge, btHingeConstraint>;
 
 // A client's that sets frames where its base has announced its rows, and before it writes them: the joint's angle is another one then.
 template <class J>
@@ -551,8 +535,8 @@ double gapOfSwing() {
 TEST(DerivedHinge, ASubclassThatOverridesGetInfo1AloneHolds) {
   const double plain = gapOfSwing<QuaternionHinge>();
   EXPECT_LT(plain, 0.02);
-  EXPECT_NEAR(gapOfSwing<Announces<QuaternionHinge>>(), plain, onExactSolver() ? 0.02 : 1e-6);
-  EXPECT_LT(gapOfSwing<AnnouncesAsBullet<QuaternionHinge>>(), 0.02);
+  EXPECT_NEAR(gapOfSwing<Announces>(), plain, onExactSolver() ? 0.02 : 1e-6);
+  EXPECT_LT(gapOfSwing<AnnouncesAsBullet>(), 0.02);
 }
 
 // As many as it announced, whatever of ours acts beyond them, and whatever is called between.
@@ -567,9 +551,9 @@ TEST(DerivedHinge, NoMoreRowsAreWrittenThanAreAnnounced) {
     return rows.announced();
   };
   for (const double high : {0.01, -0.01}) {
-    Pair<Announces<QuaternionHinge>> alone;
+    Pair<Announces> alone;
     EXPECT_EQ(touched(alone, high, 6), 5);
-    Pair<AnnouncesAsBullet<QuaternionHinge>> bullets;
+    Pair<AnnouncesAsBullet> bullets;
     EXPECT_EQ(touched(bullets, high, 6), high > 0 ? 5 : 6);
     Pair<SetsFrames<QuaternionHinge>> busy;
     EXPECT_EQ(touched(busy, high, 6), 6);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "announcing_joints.h"
 #include "solver_of_tests.h"
 #include "support.h"
 
@@ -314,23 +315,8 @@ TEST(DerivedSlider, AStepLeavesInBulletsObjectWhatBulletsDoes) {
   }
 }
 
-// A client's that announces its rows by itself: as many as Bullet's has at least,
-class Announces : public SliderJoint {
- public:
-  using SliderJoint::SliderJoint;
-  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
-    info->m_numConstraintRows = 4;
-    info->nub = 2;
-  }
-};
-// or by Bullet's method.
-class AnnouncesAsBullet : public SliderJoint {
- public:
-  using SliderJoint::SliderJoint;
-  void getInfo1(btTypedConstraint::btConstraintInfo1* info) override {
-    btSliderConstraint::getInfo1(info);
-  }
-};
+using Announces = support::Announces<SliderJoint, 4>;
+using AnnouncesAsBullet = support::AnnouncesAsBullet<SliderJoint, btSliderConstraint>;
 
 template <class J>
 void limit(Pair<J>& pair) {

@@ -61,9 +61,8 @@ bool orthonormalize(const btTransform& given, int main, int second, btTransform&
 }
 
 // The fourth numbers of vectors are anybody's: with others there only the bits differ.
-bool takeFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
-                const btTransform& from_b, int main, int second, Complaints* complaints) {
-  if (isSame(from_a, frame_a) && isSame(from_b, frame_b)) return false;
+bool takeOtherFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
+                     const btTransform& from_b, int main, int second, Complaints* complaints) {
   btTransform a, b;
   if (!(repairFrame(from_a, main, second, a) && repairFrame(from_b, main, second, b))) {
     if (complaints != nullptr)

@@ -1,6 +1,7 @@
 // Purpose: joint frames as Bullet's clients give them, which Bullet takes as they are.
 #pragma once
 
+#include <pintle/finite.h>
 #include <pintle/precision.h>
 
 #include <LinearMath/btTransform.h>
@@ -29,8 +30,14 @@ bool repairFrame(const btTransform& given, int main, int second, btTransform& fr
 
 /// Takes over the frames of a joint, repaired; both or neither. Returns whether an axis is another one: then angles have another zero.
 /// `complaints`: null in a step.
-bool takeFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
-                const btTransform& from_b, int main, int second, Complaints* complaints);
+bool takeOtherFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
+                     const btTransform& from_b, int main, int second, Complaints* complaints);
+/// The same of frames that may be those of the last step, bit by bit: in nearly all steps they are.
+inline bool takeFrames(btTransform& frame_a, btTransform& frame_b, const btTransform& from_a,
+                       const btTransform& from_b, int main, int second, Complaints* complaints) {
+  if (isSame(from_a, frame_a) && isSame(from_b, frame_b)) return false;
+  return takeOtherFrames(frame_a, frame_b, from_a, from_b, main, second, complaints);
+}
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -20,7 +20,7 @@ inline bool leavesAPosition(Scalar low, Scalar high) {
   return !(low <= high && (low >= infinity || high <= -infinity));
 }
 
-/// By how much a coordinate is beyond its limits, above zero beyond the upper one; low > high: there are none.
+/// The distance of a coordinate beyond its limits, above zero beyond the upper one; low > high: there are none.
 inline Scalar beyond(Scalar position, Scalar low, Scalar high) {
   if (!(low <= high)) return 0;
   return position > high ? position - high : position < low ? position - low : Scalar(0);

@@ -7,8 +7,6 @@
 
 #include <limits>
 
-#include <cstring>
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
@@ -40,11 +38,6 @@ StockConeLimits coneLimits(btConeTwistConstraint& cone) {
   return {cone.getSwingSpan1(),    cone.getSwingSpan2(), cone.getTwistSpan(),
           cone.getLimitSoftness(), cone.getBiasFactor(), cone.getRelaxationFactor(),
           cone.getFixThresh()};
-}
-
-bool areSame(const StockConeLimits& a, const StockConeLimits& b) {
-  static_assert(sizeof(StockConeLimits) == 7 * sizeof(Scalar), "no padding");
-  return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
 // Takes a span over if it is another one than the last.
@@ -90,23 +83,17 @@ const char* ConeTwistModel::name() const { return "ConeTwistJoint"; }
 
 void ConeTwistModel::read(Complaints* complaints) {
   btConeTwistConstraint& from = cone();
-  if (!isSame(from.getAFrame(), m_settings.frame_a) ||
-      !isSame(from.getBFrame(), m_settings.frame_b))
-    readFrames(complaints);
+  if (takeFrames(m_settings.frame_a, m_settings.frame_b, from.getAFrame(), from.getBFrame(),
+                 twist_axis_of_frame, drawn_axis, complaints))
+    m_seen = false;
   const StockConeLimits now = coneLimits(from);
-  if (!areSame(now, m_read)) readLimits(now, complaints);
+  if (!isSame(now, m_read)) readLimits(now, complaints);
   m_settings.angular_only = from.getAngularOnly();
   readParameters(complaints);
   if (from.isMotorEnabled())
     readMotor(complaints);
   else if (m_rotation)
     m_rotation->axis.enable(false);
-}
-
-void ConeTwistModel::readFrames(Complaints* complaints) {
-  if (takeFrames(m_settings.frame_a, m_settings.frame_b, cone().getAFrame(), cone().getBFrame(),
-                 twist_axis_of_frame, drawn_axis, complaints))
-    m_seen = false;
 }
 
 void ConeTwistModel::readLimits(const StockConeLimits& from, Complaints* complaints) {
@@ -118,7 +105,7 @@ void ConeTwistModel::readLimits(const StockConeLimits& from, Complaints* complai
   takeNotNegative(now.bias, from.bias, "bias factor", complaints);
   takeFinite(now.relaxation, from.relaxation, "relaxation factor", complaints);
   takeFinite(now.fix_threshold, from.fix_threshold, "fix threshold", complaints);
-  if (areSame(now, m_read)) return;
+  if (isSame(now, m_read)) return;
   m_read = now;
   limitsChanged();
 }
@@ -239,7 +226,7 @@ Scalar ConeTwistModel::innerSpan() const {
   return btMin(btMin(e.above_1, e.below_1), btMin(e.above_2, e.below_2));
 }
 
-// What the settings come to, so that a step need not ask.
+// The settings as a step uses them, so that it need not ask.
 void ConeTwistModel::limitsChanged() {
   Axis &swing = m_settings.swing_limit, &twist = m_settings.twist_limit;
   m_limit_erp = m_read.bias;

@@ -48,11 +48,11 @@ struct ConeTwistSettings {
   bool angular_only = false;  ///< no position rows
 };
 
-/// What a cone-twist joint says of itself.
+/// Readings of a cone-twist joint.
 struct ConeTwistReadings {
   Scalar twist;  ///< rad, its size; 0 if it is free by a span below 0
   ///@{
-  /// Whether a limit is passed.
+  /// Limits that are passed.
   bool past_swing, past_twist;
   ///@}
 };
@@ -61,7 +61,7 @@ struct ConeTwistReadings {
 /// does not have (spans that differ on both sides, springs, a motor of a velocity, friction) is kept here.
 class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
  public:
-  /// Of its axes.
+  /// The numbers of its axes.
   enum AxisIndex {
     swing_axis,
     twist_axis,
@@ -93,7 +93,7 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
   struct Observation;
   struct Locks;
   struct Turning;
-  // What motor and friction need, about three axes, beside what every cone-twist joint does.
+  // Needed by motor and friction alone, which act about three axes.
   struct Rotation {
     Axis axis;
     btVector3 velocity = {0, 0, 0};
@@ -130,7 +130,6 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
     return static_cast<btConeTwistConstraint&>(const_cast<ConeTwistModel*>(this)->constraint());
   }
   void read(Complaints* complaints) override;
-  void readFrames(Complaints* complaints);
   void readLimits(const StockConeLimits& from, Complaints* complaints);
   void readParameters(Complaints* complaints);
   void readMotor(Complaints* complaints);

@@ -43,11 +43,11 @@ struct ConeTwistModel::Observation {
         d(equations::position_error(poses.x_a(), a.r(), poses.x_b(), b.r())) {}
   Scalar sum() const { return d.sum() + dots[0] + dots[1] + dots[2]; }
 
-  /// Of b against a: minus that of a against b.
+  /// The twist of b against a: minus that of a against b.
   equations::Twist<Scalar> twist() const {
     return equations::twist<Scalar>(dots[1], dots[2], a.c().dot(b.b()), a.b().dot(b.c()));
   }
-  /// Of a against b, as b sees it. Worked out once.
+  /// The swing of a against b, as b sees it. Worked out once.
   const equations::Swing<Scalar>& swing() const {
     if (!m_knows_swing) m_swing = equations::swing(x_b, x_a);
     m_knows_swing = true;
@@ -72,7 +72,7 @@ struct ConeTwistModel::Turning {
   Scalar max = reach.max() + driven;
 
   Scalar gained() const { return reach.gained() + driven; }
-  /// Of an angle that moves with J . (w_b - w_a), |J| no longer than `length` in the step.
+  /// The reach of an angle that moves with J . (w_b - w_a), |J| no longer than `length` in the step.
   Reach along(const Vec3& J, Scalar length) const {
     return {J.dot(reach.moved()), gained() * length};
   }

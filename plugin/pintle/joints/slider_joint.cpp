@@ -138,9 +138,7 @@ bool SliderModel::getBlockRows() const { return slider().getUseFrameOffset(); }
 
 void SliderModel::read(Complaints* complaints) {
   btSliderConstraint& from = slider();
-  const bool is_a_same = isSame(from.getFrameOffsetA(), m_settings.frame_a),
-             is_b_same = isSame(from.getFrameOffsetB(), m_settings.frame_b);
-  if (!is_a_same || !is_b_same) readFrames(complaints);
+  readFrames(complaints);
   if (m_read.update(from) || complaints != nullptr) readSettings(complaints);
 }
 
