@@ -22,6 +22,13 @@ class Recorder : public btIDebugDraw {
   void drawLine(const btVector3& from, const btVector3& to, const btVector3& color) override {
     lines.push_back({from, to, color});
   }
+  /// Bullet counts an arc's lines as an int, which the 1e18 rad of its free twist overflow: at most a turn.
+  void drawArc(const btVector3& centre, const btVector3& normal, const btVector3& axis,
+               btScalar radius_a, btScalar radius_b, btScalar from, btScalar to,
+               const btVector3& color, bool sector, btScalar step_degrees = 10) override {
+    btIDebugDraw::drawArc(centre, normal, axis, radius_a, radius_b, btMax(from, -SIMD_2_PI),
+                          btMin(to, SIMD_2_PI), color, sector, step_degrees);
+  }
   void drawContactPoint(const btVector3&, const btVector3&, btScalar, int,
                         const btVector3&) override {}
   void reportErrorWarning(const char*) override {}
