@@ -15,7 +15,7 @@ if [ $# -eq 0 ]; then
   # Those of the joints' .cpp files are no public headers.
   for header in pintle/*.h pintle/joints/*.h pintle/joints/unstable/*.h \
     pintle/solver/{exact{,_multi_body}_joint_solver,joint_solver,solver_options,step_log,step_report,uses_exact_solver}.h; do
-    case $header in */drawing.h | */hinge_rows.h | */joint_passes.h | */single_row.h | */turning.h) continue ;; esac
+    case $header in */drawing.h | */hinge_rows.h | */solver_rows.h | */single_row.h | */turning.h) continue ;; esac
     set -- "$@" "$header"
   done
 fi

@@ -5,6 +5,8 @@
 #include <pintle/equations/position.h>
 #include <pintle/precision.h>
 
+#include <Eigen/Geometry>
+
 #include "autodiff.h"
 
 namespace {
@@ -116,6 +118,28 @@ TYPED_TEST(PositionRow, CurvatureIsTheSecondDerivativeOfTheGap) {
     // Three products of factors up to |w| = 1.7: |w|^2 r.
     ASSERT_LE(mismatch(curvature.template cast<double>(), second_difference(d, kCurvatureStep)),
               3 * this->kTolerance * size(hinge) + kCurvatureTolerance);
+  }
+}
+
+TYPED_TEST(PositionRow, ChordIsTheWayOfALeverThatTurns) {
+  using T = TypeParam;
+  Random random(5);
+  for (const double dt : {1. / 15, 1. / 60, 1. / 240}) {
+    for (const double turn : {1e-3, 0.05, 0.3, 0.78}) {
+      const Vector r = random.unit(), w = turn / dt * random.unit();
+      const Vector way = Eigen::AngleAxisd(turn, w.normalized()) * r - r - dt * w.cross(r);
+      const Vector3<T> chord =
+          equations::chord_curvature<T>(w.cast<T>(), r.cast<T>(), static_cast<T>(dt));
+      const double scale = 2 / (dt * dt);
+      // The series leaves out turn^9 / 9!; and the rest of numbers near 1 has their rounding.
+      EXPECT_LE((chord.template cast<double>() - scale * way).norm(),
+                scale * (std::pow(turn, 9) / 362880 +
+                         4 * (turn * turn * double(std::numeric_limits<T>::epsilon()) + 2.3e-16)))
+          << turn << ' ' << dt;
+      const Vector3<T> parabola = equations::position_curvature<T>(
+          Vector3<T>::Zero(), Vector3<T>::Zero(), w.cast<T>(), r.cast<T>());
+      EXPECT_LE((chord - parabola).norm(), static_cast<T>(0.4 * turn * w.squaredNorm()));
+    }
   }
 }
 

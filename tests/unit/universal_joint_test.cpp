@@ -750,7 +750,7 @@ TEST(Universal, SpeedOverATurnIsTheClosedForm) {
     const scenes::DriveShaftResult stock = scenes::drive_shaft<Stock>(settings);
     SCOPED_TRACE(bend);
     // Second order in the step: the joint looks ahead by the curvature. Stock is of first order.
-    EXPECT_LT(ours.universal_error, 8e-4);
+    EXPECT_LT(ours.universal_error, 1e-3);
     EXPECT_LT(ours.universal_error, 0.5 * stock.universal_error);
     const double b = settings.bend;
     EXPECT_NEAR(ours.min, std::cos(b), 2e-3);
@@ -769,7 +769,7 @@ TEST(Universal, FastShaftsAreNearerToTheClosedFormThanStocks) {
       settings.dt = 1 / hz;
       const double ours = scenes::drive_shaft<Ours>(settings).universal_error;
       const double stock = scenes::drive_shaft<Stock>(settings).universal_error;
-      EXPECT_LT(ours, 0.75 * stock) << rpm << " rpm, " << bend << " deg";
+      EXPECT_LT(ours, 0.8 * stock) << rpm << " rpm, " << bend << " deg";
     }
   }
 }

@@ -2,31 +2,26 @@
 // into what Bullet's solver asks for, step by step. It is no constraint of Bullet's: joint_of.h makes one of it.
 #pragma once
 
+#include <pintle/joints/bullet_rows.h>
 #include <pintle/rows/axis_settings.h>
 #include <pintle/rows/row_list.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
-#include <cstdint>
-#include <limits>
 #include <string>
 
 class btIDebugDraw;
-struct btSolverConstraint;
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-class Block;
 class BodyPair;
 struct JointAccess;
 class PosePair;
 class Rows;
 class Complaints;
 struct AxisMotion;
-struct AxisRow;
-struct BlockRow;
 struct StepMotion;
 
 /// Which form of its equations a joint solves.
@@ -95,7 +90,8 @@ class Joint {
 
   /// The speed (m/s, > 0) at which the pivots of a joint that starts apart are brought together: one that is new or
   /// enabled again, or of which a body has been put elsewhere. Default 1, and more where the
-  /// gap would take more than a second. Gaps that a load opens are closed as ERP says, and on ExactJointSolver all are.
+  /// gap would take more than a second. Gaps that a load opens, or that a second has not closed, are closed as ERP says, and on
+  /// ExactJointSolver all are. It holds at any time while the boxes (AABB) of bodies that may collide with each other overlap: contacts do not yield.
   void setMaxLinearCorrectionSpeed(btScalar speed);
   /// m/s.
   btScalar getMaxLinearCorrectionSpeed() const { return m_max_linear_correction_speed; }
@@ -129,20 +125,20 @@ class Joint {
   /// The calls of Bullet's solver to a constraint: buildJacobian, getInfo1, getInfo2 and, after each pass,
   /// solveConstraintObsolete.
   void buildJacobian();
-  void announceRows(Info1& info, int room = max_room);
-  void writeRows(Info2& info);
-  void afterPass(btSolverBody& a, btSolverBody& b);
+  void announceRows(Info1& info, int room = max_room) { m_bullet_rows.announce(info, room); }
+  void writeRows(Info2& info) { m_bullet_rows.write(info); }
+  void afterPass(btSolverBody& a, btSolverBody& b) { m_bullet_rows.afterPass(a, b); }
   ///@}
-  static constexpr int max_room = std::numeric_limits<signed char>::max();  ///< m_solver_row_count
+  static constexpr int max_room = BulletRows::max_room;
   ///@{
   /// How many rows Bullet's own getInfo2 of a constraint would write, as its limits were last tested; and that none is broken.
   static int rowsOfStock(const btTypedConstraint&) { return max_room; }
   void hideLimits() {}
   ///@}
-  /// writeRows at other poses of the bodies, as Bullet's
-  /// getInfo2NonVirtual has it. As many rows as were announced at the most: a limit that acts at
-  /// these poses only has none. Velocities and inertias are the bodies' own.
-  void writeRowsAt(Info2& info, const btTransform& pose_a, const btTransform& pose_b);
+  /// writeRows at other poses of the bodies, as Bullet's getInfo2NonVirtual has it.
+  void writeRowsAt(Info2& info, const btTransform& pose_a, const btTransform& pose_b) {
+    m_bullet_rows.writeAt(info, pose_a, pose_b);
+  }
   bool breakable() const { return m_constraint.getBreakingImpulseThreshold() < infinity; }
   btRigidBody& bodyA() const { return m_constraint.getRigidBodyA(); }
   btRigidBody& bodyB() const { return m_constraint.getRigidBodyB(); }
@@ -151,10 +147,10 @@ class Joint {
   Scalar timeStep() const { return m_time_step; }
   /// rad/s, of the faster body, at the start of this step or of the last one, whichever is more.
   Scalar angularSpeed() const { return btMax(m_angular_speed, m_last_angular_speed); }
-  /// The impulse of one part of an axis in the last step, positive along the coordinate. Bullet hands
-  /// out the last row's; those of other axes are read from the rows of its sequential solver, and are
-  /// 0 with a solver that has none.
-  Scalar axisImpulse(int axis, Axis::Part part) const;
+  /// The impulse of one part of an axis in the last step, positive along the coordinate (bullet_rows.h).
+  Scalar axisImpulse(int axis, Axis::Part part) const {
+    return m_bullet_rows.axisImpulse(axis, part);
+  }
 
   Parameter m_erp, m_cfm;              ///< of equalities
   Parameter m_limit_erp, m_limit_cfm;  ///< of limits
@@ -166,8 +162,6 @@ class Joint {
   bool m_foresees_curvature : 1;
   /// Whether its bodies are shafts, which turn fast about axes that hold still.
   bool m_turns_shafts : 1;
-  /// Whether its equalities may begin with impulses of the last step: they do not depend on each other.
-  bool m_starts_warm : 1;
 
   // Throw std::invalid_argument naming the joint, `field` and the value.
   [[noreturn]] void reject(const char* field, double value, const char* why) const;
@@ -196,8 +190,8 @@ class Joint {
                        const char* force_field = "friction max torque") const;
 
  private:
+  friend class BulletRows;
   friend struct JointAccess;
-  struct Step;
 
   /// How much of the curvature of their motion (rows/row.h) bodies that turn this fast have in a
   /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
@@ -207,106 +201,24 @@ class Joint {
     const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
     return btMax(Scalar(0), 1 - part * part);
   }
-  /// s: with the curvature of a row it is what that adds to the mean velocity of the row in this step: half the step.
-  Scalar curvedTime() const {
-    return Scalar(0.5) * m_time_step * (m_foresees_curvature ? Scalar(1) : curvedPart());
-  }
-  /// The same of a motion that goes on as it is. The curvature goes with the square of the angular velocity at the end
-  /// of the step, which is about as much more than that at its start as the last step added. Without this a pendulum
-  /// gains energy.
-  Scalar lastingTime() const {
-    const Scalar w = m_angular_speed;
-    if (m_foresees_curvature || !(m_last_angular_speed > 0 && w > 0)) return m_curved_time;
-    const Scalar next = btMax(w / 2, btMin(2 * w - m_last_angular_speed, 2 * w)) / w;
-    return m_curved_time * (next * next);
-  }
   StepMotion motion(const BodyPair& pair) const;
-
-  bool m_block_rows : 1;
-  bool m_solved_at_once : 1;  ///< by ExactJointSolver: the rows are not iterated
-  Formulation m_formulation : 1;
-  bool m_looks_ahead : 1;  ///< between Bullet's passes
-  bool m_remembers : 1;    ///< what the last step's passes left (RowHistory)
-  bool m_learned : 1;      ///< the same of this step
-  /// Whether this step may begin with impulses of the last one, and whether that might.
-  bool m_may_start_warm : 1, m_might_start_warm : 1;
-  bool m_relaxed : 1;       ///< over-relaxed in this step
-  bool m_undisturbed : 1;   ///< nothing changed its impulses since the first pass
-  bool m_acts_in_each : 1;  ///< has something to do after each pass, not the last two alone
-  bool m_rests : 1;         ///< its rows are left out of Bullet's passes
-  bool m_starts_apart : 1;  ///< its pivots are being brought together
-  bool m_shows_passes : 1;  ///< Bullet's solver did so in the last step
-  bool m_type_is_known : 1, m_is_clients : 1;  ///< solver/joint_access.h
-  bool m_step_begins : 1;              ///< buildJacobian was called, and no rows asked for since
-  signed char m_solver_row_count = 0;  ///< of Bullet's: an axis may have one for each part
-  /// Bullet's over the rows: all, and those until what the last one leaves is known.
-  short m_passes = 0, m_passes_left = 0;
-  std::uint32_t m_velocities = 0;  ///< a hash of the bodies', while the joint rests
-
+  AxisMotion axisMotion(const Row& row, const AxisState& state, const BodyPair& pair, Scalar fps,
+                        Scalar default_limit_erp) const;
   /// Once after each buildJacobian, however often.
   void beginStep();
-  void beginPasses(const Info2& info);
-  /// Gives each part of each axis its place among Bullet's rows, of which there are so many.
-  void placeRows(int room);
-  /// Whether a rigid limit may act along the row's axis in this step.
-  bool isLimit(const Row& row) const;
-  /// The row of Bullet's of such a limit, if its bounds are all that softens it; else null.
-  btSolverConstraint* rigidLimit(const Row& row) const;
-  /// The axis row whose limit is this one of Bullet's rows; null: none is.
-  const Row* limitAt(int solver_row) const;
-  Scalar lasting() const;
-  Scalar warmLimit(int solver_row, Scalar part) const;
-  bool goesOn() const;
-  void rememberPass();
-  bool isDisturbed() const;
-  void rest(btSolverBody& a, btSolverBody& b, int done);
-  void setPasses(int count);
-  void solveRows(btSolverBody& a, btSolverBody& b);
-  bool isSettled() const;
-  void actBetweenPasses(btSolverBody& a, btSolverBody& b);
-  void startWarm(btSolverBody& a, btSolverBody& b);
-  Scalar relaxation() const;
-  void aim(Step& step, const BodyPair& pair);
-  Scalar compareWithLast(const Step& step, const BodyPair& pair);
-  void correct(const Step& step);
-  void limitClosing(const Step& step, Scalar gap2, Scalar other2);
-  bool isPutApart(const Step& step, Scalar last_gap, Scalar max_speed) const;
-  void liftThresholds();
-  void breakIfOverloaded(btSolverBody& a, btSolverBody& b);
-  void relax(Scalar factor);
-  void lookAhead(const btSolverBody& a, const btSolverBody& b);
-  void learn(const btSolverBody& a, const btSolverBody& b);
-  void seeAxis(const Row& row, const btSolverBody& a, const btSolverBody& b);
-  void seeDisturbance(const Row& row, AxisState& axis, const btSolverBody& a,
-                      const btSolverBody& b);
-  void forget();
-  void forgetImpulses();
-  void writeDelicate(Info2& info);
-  AxisMotion axisMotion(const Row& row, const AxisState& state, const BodyPair& pair, Scalar fps,
-                        Scalar default_limit_erp);
-  void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
-           AxisRow (&parts)[3]);
-  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[3]);
-  bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
-                 AxisRow (&parts)[3]);
+
+  bool m_block_rows : 1;
+  Formulation m_formulation : 1;
+  bool m_step_begins : 1;  ///< buildJacobian was called, and no rows asked for since
 
   btTypedConstraint& m_constraint;
   RowList m_rows;
-  btSolverConstraint* m_solver_rows = nullptr;  ///< of this step, while it is solved
   /// rad/s, of the faster body, at the start of this step and of the last one
   Scalar m_angular_speed = 0, m_last_angular_speed = 0;
-  Scalar m_time_step = Scalar(1) / 60, m_last_time_step = m_time_step;
-  /// What part of their bend equalities have reckoned with, in this step and in the last one; < 0: they had no step.
-  Scalar m_foreseen = -1, m_last_foreseen = -1;
-  Scalar m_curved_time = 0;  ///< s, of this step
+  Scalar m_time_step = Scalar(1) / 60;
   Scalar m_max_correction_speed = 8;
   Scalar m_max_linear_correction_speed = 1;
-  /// m/s or rad/s: by how much the last look ahead of this step found the equalities to bend otherwise than foreseen, in
-  /// all; infinity before the first one.
-  Scalar m_look_change = 0;
-  /// N s or N m s, after the last pass over the rows of a joint that may break.
-  Scalar m_last_load = 0;
-  Scalar m_gap = -1;  ///< m, at the start of the last step; < 0: there was none
+  BulletRows m_bullet_rows;
 };
 
 }  // namespace PINTLE_PRECISION

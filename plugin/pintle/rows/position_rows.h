@@ -35,7 +35,9 @@ inline void addConservingPositionRows(const equations::Anchors<Scalar>& at, Scal
                                       Rows& rows) {
   const Vec3 lever_a = at.r_a + gap_in_lever * at.d;
   addPositionRows(at, lever_a, rows.curvature([&](const BodyPair& v) {
-    return equations::position_curvature<Scalar>(v.w_a(), lever_a, v.w_b(), at.r_b);
+    const Scalar dt = rows.timeStep();
+    return Vec3(equations::chord_curvature<Scalar>(v.w_b(), at.r_b, dt) -
+                equations::chord_curvature<Scalar>(v.w_a(), lever_a, dt));
   }),
                   rows);
 }

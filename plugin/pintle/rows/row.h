@@ -43,12 +43,10 @@ struct Row {
   LanesView lanesA_b() const { return LanesView(&A_b[0]); }
 };
 
-/// What Bullet's passes over the row of an equality have left from the last step.
+/// What Bullet's passes have made of the impulse of an equality's row, as Bullet counts it, N s or N m s.
 struct RowHistory {
-  Scalar impulse = 0;  ///< as Bullet counts it: what this step's begins with
-  /// The velocity along the row that missed the target, m/s or rad/s. Between the passes of this step: the impulse
-  /// after the first one.
-  Scalar residual = 0;
+  Scalar impulse = 0;  ///< of the last step, in the end
+  Scalar first = 0;    ///< of this step, after the first pass
 };
 
 /// Whether the directions of two rows, of which these are the products, are nearer than 45 degrees. A row
@@ -143,6 +141,8 @@ class Rows : public RowList {
   Scalar advance(Scalar speed) const {
     return m_motion != nullptr ? m_motion->dt * speed : infinity;
   }
+  /// s, of the step; 0: there is none.
+  Scalar timeStep() const { return m_motion != nullptr ? m_motion->dt : Scalar(0); }
   /// Whether there is a step, and whether its velocities are those of the pose.
   bool inStep() const { return m_motion != nullptr; }
   bool inPlace() const { return m_motion != nullptr && m_motion->pair.inPlace(); }

@@ -13,13 +13,11 @@ CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, btRigidBody& 
                                                  const btTransform& frameInB)
     : FrameJoint(rbA, rbB, row_count) {
   setFrames(frameInA, frameInB);
-  m_starts_warm = false;  // three rows for two freedoms
 }
 
 CrossProductMatrixHinge::CrossProductMatrixHinge(btRigidBody& rbA, const btTransform& frameInA)
     : FrameJoint(rbA, row_count) {
   setFrames(frameInA, coincident(frameInA));
-  m_starts_warm = false;
 }
 
 void CrossProductMatrixHinge::addRows(const PosePair& poses, Rows& rows) const {

@@ -437,7 +437,7 @@ void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, in
     StockRows rows;
     askStock(joint, a, b, rows);
     addStock(to, rows, 0);
-  } else if (JointAccess::mayHaveOtherRows(*to.ours, isOfPintle)) {
+  } else if (JointAccess::mayHaveOtherRows(joint)) {
     addClients(to, a, b);
   } else {
     addOurs(to);

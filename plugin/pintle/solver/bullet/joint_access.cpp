@@ -75,10 +75,14 @@ bool isSame(const btSolverConstraint& a, const btSolverConstraint& b) {
 
 }  // namespace
 
-bool isOfPintle(const Joint& joint) {
-  return isOneOf<AngularLimit, BallJoint, ConeTwistJoint, ConstantVelocityJoint, ContactJoint,
-                 DistanceJoint, DotHinge, FixedJoint, QuaternionHinge, SliderJoint, TwoPointHinge,
-                 UniversalJoint, WedgeJoint>(typeid(joint));
+JointAccess::Known JointAccess::find(btTypedConstraint& constraint) {
+  const std::type_info& type = typeid(constraint);
+  auto* const joint = dynamic_cast<Joint*>(&constraint);
+  if (joint == nullptr) return {&type};
+  return {&type, reinterpret_cast<char*>(joint) - reinterpret_cast<char*>(&constraint),
+          isOneOf<AngularLimit, BallJoint, ConeTwistJoint, ConstantVelocityJoint, ContactJoint,
+                  DistanceJoint, DotHinge, FixedJoint, QuaternionHinge, SliderJoint, TwoPointHinge,
+                  UniversalJoint, WedgeJoint>(type)};
 }
 
 ClientRows findClientRows(Joint& joint, const btContactSolverInfo& info) {

@@ -18,34 +18,24 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 struct JointAccess {
-  /// The joint, if the constraint is one of Pintle's. To look this up takes as long as some of its rows: so a type is looked up
-  /// once, with the place of its Joint, which is the same in all objects of the type.
+  /// The joint, if the constraint is one of Pintle's.
   static Joint* ours(btTypedConstraint& constraint) {
-    struct Known {
-      const std::type_info* type = nullptr;
-      std::ptrdiff_t place = 0;  // 0: none
-    };
-    thread_local std::array<Known, 16> all;
-    const std::type_info& type = typeid(constraint);
-    Known& known = all[reinterpret_cast<std::uintptr_t>(&type) / 16 % all.size()];
-    char* const start = reinterpret_cast<char*>(&constraint);
-    if (known.type != &type) {
-      auto* const joint = dynamic_cast<Joint*>(&constraint);
-      known = {&type, joint != nullptr ? reinterpret_cast<char*>(joint) - start : 0};
-    }
-    return known.place != 0 ? reinterpret_cast<Joint*>(start + known.place) : nullptr;
+    const std::ptrdiff_t place = known(constraint).place;
+    return place != 0 ? reinterpret_cast<Joint*>(reinterpret_cast<char*>(&constraint) + place)
+                      : nullptr;
   }
+  /// Whether a client's type, derived from one of Pintle's, may answer otherwise than its base.
+  static bool mayHaveOtherRows(btTypedConstraint& constraint) { return !known(constraint).is_own; }
 
   /// Its rows at the start of a step, in its own memory.
   static const RowList& begin(Joint& joint, const BodyPair& pair, Scalar dt, RowShape* shapes) {
     joint.beginStep();
-    joint.m_last_time_step = joint.m_time_step;
     joint.m_time_step = dt;
     joint.m_rows.clear();
     Rows rows(joint.m_rows, shapes);
     if (pair.finite()) joint.prepare(pair, rows);
     joint.m_rows = rows;
-    joint.m_solver_row_count = 1;
+    joint.m_bullet_rows.setCount(1);
     return joint.m_rows;
   }
   ///@{
@@ -59,10 +49,10 @@ struct JointAccess {
   /// motion is curved, and what closes it grows with the rate of the steps, without a largest speed.
   class PlainRows {
    public:
-    explicit PlainRows(Joint& joint) : m_joint(joint), m_before(joint.m_solved_at_once) {
-      joint.m_solved_at_once = true;
+    explicit PlainRows(Joint& joint) : m_joint(joint), m_before(joint.m_bullet_rows.arePlain()) {
+      joint.m_bullet_rows.setPlain(true);
     }
-    ~PlainRows() { m_joint.m_solved_at_once = m_before; }
+    ~PlainRows() { m_joint.m_bullet_rows.setPlain(m_before); }
     PlainRows(const PlainRows&) = delete;
     PlainRows& operator=(const PlainRows&) = delete;
 
@@ -92,14 +82,6 @@ struct JointAccess {
     const int m_count;
     std::array<AxisState, max_joint_rows> m_axes;
   };
-  /// Whether a client's type may answer otherwise than its base. It is looked up once.
-  static bool mayHaveOtherRows(Joint& joint, bool (*is_of_pintle)(const Joint&)) {
-    if (!joint.m_type_is_known) {
-      joint.m_type_is_known = true;
-      joint.m_is_clients = !is_of_pintle(joint);
-    }
-    return joint.m_is_clients;
-  }
   static ImpulseSetting setting(const Joint& joint) { return joint.impulseSetting(); }
 
   /// ERP and CFM of a group of its equalities.
@@ -133,15 +115,28 @@ struct JointAccess {
     motion.velocity = velocity;
     return motion;
   }
+
+ private:
+  struct Known {
+    const std::type_info* type = nullptr;
+    std::ptrdiff_t place = 0;  ///< of the Joint in each object of the type; 0: none
+    bool is_own = false;       ///< a type of Pintle's, which asks for nothing but its rows
+  };
+  // To look this up takes as long as some of a joint's rows: so a type is looked up once.
+  static const Known& known(btTypedConstraint& constraint) {
+    thread_local std::array<Known, 16> all;
+    const std::type_info& type = typeid(constraint);
+    Known& known = all[reinterpret_cast<std::uintptr_t>(&type) / 16 % all.size()];
+    if (known.type != &type) known = find(constraint);
+    return known;
+  }
+  static Known find(btTypedConstraint& constraint);
 };
 
 // Joints of clients, derived from Pintle's, that answer what Bullet asks a joint for otherwise than their bases do.
 
 /// Rows of a joint that answers as Bullet's do: btGeneric6DofSpring2Constraint has the most, four an axis.
 constexpr int most_stock_rows = 24;
-
-/// Whether the joint is of a type of Pintle's own, which asks for nothing but its rows.
-bool isOfPintle(const Joint& joint);
 
 /// Rows of a joint in this step, as its virtual methods give them.
 struct ClientRows {

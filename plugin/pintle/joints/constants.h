@@ -1,0 +1,47 @@
+// Purpose: constants of the joints on Bullet's iterating solvers, each with its unit, its reason, and what fails beyond it.
+#pragma once
+
+#include <pintle/precision.h>
+
+namespace pintle {
+inline namespace PINTLE_PRECISION {
+
+/// s: a joint is taken as one that starts apart for so long at most. What is still open then is held open by a load, or by a mouse that drags
+/// it, and closes as ERP says.
+constexpr Scalar longest_start = 1;
+
+/// Fraction of the largest speeds of correction: a joint that is to be corrected at less has come together.
+constexpr Scalar apart_fraction = Scalar(0.1);
+
+/// A body's angular speed changes by this factor in a step at most, if its motion goes on as it does. Without it fast pendulums gain energy; with
+/// 2 what jerks at the ends of short ropes is taken for motion, and opens them further than stock's.
+constexpr Scalar max_spin_change = Scalar(1.05);
+
+/// Fraction of the impulses of the last step from which equalities go on after the first pass. Less leaves chains and ragdolls further open than
+/// stock's; with more, bridges swing for longer before they sleep, and links that overlap and collide have more energy than stock's.
+constexpr Scalar warm_start = Scalar(0.45);
+
+/// Passes: with so many at most a start that is not right is not made up for.
+constexpr int few_passes = 2;
+
+/// m/s and rad/s. Bullet makes no second pass if the first one changed nothing, or less than its residual threshold: what started then
+/// would stay as it is. A row that the first one changed by more than this says that there is another.
+constexpr Scalar goes_on = Scalar(1e-3);
+
+/// Fraction of the largest impulse of a joint: what changes by no more between passes has only been rounded. (In single precision rows that are
+/// orthogonal leave some tens of roundings.)
+constexpr Scalar rounding_of_impulses = 64 * SIMD_EPSILON;
+
+/// Passes: a joint may rest from this one on. (Two have to agree: btNNCGConstraintSolver moves bodies by what the last but one did.)
+constexpr int passes_to_rest = 3;
+
+/// rad: no joint leaves its bodies turning by more in a step. Bullet turns none by more than pi/4, but its gyroscopic term multiplies the
+/// velocity of what turns by thousands.
+constexpr Scalar max_turn = 1000;
+
+/// What is slower than this (m/s, rad/s) stands still. Of an error a step leaves a part, or its rounding: after a few
+/// steps a denormal, with which a processor is a hundred times as slow.
+constexpr Scalar min_speed = SIMD_EPSILON * SIMD_EPSILON;
+
+}  // namespace PINTLE_PRECISION
+}  // namespace pintle
