@@ -25,8 +25,8 @@ void stopIfSlow(btSolverBody& body) {
 void boundTurn(btSolverBody& body, Scalar dt) {
   const btVector3 w = angularVelocity(body);
   const Scalar turn2 = w.length2() * dt * dt;
-  if (turn2 > max_turn * max_turn && !body.internalGetInvMass().isZero())
-    body.m_deltaAngularVelocity -= (1 - max_turn / btSqrt(turn2)) * w;
+  if (turn2 > max_turn_of_step * max_turn_of_step && !body.internalGetInvMass().isZero())
+    body.m_deltaAngularVelocity -= (1 - max_turn_of_step / btSqrt(turn2)) * w;
 }
 
 Vec3 linearOf(const btSolverBody& body) { return view(linearVelocity(body)); }

@@ -37,7 +37,7 @@ constexpr int passes_to_rest = 3;
 
 /// rad: no joint leaves its bodies turning by more in a step. Bullet turns none by more than pi/4, but its gyroscopic term multiplies the
 /// velocity of what turns by thousands.
-constexpr Scalar max_turn = 1000;
+constexpr Scalar max_turn_of_step = 1000;
 
 /// What is slower than this (m/s, rad/s) stands still. Of an error a step leaves a part, or its rounding: after a few
 /// steps a denormal, with which a processor is a hundred times as slow.
