@@ -242,15 +242,12 @@ inline void BulletRows::boundClosing(const Step& step, Scalar gap, Scalar other)
     m_start_left = 0;
     return;
   }
-  Scalar bound = btMax(largest, gap / longest_start);
+  const Scalar bound = btMax(largest, gap / longest_start);
   if (last < 0 || (speed > largest && isPutApart(step, last, bound)))
     m_start_left = longest_start;
   else
     m_start_left = btMax(Scalar(0), m_start_left - step.dt);
-  if (!(m_start_left > 0)) {
-    if (!(speed > bound && mayTouch(m_joint.bodyA(), m_joint.bodyB()))) return;
-    bound += 2 * btMax(Scalar(0), last - gap) * step.fps;  // what gives way is followed
-  }
+  if (!(m_start_left > 0) && !(speed > bound && mayTouch(m_joint.bodyA(), m_joint.bodyB()))) return;
   const Scalar times = speed / bound;
   const Scalar part = times < infinity ? 1 / btSqrt(1 + times * times) : Scalar(0);  // also NaN
   for (int i = 0; i < m_rows.equalities(); ++i)
