@@ -18,7 +18,7 @@ Scene chain_scene(int links, double ratio) {
     scene.show(
         Group::wrong, "A chain that tears",
         "The last of ten links weighs a hundred times the others. Look at the gaps between them.");
-    scene.mended = {Error::gap, 0.2, 0.05};
+    scene.mended = {Error::gap, 0.15, 1e-3, true};
   }
   for (int i = 0; i < links; ++i) {
     const double mass = i + 1 == links ? ratio : 1;

@@ -73,20 +73,36 @@ bool isAlike(const extreme::Result& a, const extreme::Result& b) {
   return a.outcome == b.outcome || std::abs(std::log(a.error / b.error)) < std::log(3.);
 }
 
+// Cases that are known to be worse on Bullet's solver, and their largest errors, of the size or rad.
+const std::map<std::string, double> known_to_be_worse = {
+    // Stock joints have braked the fall until all is at rest; Pintle's still swing (below).
+    {"ball, 1e6 steps after a fall", 3e-3},
+    {"hinge, 1e6 steps after a fall", 3e-3},
+    // Bullet's slider has no spring, and no body such an inertia: a moment is at most the sum of the other two.
+    {"slider with spring, discs: inertia ratio 1e-8", 10}};
+
+void expectNoWorse(const Case& one, const extreme::Result& ours, Outcome stock, bool exact) {
+  const auto known = known_to_be_worse.find(one.name());
+  if (!exact && known != known_to_be_worse.end())
+    EXPECT_LT(ours.error, known->second) << one.name();
+  else
+    EXPECT_LE(ours.outcome, stock)
+        << one.name() << ": stock " << name(stock) << ", ours " << name(ours.outcome);
+}
+
 // With this solver (null: Bullet's own), against Bullet's joints on Bullet's, and as the table has it.
 void expectNeverWorseThanStock(const scenes::SolverFactory& solver, size_t table_column) {
   const std::map<std::string, extreme::Result> table = published(table_column);
   for (const Case& one : short_cases()) {
     const extreme::Result result = run(one, engines::make_conditioned_joint, solver);
-    const Outcome stock = outcomeOfStock(one), ours = result.outcome;
-    EXPECT_NE(ours, Outcome::non_finite) << one.name();
-    EXPECT_LE(ours, stock) << one.name() << ": stock " << name(stock) << ", ours " << name(ours);
+    EXPECT_NE(result.outcome, Outcome::non_finite) << one.name();
+    expectNoWorse(one, result, outcomeOfStock(one), solver != nullptr);
     const auto told = table.find(one.name());
     if (told == table.end())
       ADD_FAILURE() << one.name() << " is not in demos/results/extreme.md";
     else
       EXPECT_TRUE(isAlike(result, told->second))
-          << one.name() << ": " << name(ours) << ' ' << result.error
+          << one.name() << ": " << name(result.outcome) << ' ' << result.error
           << ", in demos/results/extreme.md " << name(told->second.outcome) << ' '
           << told->second.error;
   }
@@ -115,20 +131,14 @@ TEST(Extreme, HoldsExactlyOnTheExactSolver) {
   EXPECT_EQ(found, names.size());
 }
 
-// Those of 10^6 steps, which take too long for a test, are in the table. Two are known to be worse on Bullet's solver: there stock joints
-// have braked the fall until all is at rest, and Pintle's still swing (below), 2 mm apart.
+// Those of 10^6 steps, which take too long for a test, are in the table.
 TEST(Extreme, TheTableHasNoneThatIsWorseButWhatIsKnown) {
-  const std::set<std::string> known = {"ball, 1e6 steps after a fall",
-                                       "hinge, 1e6 steps after a fall"};
   const std::map<std::string, extreme::Result> stock = published(stock_column);
   for (const size_t column : {pintle_column, exact_column}) {
     const std::map<std::string, extreme::Result> ours = published(column);
     for (const Case& one : extreme::cases()) {
       ASSERT_EQ(ours.count(one.name()), 1u) << one.name();
-      if (column == pintle_column && known.count(one.name()) > 0)
-        EXPECT_LT(ours.at(one.name()).error, 3e-3) << one.name();
-      else
-        EXPECT_LE(ours.at(one.name()).outcome, stock.at(one.name()).outcome) << one.name();
+      expectNoWorse(one, ours.at(one.name()), stock.at(one.name()).outcome, column == exact_column);
     }
   }
 }
@@ -152,10 +162,11 @@ TEST(Extreme, AFallGoesOnWhichStockJointsBrake) {
                   });
     return std::make_pair(least, most);
   };
+  const double stock = energy_left(engines::make_stock_joint).second;
   const auto [least, most] = energy_left(engines::make_conditioned_joint);
-  EXPECT_GT(least, 0.7);
+  EXPECT_LT(stock, 0.3);
+  EXPECT_GT(least, 2 * stock);
   EXPECT_LT(most, 1.1);  // the velocities are half a step behind
-  EXPECT_LT(energy_left(engines::make_stock_joint).second, 0.3);
 }
 
 }  // namespace

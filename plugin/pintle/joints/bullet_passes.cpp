@@ -57,7 +57,7 @@ void BulletRows::beginPasses(const Info2& info, bool independent) {
                      passes <= std::numeric_limits<short>::max();
   m_passes = m_passes_left = static_cast<short>(shown ? passes : 0);
   m_starts_warm = m_remembers && independent && m_start_left == 0 && m_passes > few_passes &&
-                  m_joint.curvedPart() > 0;
+                  m_joint.curvedPart(m_joint.angularSpeed()) > 0;
   m_acts_in_each = true;
   m_last_load = -1;
 }
@@ -97,13 +97,27 @@ PINTLE_NOINLINE void BulletRows::actBetweenPasses(btSolverBody& a, btSolverBody&
 // step; in a longer one what made up for an error of velocity takes no more.
 inline void BulletRows::startWarm(btSolverBody& a, btSolverBody& b) {
   if (!goesOn()) return;
-  const Scalar part =
-      warm_start * m_joint.curvedPart() * btMin(Scalar(1), m_joint.m_time_step / m_last_dt);
+  const Scalar lasting = m_joint.curvedPart(m_joint.angularSpeed()) *
+                         btMin(Scalar(1), m_joint.m_time_step / m_last_dt);
   ImpulseSum sum;
   for (int i = 0; i < m_rows.equalities(); ++i)
     if (m_solver_rows[i].m_jacDiagABInv > 0)
-      sum.setImpulse(m_solver_rows[i], part * m_rows.history(i).impulse);
+      sum.setImpulse(m_solver_rows[i], warm_start * lasting * m_rows.history(i).impulse);
+  if (btSolverConstraint* const limit = onlyLimit()) {
+    const AxisState& axis = m_rows.axis(m_rows[m_rows.equalities()].axis);
+    const Scalar impulse = lasting * -axis.sign * axis.last_limit_impulse;
+    sum.setImpulse(*limit, btMax(limit->m_lowerLimit, btMin(impulse, limit->m_upperLimit)));
+  }
   sum.apply(a, b);
+}
+
+// The row of a rigid limit, where it is the only axis row of the joint; else null. (Several are not orthogonal to each other.)
+inline btSolverConstraint* BulletRows::onlyLimit() const {
+  if (m_rows.size() != m_rows.equalities() + 1) return nullptr;
+  const int place = m_rows.axis(m_rows[m_rows.equalities()].axis).row[Axis::limit];
+  if (place < 0) return nullptr;
+  btSolverConstraint& row = m_solver_rows[place];
+  return row.m_cfm == 0 && row.m_jacDiagABInv > 0 ? &row : nullptr;
 }
 
 inline bool BulletRows::goesOn() const {

@@ -328,7 +328,11 @@ PINTLE_FLATTEN void BulletRows::write(Info2& info) {
   aim(step);
 
   const int equalities = m_rows.equalities();
-  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).impulse = {};
+  for (int i = 0; i < m_rows.axisCount(); ++i) {
+    AxisState& axis = m_rows.axis(i);
+    axis.last_limit_impulse = axis.impulse[Axis::limit];
+    axis.impulse = {};
+  }
   if (step.is_needle || (!step.rigid && !m_are_plain && step.tooSoft(m_joint)))
     return writeDelicate(info, step);
   // Bullet compares a threshold with single rows, which are those of the joint if they are not mixed. Where its passes

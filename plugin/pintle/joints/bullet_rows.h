@@ -23,10 +23,14 @@ struct BlockRow;
 /// The rows of one joint on a solver of Bullet's. A part of the joint, which it knows.
 class BulletRows {
  public:
+  ///@{
+  /// As Bullet asks a constraint.
   using Info1 = btTypedConstraint::btConstraintInfo1;
   using Info2 = btTypedConstraint::btConstraintInfo2;
+  ///@}
   static constexpr int max_room = std::numeric_limits<signed char>::max();  ///< m_count
 
+  /// Of this joint.
   explicit BulletRows(Joint& joint);
 
   /// Once a step, before all others.
@@ -79,6 +83,7 @@ class BulletRows {
   void beginPasses(const Info2& info, bool independent);
   void actBetweenPasses(btSolverBody& a, btSolverBody& b);
   void startWarm(btSolverBody& a, btSolverBody& b);
+  btSolverConstraint* onlyLimit() const;
   bool goesOn() const;
   void liftThresholds();
   void breakIfOverloaded(btSolverBody& a, btSolverBody& b);

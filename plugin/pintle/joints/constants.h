@@ -19,7 +19,7 @@ constexpr Scalar max_spin_change = Scalar(1.05);
 
 /// Fraction of the impulses of the last step from which equalities go on after the first pass. Less leaves chains and ragdolls further open than
 /// stock's; with more, bridges swing for longer before they sleep, and links that overlap and collide have more energy than stock's.
-constexpr Scalar warm_start = Scalar(0.45);
+constexpr Scalar warm_start = Scalar(0.5);
 
 /// Passes: with so many at most a start that is not right is not made up for.
 constexpr int few_passes = 2;

@@ -197,8 +197,9 @@ class Joint {
   /// step, from 1 (slow) to 0. A body that turns half a radian in a step has hardly the velocity that it
   /// had: the curvature is left out from there on, and by degrees before, on the side of losing energy.
   /// Shafts keep theirs: up to a radian.
-  Scalar curvedPart() const {
-    const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * m_angular_speed * m_time_step;
+  Scalar curvedPart() const { return curvedPart(m_angular_speed); }
+  Scalar curvedPart(Scalar angular_speed) const {
+    const Scalar part = (m_turns_shafts ? Scalar(1) : Scalar(2)) * angular_speed * m_time_step;
     return btMax(Scalar(0), 1 - part * part);
   }
   StepMotion motion(const BodyPair& pair) const;

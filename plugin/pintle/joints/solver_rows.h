@@ -32,6 +32,7 @@ inline btSolverConstraint* solverRows(const btTypedConstraint::btConstraintInfo2
 /// Changes of the impulses of a joint's rows, given to its bodies at once: all rows act on the same two.
 class ImpulseSum {
  public:
+  /// Gives a row its impulse, N s or N m s.
   void setImpulse(btSolverConstraint& row, Scalar impulse) {
     const Scalar change = impulse - row.m_appliedImpulse;
     m_linear += change * row.m_contactNormal1;
@@ -39,6 +40,7 @@ class ImpulseSum {
     m_angular_b += change * row.m_angularComponentB;
     row.m_appliedImpulse = impulse;
   }
+  /// Gives the bodies what the rows have changed by.
   void apply(btSolverBody& a, btSolverBody& b) const {
     a.internalApplyImpulse(m_linear * a.internalGetInvMass(), m_angular_a, 1);
     b.internalApplyImpulse(-m_linear * b.internalGetInvMass(), m_angular_b, 1);
