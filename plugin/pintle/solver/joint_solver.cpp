@@ -29,6 +29,10 @@ const SolverOptions& JointSolver<BulletSolver>::options() const {
   return m_islands->options();
 }
 template <class BulletSolver>
+std::string JointSolver<BulletSolver>::whyIgnored(const btTypedConstraint& constraint) const {
+  return m_memory->upgradedJoints().whyIgnored(constraint);
+}
+template <class BulletSolver>
 StepReport JointSolver<BulletSolver>::lastStep() const {
   return m_memory->report();
 }
@@ -38,7 +42,7 @@ int JointSolver<BulletSolver>::getNumRemembered() const {
 }
 template <class BulletSolver>
 size_t JointSolver<BulletSolver>::getMemory() const {
-  return m_memory->bytes() + m_islands->bytes() + bytesOf(m_touched);
+  return m_memory->bytes() + m_islands->bytes() + bytesOf(m_touched, m_upgraded);
 }
 
 template <class BulletSolver>
@@ -84,7 +88,8 @@ void touch(Span<btCollisionObject*> bodies, Span<btPersistentManifold*> manifold
 template <class BulletSolver>
 void JointSolver<BulletSolver>::enter(const btDispatcher* world, btCollisionObject** bodies,
                                       int numBodies, btPersistentManifold** manifolds,
-                                      int numManifolds, const btContactSolverInfo& info) {
+                                      int numManifolds, btTypedConstraint** constraints,
+                                      int numConstraints, const btContactSolverInfo& info) {
   if (world != nullptr && world != m_world) {
     m_world = world;
     m_memory = WorldMemory::of(*world, m_memory);
@@ -92,6 +97,14 @@ void JointSolver<BulletSolver>::enter(const btDispatcher* world, btCollisionObje
   if (options().second_order)
     touch({bodies, size_t(numBodies)}, {manifolds, size_t(numManifolds)}, double(info.m_timeStep),
           *m_memory, m_touched);
+  m_upgraded.assign(size_t(numConstraints), nullptr);
+  if (m_upgrades) m_memory->upgradedJoints().find(constraints, numConstraints, m_upgraded);
+}
+
+template <class BulletSolver>
+void JointSolver<BulletSolver>::leave() {
+  for (UpgradedJoint* of : m_upgraded)
+    if (of != nullptr) of->markSolved();
 }
 
 template <class BulletSolver>
@@ -100,9 +113,12 @@ btScalar JointSolver<BulletSolver>::solveGroup(btCollisionObject** bodies, int n
                                                btTypedConstraint** constraints, int numConstraints,
                                                const btContactSolverInfo& info,
                                                btIDebugDraw* drawer, btDispatcher* dispatcher) {
-  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, info);
-  return BulletSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
-                                  numConstraints, info, drawer, dispatcher);
+  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info);
+  const btScalar result =
+      BulletSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
+                               numConstraints, info, drawer, dispatcher);
+  leave();
+  return result;
 }
 
 namespace {
@@ -126,18 +142,24 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
   this->m_tmpConstraintSizesPool.resizeNoInitialize(0);
   this->m_tmpSolverNonContactConstraintPool.resizeNoInitialize(0);
   m_islands->begin(info);
+  StepReport ignored;
   for (int i = 0; i < numConstraints; ++i) {
     btTypedConstraint& constraint = *constraints[i];
     // Memory takes about as long as one joint does; and a joint must be there to know its bodies.
     if (i + 4 < numConstraints) prefetch<joint_bytes>(constraints[i + 4]);
     if (i + 2 < numConstraints) prefetchOf(*constraints[i + 2]);
-    constraint.buildJacobian();
+    UpgradedJoint* const upgraded = m_upgraded[size_t(i)];
+    (upgraded != nullptr ? *upgraded : constraint).buildJacobian();
     clearImpulses(constraint);
     if (!constraint.isEnabled()) continue;
+    if (upgraded != nullptr)
+      ignored.ignored_settings += JointAccess::ignoredSettings(upgraded->joint());
     const int a = this->getOrInitSolverBody(constraint.getRigidBodyA(), info.m_timeStep),
               b = this->getOrInitSolverBody(constraint.getRigidBodyB(), info.m_timeStep);
-    m_islands->addJoint(constraint, this->m_tmpSolverBodyPool, a, b);
+    m_islands->addJoint(constraint, upgraded != nullptr ? &upgraded->joint() : nullptr,
+                        this->m_tmpSolverBodyPool, a, b);
   }
+  if (ignored.ignored_settings > 0) m_memory->add(ignored);
   m_has_joints = m_islands->endJoints();
 }
 

@@ -1,5 +1,7 @@
 #include <pintle/solver/cache/world_memory.h>
 
+#include <pintle/bullet/memory_of_world.h>
+
 #include <iterator>
 
 namespace pintle {
@@ -9,13 +11,7 @@ using Lock = std::lock_guard<std::mutex>;
 
 std::shared_ptr<WorldMemory> WorldMemory::of(const btDispatcher& world,
                                              const std::shared_ptr<WorldMemory>& own) {
-  static std::mutex mutex;
-  static std::unordered_map<const btDispatcher*, std::weak_ptr<WorldMemory>> all;
-  const Lock lock(mutex);
-  for (auto i = all.begin(); i != all.end();) i = i->second.expired() ? all.erase(i) : std::next(i);
-  std::weak_ptr<WorldMemory>& known = all[&world];
-  if (known.expired()) known = own;
-  return known.lock();
+  return memoryOf(world, own);
 }
 
 void WorldMemory::beginStep(long kept_for) {
@@ -41,6 +37,7 @@ MotionsOfBody& WorldMemory::motionsOf(const btRigidBody& body) {
 }
 
 void WorldMemory::beginStep() {
+  m_upgraded.beginStep();
   const Lock lock(m_mutex);
   beginStep(1);
 }
@@ -75,6 +72,7 @@ size_t WorldMemory::bytes() const {
   size_t sum = 0;
   for (const auto& [joint, slot] : m_slots)
     sum += sizeof(slot) + (slot.memory != nullptr ? slot.memory->bytes() : 0);
+  sum += m_upgraded.bytes();
   sum += m_motions.size() * sizeof(decltype(m_motions)::value_type);
   return sum;
 }

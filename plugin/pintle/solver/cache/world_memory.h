@@ -1,6 +1,7 @@
 // Purpose: what the solvers of a world keep from step to step. Those of a pool share it, for any of them may solve an island.
 #pragma once
 
+#include <pintle/bullet/upgraded_joints.h>
 #include <pintle/solver/cache/component_memory.h>
 #include <pintle/solver/step_report.h>
 
@@ -25,6 +26,8 @@ class WorldMemory {
   /// Of a component, by its first joint. Bullet's own pool does not tell its solvers when a step begins: one begins when a component
   /// comes again.
   std::unique_ptr<ComponentMemory>& slot(const btTypedConstraint* first_joint);
+  /// Joints in the place of stock ones.
+  UpgradedJoints& upgradedJoints() { return m_upgraded; }
   /// Where steps are of second order.
   MotionsOfBody& motionsOf(const btRigidBody& body);
   /// Of this step, from one of its islands.
@@ -45,6 +48,7 @@ class WorldMemory {
   std::unordered_map<const btTypedConstraint*, Slot> m_slots;
   std::unordered_map<const btRigidBody*, MotionsOfBody> m_motions;
   long m_step = 0;
+  UpgradedJoints m_upgraded;
   StepReport m_report;
 };
 
