@@ -114,7 +114,7 @@ function(pintle_install)
     PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN joint_passes.h EXCLUDE PATTERN single_row.h EXCLUDE
     PATTERN turning.h EXCLUDE
     PATTERN private_member.h EXCLUDE PATTERN complaints.h EXCLUDE PATTERN frames.h EXCLUDE PATTERN stock_ball.h EXCLUDE
-    PATTERN stock_limits.h EXCLUDE PATTERN open_slider.h EXCLUDE PATTERN memory_of_world.h EXCLUDE
+    PATTERN stock_limits.h EXCLUDE PATTERN open_slider.h EXCLUDE PATTERN memory_of_worlds.h EXCLUDE
     PATTERN upgraded_joint.h EXCLUDE PATTERN upgraded_joints.h EXCLUDE)
   list(TRANSFORM PINTLE_SOLVER_HEADERS PREPEND "plugin/pintle/solver/" OUTPUT_VARIABLE solver)
   install(FILES ${solver} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/pintle/solver")

@@ -1,5 +1,6 @@
 #include <pintle/solver/joint_solver.h>
 
+#include <pintle/bullet/memory_of_worlds.h>
 #include <pintle/solver/bullet/joint_access.h>
 #include <pintle/solver/bullet/joint_report.h>
 #include <pintle/solver/cache/world_memory.h>
@@ -16,7 +17,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 template <class BulletSolver>
-JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandStep), m_memory(new WorldMemory) {}
+JointSolver<BulletSolver>::JointSolver()
+    : m_islands(new IslandStep), m_memory(new MemoryOfWorlds<WorldMemory>) {}
 template <class BulletSolver>
 JointSolver<BulletSolver>::~JointSolver() = default;
 template <class BulletSolver>
@@ -30,29 +32,29 @@ const SolverOptions& JointSolver<BulletSolver>::options() const {
 }
 template <class BulletSolver>
 std::string JointSolver<BulletSolver>::whyIgnored(const btTypedConstraint& constraint) const {
-  return m_memory->upgradedJoints().whyIgnored(constraint);
+  return (*m_memory)->upgradedJoints().whyIgnored(constraint);
 }
 template <class BulletSolver>
 StepReport JointSolver<BulletSolver>::lastStep() const {
-  return m_memory->report();
+  return (*m_memory)->report();
 }
 template <class BulletSolver>
 int JointSolver<BulletSolver>::getNumRemembered() const {
-  return m_memory->size();
+  return (*m_memory)->size();
 }
 template <class BulletSolver>
 size_t JointSolver<BulletSolver>::getMemory() const {
-  return m_memory->bytes() + m_islands->bytes() + bytesOf(m_touched, m_upgraded);
+  return (*m_memory)->bytes() + m_islands->bytes() + bytesOf(m_touched, m_upgraded);
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::prepareSolve(int, int) {
-  m_memory->beginStep();
+  (*m_memory)->beginStep();
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::shareMemoryOf(const JointSolver& other) {
-  m_memory = other.m_memory;
+  m_memory->share(*other.m_memory);
 }
 
 namespace {
@@ -90,15 +92,12 @@ void JointSolver<BulletSolver>::enter(const btDispatcher* world, btCollisionObje
                                       int numBodies, btPersistentManifold** manifolds,
                                       int numManifolds, btTypedConstraint** constraints,
                                       int numConstraints, const btContactSolverInfo& info) {
-  if (world != nullptr && world != m_world) {
-    m_world = world;
-    m_memory = WorldMemory::of(*world, m_memory);
-  }
+  if (world != nullptr) m_memory->enter(*world);
   if (options().second_order)
     touch({bodies, size_t(numBodies)}, {manifolds, size_t(numManifolds)}, double(info.m_timeStep),
-          *m_memory, m_touched);
+          **m_memory, m_touched);
   m_upgraded.assign(size_t(numConstraints), nullptr);
-  if (m_upgrades) m_memory->upgradedJoints().find(constraints, numConstraints, m_upgraded);
+  if (m_upgrades) (*m_memory)->upgradedJoints().find(constraints, numConstraints, m_upgraded);
 }
 
 template <class BulletSolver>
@@ -159,7 +158,7 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
     m_islands->addJoint(constraint, upgraded != nullptr ? &upgraded->joint() : nullptr,
                         this->m_tmpSolverBodyPool, a, b);
   }
-  if (ignored.ignored_settings > 0) m_memory->add(ignored);
+  if (ignored.ignored_settings > 0) (*m_memory)->add(ignored);
   m_has_joints = m_islands->endJoints();
 }
 
@@ -188,7 +187,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyIterations(
   m_islands->addContacts(this->m_tmpSolverContactConstraintPool, of, false);
   m_islands->addContacts(this->m_tmpSolverContactFrictionConstraintPool, of, true);
   m_islands->addContacts(this->m_tmpSolverContactRollingFrictionConstraintPool, of, true);
-  m_islands->solve(info, of, passOverOthers(info), *m_memory);
+  m_islands->solve(info, of, passOverOthers(info), **m_memory);
   return 0;
 }
 
@@ -197,7 +196,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyFinish(btCollisionObj
                                                                   int numBodies,
                                                                   const btContactSolverInfo& info) {
   if (options().second_order && !hasOthers())
-    m_islands->moveFreely(this->m_tmpSolverBodyPool, *m_memory);
+    m_islands->moveFreely(this->m_tmpSolverBodyPool, **m_memory);
   const btScalar result = BulletSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
   m_islands->movePoses();
   return result;

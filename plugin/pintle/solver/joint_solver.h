@@ -14,6 +14,9 @@
 #include <vector>
 
 namespace pintle {
+template <class Memory>
+class MemoryOfWorlds;
+
 inline namespace PINTLE_PRECISION {
 
 class ExactJointSolverPool;
@@ -91,9 +94,8 @@ class JointSolver : public BulletSolver {
   void shareMemoryOf(const JointSolver& other);
 
   std::unique_ptr<IslandStep> m_islands;
-  const btDispatcher* m_world = nullptr;
-  std::shared_ptr<WorldMemory> m_memory;  ///< of the world
-  bool m_has_joints = false;              ///< this island
+  std::unique_ptr<MemoryOfWorlds<WorldMemory>> m_memory;
+  bool m_has_joints = false;  ///< this island
   bool m_upgrades = true;
   std::vector<UpgradedJoint*> m_upgraded;  ///< of this island, null where a joint is as it was
   std::vector<int> m_touched;              ///< islands in which something touches something

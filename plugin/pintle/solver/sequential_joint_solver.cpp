@@ -1,24 +1,24 @@
 #include <pintle/solver/sequential_multi_body_joint_solver.h>
 
-#include <pintle/bullet/memory_of_world.h>
+#include <pintle/bullet/memory_of_worlds.h>
 #include <pintle/bullet/upgraded_joints.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 template <class BulletSolver>
-UpgradingSolver<BulletSolver>::UpgradingSolver() : m_joints(new UpgradedJoints) {}
+UpgradingSolver<BulletSolver>::UpgradingSolver() : m_joints(new MemoryOfWorlds<UpgradedJoints>) {}
 template <class BulletSolver>
 UpgradingSolver<BulletSolver>::~UpgradingSolver() = default;
 
 template <class BulletSolver>
 std::string UpgradingSolver<BulletSolver>::whyIgnored(const btTypedConstraint& constraint) const {
-  return m_joints->whyIgnored(constraint);
+  return (*m_joints)->whyIgnored(constraint);
 }
 
 template <class BulletSolver>
 void UpgradingSolver<BulletSolver>::prepareSolve(int numBodies, int numManifolds) {
-  m_joints->beginStep();
+  (*m_joints)->beginStep();
   BulletSolver::prepareSolve(numBodies, numManifolds);
 }
 
@@ -28,11 +28,8 @@ btTypedConstraint** UpgradingSolver<BulletSolver>::beginSolve(const btDispatcher
                                                               int numConstraints) {
   m_upgraded.clear();
   if (!m_upgrades) return constraints;
-  if (world != nullptr && world != m_world) {
-    m_world = world;
-    m_joints = memoryOf(*world, m_joints);
-  }
-  m_joints->find(constraints, numConstraints, m_upgraded);
+  if (world != nullptr) m_joints->enter(*world);
+  (*m_joints)->find(constraints, numConstraints, m_upgraded);
   m_solved.assign(constraints, constraints + numConstraints);
   for (std::size_t i = 0; i < m_upgraded.size(); ++i) {
     if (m_upgraded[i] == nullptr) continue;

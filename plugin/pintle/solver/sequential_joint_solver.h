@@ -11,6 +11,9 @@
 #include <vector>
 
 namespace pintle {
+template <class Memory>
+class MemoryOfWorlds;
+
 inline namespace PINTLE_PRECISION {
 
 class UpgradedJoint;
@@ -49,9 +52,8 @@ class UpgradingSolver : public BulletSolver {
 
  private:
   bool m_upgrades = true;
-  const btDispatcher* m_world = nullptr;
-  std::shared_ptr<UpgradedJoints> m_joints;  ///< of the world
-  std::vector<UpgradedJoint*> m_upgraded;    ///< of this island, null where a joint is as it was
+  std::unique_ptr<MemoryOfWorlds<UpgradedJoints>> m_joints;
+  std::vector<UpgradedJoint*> m_upgraded;  ///< of this island, null where a joint is as it was
   std::vector<btTypedConstraint*> m_solved;
 };
 

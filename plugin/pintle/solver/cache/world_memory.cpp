@@ -1,18 +1,11 @@
 #include <pintle/solver/cache/world_memory.h>
 
-#include <pintle/bullet/memory_of_world.h>
-
 #include <iterator>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 using Lock = std::lock_guard<std::mutex>;
-
-std::shared_ptr<WorldMemory> WorldMemory::of(const btDispatcher& world,
-                                             const std::shared_ptr<WorldMemory>& own) {
-  return memoryOf(world, own);
-}
 
 void WorldMemory::beginStep(long kept_for) {
   ++m_step;

@@ -9,18 +9,12 @@
 #include <mutex>
 #include <unordered_map>
 
-class btDispatcher;
-
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 /// May be used by several threads at once.
 class WorldMemory {
  public:
-  /// That of all solvers that are given this dispatcher: they solve islands of its world. `own`: it becomes this one if there is none.
-  static std::shared_ptr<WorldMemory> of(const btDispatcher& world,
-                                         const std::shared_ptr<WorldMemory>& own);
-
   /// What no island has used in the last step is forgotten: its joints sleep, or are gone.
   void beginStep();
   /// Of a component, by its first joint. Bullet's own pool does not tell its solvers when a step begins: one begins when a component
