@@ -487,7 +487,8 @@ class Successor {
     const btTransform frame(btQuaternion(vec(0.6, 0, 0.8), scalar(turn)), vec(0, 0, 0));
     auto* const made = new (m_memory)
         Joint(*m_post, body, frame, body.getCenterOfMassTransform().inverse() * frame);
-    made->setLimit(scalar(-0.3), scalar(0.2));
+    // Bullet's method: Pintle's keeps the numbers that Bullet's object rounds.
+    static_cast<btHingeConstraint*>(made)->setLimit(scalar(-0.3), scalar(0.2));
     m_joint = made;
     m_world.addConstraint(made, true);
   }
@@ -704,7 +705,7 @@ TEST(UpgradedReadings, AreThoseOfAStepOfBullets) {
       const auto seen = of->readings(*a.joints[i]), expected = of->readings(*b.joints[i]);
       // (Bullet's hinge tells its angle as of now.)
       for (size_t k = of == &hinge ? 1 : 0; k < seen.size(); ++k)
-        EXPECT_NEAR(double(seen[k]), double(expected[k]), support::is_double ? 1e-9 : 1e-5)
+        EXPECT_NEAR(double(seen[k]), double(expected[k]), support::is_double ? 1e-9 : 3e-5)
             << i << ", " << k;
     }
   }
