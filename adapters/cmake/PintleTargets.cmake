@@ -109,13 +109,12 @@ function(pintle_install)
   install(DIRECTORY adapters/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
     PATTERN joint_rows.h EXCLUDE PATTERN row_writer.h EXCLUDE PATTERN solver_body.h EXCLUDE)
   install(DIRECTORY plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
-    PATTERN solver EXCLUDE PATTERN record EXCLUDE
+    PATTERN solver EXCLUDE PATTERN record EXCLUDE PATTERN upgrade EXCLUDE
     PATTERN axis_part.h EXCLUDE PATTERN block.h EXCLUDE
     PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN joint_passes.h EXCLUDE PATTERN single_row.h EXCLUDE
     PATTERN turning.h EXCLUDE
     PATTERN private_member.h EXCLUDE PATTERN complaints.h EXCLUDE PATTERN frames.h EXCLUDE PATTERN stock_ball.h EXCLUDE
-    PATTERN stock_limits.h EXCLUDE PATTERN open_slider.h EXCLUDE PATTERN memory_of_worlds.h EXCLUDE
-    PATTERN upgraded_joint.h EXCLUDE PATTERN upgraded_joints.h EXCLUDE)
+    PATTERN stock_limits.h EXCLUDE PATTERN open_slider.h EXCLUDE)
   list(TRANSFORM PINTLE_SOLVER_HEADERS PREPEND "plugin/pintle/solver/" OUTPUT_VARIABLE solver)
   install(FILES ${solver} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/pintle/solver")
   # Made with Node (demos/page): where there is none, a program names its own.

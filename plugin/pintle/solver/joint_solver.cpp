@@ -1,11 +1,11 @@
 #include <pintle/solver/joint_solver.h>
 
-#include <pintle/bullet/memory_of_worlds.h>
 #include <pintle/solver/bullet/joint_access.h>
 #include <pintle/solver/bullet/joint_report.h>
 #include <pintle/solver/cache/world_memory.h>
 #include <pintle/solver/linalg/memory.h>
 #include <pintle/solver/solve/step.h>
+#include <pintle/upgrade/memory_of_worlds.h>
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>

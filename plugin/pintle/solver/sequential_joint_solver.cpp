@@ -1,7 +1,7 @@
 #include <pintle/solver/sequential_multi_body_joint_solver.h>
 
-#include <pintle/bullet/memory_of_worlds.h>
-#include <pintle/bullet/upgraded_joints.h>
+#include <pintle/upgrade/memory_of_worlds.h>
+#include <pintle/upgrade/upgraded_joints.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {

@@ -1,9 +1,9 @@
 // Purpose: what the solvers of a world keep from step to step. Those of a pool share it, for any of them may solve an island.
 #pragma once
 
-#include <pintle/bullet/upgraded_joints.h>
 #include <pintle/solver/cache/component_memory.h>
 #include <pintle/solver/step_report.h>
+#include <pintle/upgrade/upgraded_joints.h>
 
 #include <memory>
 #include <mutex>

@@ -1,4 +1,4 @@
-#include <pintle/bullet/upgraded_joints.h>
+#include <pintle/upgrade/upgraded_joints.h>
 
 #include <pintle/joints/joint.h>
 

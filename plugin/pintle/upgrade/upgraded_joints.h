@@ -1,7 +1,7 @@
 // Purpose: the joints of Pintle's that stand for the stock ones of a world, from step to step.
 #pragma once
 
-#include <pintle/bullet/upgraded_joint.h>
+#include <pintle/upgrade/upgraded_joint.h>
 
 #include <cstddef>
 #include <memory>

@@ -1,4 +1,4 @@
-#include <pintle/bullet/upgraded_joint.h>
+#include <pintle/upgrade/upgraded_joint.h>
 
 #include <pintle/finite.h>
 #include <pintle/joints/ball_joint.h>
