@@ -5,7 +5,8 @@ include(CMakePackageConfigHelpers)
 
 # The public headers of the solver.
 set(PINTLE_SOLVER_HEADERS exact_joint_solver.h exact_joint_solver_pool.h exact_multi_body_joint_solver.h joint_solver.h
-  sequential_joint_solver.h sequential_multi_body_joint_solver.h solver_options.h step_log.h step_report.h uses_exact_solver.h)
+  sequential_joint_solver.h sequential_multi_body_joint_solver.h solver_options.h step_log.h step_report.h
+  upgrading_solver.h uses_exact_solver.h)
 
 # Warnings are private: what includes or links Pintle keeps its own.
 function(pintle_set_warnings target)

@@ -51,7 +51,7 @@ StockClass upgrade() {
           }};
 }
 
-const StockClass* find(const std::type_info& type) {
+const StockClass* lookUp(const std::type_info& type) {
   static const StockClass all[] = {
       upgrade<btHingeConstraint, QuaternionHingeModel>(),
       upgrade<btHingeAccumulatedAngleConstraint, QuaternionHingeModel>(),
@@ -75,7 +75,7 @@ const StockClass* stockClassOf(const btTypedConstraint& constraint) {
   thread_local std::array<Known, 16> all;
   const std::type_info& type = typeid(constraint);
   Known& known = all[reinterpret_cast<std::uintptr_t>(&type) / 16 % all.size()];
-  if (known.type != &type) known = {&type, find(type)};
+  if (known.type != &type) known = {&type, lookUp(type)};
   return known.stock;
 }
 
