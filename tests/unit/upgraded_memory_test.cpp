@@ -2,7 +2,9 @@
 // that are not finite leave the last good ones there.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
@@ -163,6 +165,36 @@ TEST_P(UpgradedMemory, AllocateNothingOnceASolverHasSeenThem) {
 
 INSTANTIATE_TEST_SUITE_P(, UpgradedMemory, testing::ValuesIn(all_worlds),
                          [](const auto& of) { return std::string(of.param.name); });
+
+// A stock hinge of this class counts its turns for as long as it lives.
+TEST_P(UpgradedMemory, AccumulatedAnglesAreCountedOn) {
+  const MadeWorld world = GetParam().upgraded();
+  support::Bodies bodies(world->world());
+  world->world().setGravity(vec(0, 0, 0));
+  btRigidBody& wheel = bodies.add(1, vec(0.2, 0.2, 0.1), vec(0, 0, 0));
+  auto made =
+      std::make_unique<btHingeAccumulatedAngleConstraint>(wheel, vec(0, 0, 0), vec(0, 0, 1), true);
+  btHingeAccumulatedAngleConstraint& hinge = *made;
+  bodies.join(std::move(made));
+  const auto turn = [&](int count) {
+    const double before = double(hinge.getAccumulatedHingeAngle());
+    for (int i = 0; i < count; ++i) world->world().stepSimulation(scalar(dt), 0, scalar(dt));
+    return double(hinge.getAccumulatedHingeAngle()) - before;
+  };
+  wheel.setAngularVelocity(vec(0, 0, 10));
+  wheel.setDamping(0, 0);
+  const double of_two_seconds = turn(120);
+  EXPECT_NEAR(std::abs(of_two_seconds), 20, 1e-3);
+  // Taken out, and put back.
+  world->world().removeConstraint(&hinge);
+  turn(3);
+  world->world().addConstraint(&hinge, true);
+  EXPECT_NEAR(turn(120), of_two_seconds, 1e-3);
+  hinge.setAccumulatedHingeAngle(hinge.getAccumulatedHingeAngle() + 3 * SIMD_2_PI);
+  const double start = double(hinge.getAccumulatedHingeAngle());
+  EXPECT_NEAR(turn(120), of_two_seconds, 1e-3);
+  EXPECT_NEAR(double(hinge.getAccumulatedHingeAngle()), start + of_two_seconds, 1e-3);
+}
 
 // --- numbers that are not used -------------------------------------------------------------------
 

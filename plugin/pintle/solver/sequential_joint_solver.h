@@ -20,7 +20,7 @@ inline namespace PINTLE_PRECISION {
 /// the enabled flag of a joint that breaks, and what getters tell of angles, positions and limits.
 ///
 /// - A client's subclass keeps its own rows, and so does any other class.
-/// - A joint that sleeps, is removed for a step, or is made anew starts anew: its angle counts from the turn in which it is.
+/// - A joint that sleeps, is removed for a step, or is made anew starts anew, by its limits' turn. An accumulated angle is counted on.
 /// - Stock's settings have stock's ranges: a range of a turn or more is free. Pintle's own (springs, servos, friction, more turns)
 ///   need an object of Pintle's.
 /// - A number that is not finite is not used: the last good one stays, and whyIgnored says which.

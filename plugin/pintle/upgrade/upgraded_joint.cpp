@@ -1,5 +1,6 @@
 #include <pintle/upgrade/upgraded_joint.h>
 
+#include <pintle/bullet/stock_hinge.h>
 #include <pintle/finite.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_model.h>
@@ -12,7 +13,9 @@
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <typeinfo>
 
 namespace pintle {
@@ -27,7 +30,7 @@ namespace {
 
 /// `Model`, a Joint, for an object of the class `Stock` that it is no part of.
 template <class Stock, class Model>
-class UpgradedOf final : public UpgradedJoint, private Model {
+class UpgradedOf : public UpgradedJoint, protected Model {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
   explicit UpgradedOf(Stock& stock) : UpgradedJoint(stock), Model(stock, Model::row_count) {}
@@ -44,17 +47,45 @@ class UpgradedOf final : public UpgradedJoint, private Model {
   }
 };
 
+/// Turns are counted in the stock object: it lives longer than this, and clients set its count.
+class UpgradedAccumulatedHinge final
+    : public UpgradedOf<btHingeAccumulatedAngleConstraint, QuaternionHingeModel> {
+ public:
+  BT_DECLARE_ALIGNED_ALLOCATOR();
+  explicit UpgradedAccumulatedHinge(btHingeAccumulatedAngleConstraint& stock)
+      : UpgradedOf(stock), m_angle(accumulatedAngle(stock)) {}
+
+ private:
+  void prepare(const PosePair& poses, Rows& rows) override {
+    const Scalar before = m_angle;
+    QuaternionHingeModel::prepare(poses, rows);
+    // Bullet's getter moves the count by less than half a turn.
+    const bool is_known = isNumber(m_shown) && btFabs(before - m_shown) <= SIMD_PI;
+    if (!is_known && isFinite(before)) m_turns_before = std::round((before - m_angle) / SIMD_2_PI);
+    m_shown = m_angle += SIMD_2_PI * m_turns_before;
+  }
+
+  btScalar& m_angle;  ///< rad, of the stock object
+  /// rad: what the last step left there
+  Scalar m_shown = std::numeric_limits<Scalar>::quiet_NaN();
+  Scalar m_turns_before = 0;  ///< that this has not seen
+};
+
+template <class Stock, class Upgraded>
+StockClass upgradeBy() {
+  return {typeid(Stock), [](btTypedConstraint& stock) -> std::unique_ptr<UpgradedJoint> {
+            return std::make_unique<Upgraded>(static_cast<Stock&>(stock));
+          }};
+}
 template <class Stock, class Model>
 StockClass upgrade() {
-  return {typeid(Stock), [](btTypedConstraint& stock) -> std::unique_ptr<UpgradedJoint> {
-            return std::make_unique<UpgradedOf<Stock, Model>>(static_cast<Stock&>(stock));
-          }};
+  return upgradeBy<Stock, UpgradedOf<Stock, Model>>();
 }
 
 const StockClass* lookUp(const std::type_info& type) {
   static const StockClass all[] = {
       upgrade<btHingeConstraint, QuaternionHingeModel>(),
-      upgrade<btHingeAccumulatedAngleConstraint, QuaternionHingeModel>(),
+      upgradeBy<btHingeAccumulatedAngleConstraint, UpgradedAccumulatedHinge>(),
       upgrade<btPoint2PointConstraint, BallModel>(),
       upgrade<btSliderConstraint, SliderModel>(),
       upgrade<btConeTwistConstraint, ConeTwistModel>(),
