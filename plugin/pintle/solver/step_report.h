@@ -26,7 +26,8 @@ struct StepReport {
   /// Components that are left to forces alone, for all that contacts join: impulses lead to numbers that Bullet's precision does not
   /// hold. They are not converged, either.
   int overflowed = 0;
-  /// Settings of joints that are not used, as their numbers are not finite, or below zero: the solver's whyIgnored() names them.
+  /// Settings of upgraded stock joints that are not used, as their numbers are not finite, or below zero: the solver's whyIgnored()
+  /// names them.
   int ignored_settings = 0;
   double residual =
       0;  ///< m or rad: the most by which a joint missed what it was to reach in this step
