@@ -5,7 +5,8 @@ include(CMakePackageConfigHelpers)
 
 # The public headers of the solver.
 set(PINTLE_SOLVER_HEADERS exact_joint_solver.h exact_joint_solver_pool.h exact_multi_body_joint_solver.h joint_solver.h
-  solver_options.h step_log.h step_report.h uses_exact_solver.h)
+  sequential_joint_solver.h sequential_multi_body_joint_solver.h solver_options.h step_log.h step_report.h
+  upgrading_solver.h uses_exact_solver.h)
 
 # Warnings are private: what includes or links Pintle keeps its own.
 function(pintle_set_warnings target)
@@ -49,7 +50,10 @@ function(pintle_add_library precision wanted)
 
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS
     "${PROJECT_SOURCE_DIR}/adapters/pintle/*.cpp" "${PROJECT_SOURCE_DIR}/plugin/pintle/*.cpp")
+  # The solvers on Bullet's iterations need nothing of the exact one.
+  set(sequential "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/sequential_joint_solver.cpp")
   list(FILTER sources EXCLUDE REGEX "/pintle/solver/")
+  list(APPEND sources "${sequential}")
   set(target pintle_${precision})
   add_library(${target} STATIC ${sources})
   add_library(pintle::${precision} ALIAS ${target})
@@ -78,6 +82,7 @@ function(pintle_add_library precision wanted)
   # The exact solver is in double, and so packs what it can: a tenth of its step. It is compiled a few files at once, for Eigen's
   # headers take longest. (A precompiled header would bring its own options.)
   file(GLOB_RECURSE solver CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/plugin/pintle/solver/*.cpp")
+  list(REMOVE_ITEM solver "${sequential}")
   add_library(${target}_solver OBJECT ${solver})
   target_compile_features(${target}_solver PUBLIC cxx_std_17)
   target_include_directories(${target}_solver PRIVATE "${PROJECT_SOURCE_DIR}/adapters" "${PROJECT_SOURCE_DIR}/plugin")
@@ -105,7 +110,7 @@ function(pintle_install)
   install(DIRECTORY adapters/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
     PATTERN joint_rows.h EXCLUDE PATTERN row_writer.h EXCLUDE PATTERN solver_body.h EXCLUDE)
   install(DIRECTORY plugin/pintle DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h"
-    PATTERN solver EXCLUDE PATTERN record EXCLUDE
+    PATTERN solver EXCLUDE PATTERN record EXCLUDE PATTERN upgrade EXCLUDE
     PATTERN axis_part.h EXCLUDE PATTERN block.h EXCLUDE
     PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN solver_rows.h EXCLUDE PATTERN single_row.h EXCLUDE
     PATTERN turning.h EXCLUDE PATTERN joints/constants.h EXCLUDE

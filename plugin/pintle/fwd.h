@@ -41,6 +41,8 @@ class SingleRowLock;
 class ExactJointSolver;
 class ExactJointSolverPool;
 class ExactMultiBodyJointSolver;
+class SequentialJointSolver;
+class SequentialMultiBodyJointSolver;
 struct SolverOptions;
 class StepLog;
 struct StepReport;

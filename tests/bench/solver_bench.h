@@ -47,8 +47,11 @@ bool timeCost(const std::string& name);
 // joints it has; 0: there is none of that name.
 int stepScene(const std::string& name, const std::string& solver, int steps);
 
+// Bullet's joints are solved by the rows that they write themselves.
 inline std::unique_ptr<btConstraintSolver> exact() {
-  return std::make_unique<pintle::ExactJointSolver>();
+  auto solver = std::make_unique<pintle::ExactJointSolver>();
+  solver->setUpgradesBulletJoints(false);
+  return solver;
 }
 inline std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_factors) {
   auto solver = std::make_unique<pintle::ExactJointSolver>();
@@ -56,6 +59,7 @@ inline std::unique_ptr<btConstraintSolver> exactTo(double tolerance, int max_fac
   options.newton_tolerance = options.pose_tolerance = options.loose_pose_tolerance = tolerance;
   options.max_factors = max_factors;
   solver->setOptions(options);
+  solver->setUpgradesBulletJoints(false);
   return solver;
 }
 inline std::unique_ptr<btConstraintSolver> toAMicrometre() {

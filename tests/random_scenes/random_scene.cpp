@@ -34,6 +34,7 @@ class World {
         m_of_variant(scene.seed ^ 0x85ebca6bu),
         m_world(&m_dispatcher, &m_broadphase, &m_solver, &m_configuration) {
     m_world.setGravity(vec(0, 0, -9.81));
+    m_solver.setUpgradesBulletJoints(false);  // they write their rows themselves
     btContactSolverInfo& info = m_world.getSolverInfo();
     info.m_minimumSolverBatchSize = 1;
     info.m_erp = scalar(scene.erp);

@@ -29,13 +29,13 @@ class Bodies : public support::Bodies {
   using support::Bodies::Bodies;
 
   /// Links of 0.5 m and 1 kg, along x from `start`, where a ball holds the first one. Returns the last one.
+  template <class Ball = pintle::BallJoint>
   btRigidBody& addChain(int links, const btVector3& start, double load = 1) {
     btRigidBody* last = &add(0, vec(0.1, 0.1, 0.1), start);
     for (int i = 0; i < links; ++i) {
       btRigidBody& link =
           add(i == links - 1 ? load : 1, vec(0.25, 0.05, 0.05), start + vec(0.5 * i + 0.25, 0, 0));
-      join(std::make_unique<pintle::BallJoint>(*last, link, vec(i > 0 ? 0.25 : 0, 0, 0),
-                                               vec(-0.25, 0, 0)));
+      join(std::make_unique<Ball>(*last, link, vec(i > 0 ? 0.25 : 0, 0, 0), vec(-0.25, 0, 0)));
       last = &link;
     }
     return *last;

@@ -88,18 +88,18 @@ std::unique_ptr<btConstraintSolverPoolMt> rotating(int count) {
 }
 
 /// Chains of 40 links: fewer bodies, and Bullet solves several islands at once. One lies on the ground.
+template <class Ball = pintle::BallJoint>
 std::vector<btScalar> playChains(std::unique_ptr<btConstraintSolverPoolMt> pool, bool on_threads) {
   MtWorld of(std::move(pool));
   if (on_threads) of.islands().setIslandDispatchFunction(solveOnThreads);
   Bodies bodies(of.world);
-  for (int i = 0; i < 4; ++i) bodies.addChain(40, vec(0, 3 * i, 0), i == 3 ? 1000 : 1);
+  for (int i = 0; i < 4; ++i) bodies.addChain<Ball>(40, vec(0, 3 * i, 0), i == 3 ? 1000 : 1);
   bodies.add(0, vec(50, 1, 1), vec(0, -10, -1), true);
   btRigidBody* last = nullptr;
   for (int i = 0; i < 40; ++i) {
     btRigidBody& link = bodies.add(1, vec(0.2, 0.2, 0.2), vec(0.5 * i, -10, 0.3), true);
     if (last != nullptr)
-      bodies.join(
-          std::make_unique<pintle::BallJoint>(*last, link, vec(0.25, 0, 0), vec(-0.25, 0, 0)));
+      bodies.join(std::make_unique<Ball>(*last, link, vec(0.25, 0, 0), vec(-0.25, 0, 0)));
     last = &link;
   }
   std::vector<btScalar> all;
@@ -118,6 +118,25 @@ TEST(ExactSolverMt, WhicheverSolverSolvesAnIsland) {
   EXPECT_TRUE(one == playChains(rotating(3), false)) << "any";
   EXPECT_TRUE(one == playChains(rotating(400), false)) << "a fresh one";
   EXPECT_TRUE(one == playChains(rotating(8), true)) << "on threads";
+}
+
+TEST(ExactSolverMt, WhicheverSolverUpgradesStockJoints) {
+  using Stock = btPoint2PointConstraint;
+  const auto pool = [] { return std::make_unique<pintle::ExactJointSolverPool>(4); };
+  const auto ours = playChains(pool(), false);
+  EXPECT_TRUE(ours == playChains<Stock>(pool(), false));
+  EXPECT_TRUE(ours == playChains<Stock>(rotating(400), false)) << "a fresh one";
+  EXPECT_TRUE(ours == playChains<Stock>(rotating(8), true)) << "on threads of Bullet's pool";
+}
+
+TEST(ExactSolverMt, APoolUpgradesUnlessTold) {
+  pintle::ExactJointSolverPool pool(2);
+  EXPECT_TRUE(pool.getUpgradesBulletJoints());
+  pool.setUpgradesBulletJoints(false);
+  EXPECT_FALSE(pool.getUpgradesBulletJoints());
+  btRigidBody a(1, nullptr, nullptr), b(1, nullptr, nullptr);
+  const btPoint2PointConstraint ball(a, b, vec(0, 0, support::nan_value), vec(0, 0, 0));
+  EXPECT_NE(pool.whyIgnored(ball).find("pivotA"), std::string::npos);
 }
 
 /// As threads may come to them.

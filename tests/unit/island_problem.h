@@ -55,7 +55,7 @@ class IslandProblem {
     components.clear();
     m_builder.begin(info);
     for (btTypedConstraint* joint : m_joints)
-      m_builder.add(*joint, bodies, numberOf(joint->getRigidBodyA()),
+      m_builder.add(*joint, nullptr, bodies, numberOf(joint->getRigidBodyA()),
                     numberOf(joint->getRigidBodyB()));
     m_builder.finish(components);
   }

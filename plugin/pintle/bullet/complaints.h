@@ -18,21 +18,32 @@ inline namespace PINTLE_PRECISION {
 class Complaints {
  public:
   explicit Complaints(const char* joint) : m_joint(joint) {}
+  /// Counts them, and takes no memory: for a step.
+  Complaints() = default;
 
   void add(const char* field, Scalar value, const char* why) {
-    begin(field) << " = " << value << ": " << why;
+    ++m_count;
+    if (m_joint == nullptr) return;
+    std::ostringstream text;
+    text << field << " = " << value;
+    append(text.str(), why);
   }
-  void add(const char* field, const char* why) { begin(field) << ": " << why; }
-  std::string text() const { return m_text.str(); }
+  void add(const char* field, const char* why) {
+    ++m_count;
+    if (m_joint != nullptr) append(field, why);
+  }
+  int count() const { return m_count; }
+  const std::string& text() const { return m_text; }
 
  private:
-  std::ostream& begin(const char* field) {
-    if (m_text.tellp() > 0) m_text << "; ";
-    return m_text << "pintle::" << m_joint << ": " << field;
+  void append(const std::string& field, const char* why) {
+    if (!m_text.empty()) m_text += "; ";
+    m_text.append("pintle::").append(m_joint).append(": ").append(field).append(": ").append(why);
   }
 
-  const char* m_joint;
-  std::ostringstream m_text;
+  const char* m_joint = nullptr;
+  int m_count = 0;
+  std::string m_text;
 };
 
 /// Takes `from` over if it is finite. `complaints`: null in a step.

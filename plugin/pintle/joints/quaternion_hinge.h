@@ -12,6 +12,8 @@ class QuaternionHingeModel : public ObservedJoint<QuaternionHingeModel, HingeMod
  public:
   static constexpr RowCount row_count{6, 1};  ///< the most that it has
 
+  const char* name() const override { return "QuaternionHinge"; }
+
  protected:
   using ObservedJoint::ObservedJoint;
   void limitChanged() override;

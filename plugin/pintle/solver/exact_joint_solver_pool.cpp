@@ -34,6 +34,10 @@ void ExactJointSolverPool::setOptions(const SolverOptions& options) {
   for (ExactJointSolver* of : m_solvers) of->setOptions(options);
 }
 
+void ExactJointSolverPool::setUpgradesBulletJoints(bool upgrades) {
+  for (ExactJointSolver* of : m_solvers) of->setUpgradesBulletJoints(upgrades);
+}
+
 void ExactJointSolverPool::prepareSolve(int numBodies, int numManifolds) {
   m_solvers.front()->prepareSolve(numBodies, numManifolds);
 }

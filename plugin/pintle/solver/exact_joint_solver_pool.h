@@ -5,6 +5,7 @@
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
 
+#include <string>
 #include <vector>
 
 namespace pintle {
@@ -26,6 +27,14 @@ class ExactJointSolverPool : public btConstraintSolverPoolMt {
   void setOptions(const SolverOptions& options);
   /// What setOptions set.
   const SolverOptions& options() const { return m_solvers.front()->options(); }
+  ///@{
+  /// As ExactJointSolver has them, of all solvers.
+  void setUpgradesBulletJoints(bool upgrades);
+  bool getUpgradesBulletJoints() const { return m_solvers.front()->getUpgradesBulletJoints(); }
+  std::string whyIgnored(const btTypedConstraint& constraint) const {
+    return m_solvers.front()->whyIgnored(constraint);
+  }
+  ///@}
   /// What all of them did in the last step.
   StepReport lastStep() const { return m_solvers.front()->lastStep(); }
 

@@ -29,10 +29,11 @@ void ExactMultiBodyJointSolver::solveMultiBodyGroup(
     btTypedConstraint** constraints, int numConstraints,
     btMultiBodyConstraint** multiBodyConstraints, int numMultiBodyConstraints,
     const btContactSolverInfo& info, btIDebugDraw* drawer, btDispatcher* dispatcher) {
-  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, info);
+  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info);
   btMultiBodyConstraintSolver::solveMultiBodyGroup(
       bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, multiBodyConstraints,
       numMultiBodyConstraints, info, drawer, dispatcher);
+  leave();
 }
 
 bool ExactMultiBodyJointSolver::hasOthers() const {

@@ -5,6 +5,7 @@
 #include <pintle/solver/cache/world_memory.h>
 #include <pintle/solver/linalg/memory.h>
 #include <pintle/solver/solve/step.h>
+#include <pintle/upgrade/memory_of_worlds.h>
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
@@ -16,7 +17,8 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 
 template <class BulletSolver>
-JointSolver<BulletSolver>::JointSolver() : m_islands(new IslandStep), m_memory(new WorldMemory) {}
+JointSolver<BulletSolver>::JointSolver()
+    : m_islands(new IslandStep), m_memory(new MemoryOfWorlds<WorldMemory>) {}
 template <class BulletSolver>
 JointSolver<BulletSolver>::~JointSolver() = default;
 template <class BulletSolver>
@@ -29,26 +31,30 @@ const SolverOptions& JointSolver<BulletSolver>::options() const {
   return m_islands->options();
 }
 template <class BulletSolver>
+std::string JointSolver<BulletSolver>::whyIgnored(const btTypedConstraint& constraint) const {
+  return (*m_memory)->upgradedJoints().whyIgnored(constraint);
+}
+template <class BulletSolver>
 StepReport JointSolver<BulletSolver>::lastStep() const {
-  return m_memory->report();
+  return (*m_memory)->report();
 }
 template <class BulletSolver>
 int JointSolver<BulletSolver>::getNumRemembered() const {
-  return m_memory->size();
+  return (*m_memory)->size();
 }
 template <class BulletSolver>
 size_t JointSolver<BulletSolver>::getMemory() const {
-  return m_memory->bytes() + m_islands->bytes() + bytesOf(m_touched);
+  return (*m_memory)->bytes() + m_islands->bytes() + bytesOf(m_touched, m_upgraded);
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::prepareSolve(int, int) {
-  m_memory->beginStep();
+  (*m_memory)->beginStep();
 }
 
 template <class BulletSolver>
 void JointSolver<BulletSolver>::shareMemoryOf(const JointSolver& other) {
-  m_memory = other.m_memory;
+  m_memory->share(*other.m_memory);
 }
 
 namespace {
@@ -84,14 +90,20 @@ void touch(Span<btCollisionObject*> bodies, Span<btPersistentManifold*> manifold
 template <class BulletSolver>
 void JointSolver<BulletSolver>::enter(const btDispatcher* world, btCollisionObject** bodies,
                                       int numBodies, btPersistentManifold** manifolds,
-                                      int numManifolds, const btContactSolverInfo& info) {
-  if (world != nullptr && world != m_world) {
-    m_world = world;
-    m_memory = WorldMemory::of(*world, m_memory);
-  }
+                                      int numManifolds, btTypedConstraint** constraints,
+                                      int numConstraints, const btContactSolverInfo& info) {
+  if (world != nullptr) m_memory->enter(*world);
   if (options().second_order)
     touch({bodies, size_t(numBodies)}, {manifolds, size_t(numManifolds)}, double(info.m_timeStep),
-          *m_memory, m_touched);
+          **m_memory, m_touched);
+  m_upgraded.assign(size_t(numConstraints), nullptr);
+  if (m_upgrades) (*m_memory)->upgradedJoints().find(constraints, numConstraints, m_upgraded);
+}
+
+template <class BulletSolver>
+void JointSolver<BulletSolver>::leave() {
+  for (UpgradedJoint* of : m_upgraded)
+    if (of != nullptr) of->markSolved();
 }
 
 template <class BulletSolver>
@@ -100,9 +112,12 @@ btScalar JointSolver<BulletSolver>::solveGroup(btCollisionObject** bodies, int n
                                                btTypedConstraint** constraints, int numConstraints,
                                                const btContactSolverInfo& info,
                                                btIDebugDraw* drawer, btDispatcher* dispatcher) {
-  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, info);
-  return BulletSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
-                                  numConstraints, info, drawer, dispatcher);
+  enter(dispatcher, bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info);
+  const btScalar result =
+      BulletSolver::solveGroup(bodies, numBodies, manifolds, numManifolds, constraints,
+                               numConstraints, info, drawer, dispatcher);
+  leave();
+  return result;
 }
 
 namespace {
@@ -126,18 +141,24 @@ void JointSolver<BulletSolver>::convertJoints(btTypedConstraint** constraints, i
   this->m_tmpConstraintSizesPool.resizeNoInitialize(0);
   this->m_tmpSolverNonContactConstraintPool.resizeNoInitialize(0);
   m_islands->begin(info);
+  StepReport ignored;
   for (int i = 0; i < numConstraints; ++i) {
     btTypedConstraint& constraint = *constraints[i];
     // Memory takes about as long as one joint does; and a joint must be there to know its bodies.
     if (i + 4 < numConstraints) prefetch<joint_bytes>(constraints[i + 4]);
     if (i + 2 < numConstraints) prefetchOf(*constraints[i + 2]);
-    constraint.buildJacobian();
+    UpgradedJoint* const upgraded = m_upgraded[size_t(i)];
+    (upgraded != nullptr ? *upgraded : constraint).buildJacobian();
     clearImpulses(constraint);
     if (!constraint.isEnabled()) continue;
+    if (upgraded != nullptr)
+      ignored.ignored_settings += JointAccess::ignoredSettings(upgraded->joint());
     const int a = this->getOrInitSolverBody(constraint.getRigidBodyA(), info.m_timeStep),
               b = this->getOrInitSolverBody(constraint.getRigidBodyB(), info.m_timeStep);
-    m_islands->addJoint(constraint, this->m_tmpSolverBodyPool, a, b);
+    m_islands->addJoint(constraint, upgraded != nullptr ? &upgraded->joint() : nullptr,
+                        this->m_tmpSolverBodyPool, a, b);
   }
+  if (ignored.ignored_settings > 0) (*m_memory)->add(ignored);
   m_has_joints = m_islands->endJoints();
 }
 
@@ -166,7 +187,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyIterations(
   m_islands->addContacts(this->m_tmpSolverContactConstraintPool, of, false);
   m_islands->addContacts(this->m_tmpSolverContactFrictionConstraintPool, of, true);
   m_islands->addContacts(this->m_tmpSolverContactRollingFrictionConstraintPool, of, true);
-  m_islands->solve(info, of, passOverOthers(info), *m_memory);
+  m_islands->solve(info, of, passOverOthers(info), **m_memory);
   return 0;
 }
 
@@ -175,7 +196,7 @@ btScalar JointSolver<BulletSolver>::solveGroupCacheFriendlyFinish(btCollisionObj
                                                                   int numBodies,
                                                                   const btContactSolverInfo& info) {
   if (options().second_order && !hasOthers())
-    m_islands->moveFreely(this->m_tmpSolverBodyPool, *m_memory);
+    m_islands->moveFreely(this->m_tmpSolverBodyPool, **m_memory);
   const btScalar result = BulletSolver::solveGroupCacheFriendlyFinish(bodies, numBodies, info);
   m_islands->movePoses();
   return result;

@@ -10,12 +10,18 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace pintle {
+template <class Memory>
+class MemoryOfWorlds;
+
 inline namespace PINTLE_PRECISION {
 
 class ExactJointSolverPool;
 class IslandStep;
+class UpgradedJoint;
 class WorldMemory;
 
 /// What ExactJointSolver and ExactMultiBodyJointSolver have in common.
@@ -31,6 +37,15 @@ class JointSolver : public BulletSolver {
   void setOptions(const SolverOptions& options);
   /// What setOptions set.
   const SolverOptions& options() const;
+  ///@{
+  /// Default true: stock joints are solved as those of Pintle's that replace their classes, and stay as they are
+  /// (SequentialJointSolver says which). False: as rows that stock writes. Call it between steps.
+  void setUpgradesBulletJoints(bool upgrades) { m_upgrades = upgrades; }
+  bool getUpgradesBulletJoints() const { return m_upgrades; }
+  ///@}
+  /// Which settings of a stock joint that is upgraded, or of a joint of Pintle's, are not used, and why (Joint::whyIgnored). Empty: all
+  /// are, or the constraint is neither.
+  std::string whyIgnored(const btTypedConstraint& constraint) const;
   /// What was done in the last step of the world: where several solvers share it, by all of them.
   StepReport lastStep() const;
   /// Components of which something is kept for the next step.
@@ -47,9 +62,12 @@ class JointSolver : public BulletSolver {
                       btDispatcher* dispatcher) override;
 
  protected:
-  /// The island that follows is of this world.
+  /// The island that follows is of this world, and has these joints.
   void enter(const btDispatcher* world, btCollisionObject** bodies, int numBodies,
-             btPersistentManifold** manifolds, int numManifolds, const btContactSolverInfo& info);
+             btPersistentManifold** manifolds, int numManifolds, btTypedConstraint** constraints,
+             int numConstraints, const btContactSolverInfo& info);
+  /// The island is solved.
+  void leave();
   /// Rows that are neither joints nor contacts between rigid bodies act in this island.
   virtual bool hasOthers() const { return false; }
   /// One pass over those; empty if there are none.
@@ -76,10 +94,11 @@ class JointSolver : public BulletSolver {
   void shareMemoryOf(const JointSolver& other);
 
   std::unique_ptr<IslandStep> m_islands;
-  const btDispatcher* m_world = nullptr;
-  std::shared_ptr<WorldMemory> m_memory;  ///< of the world
-  bool m_has_joints = false;              ///< this island
-  std::vector<int> m_touched;             ///< islands in which something touches something
+  std::unique_ptr<MemoryOfWorlds<WorldMemory>> m_memory;
+  bool m_has_joints = false;  ///< this island
+  bool m_upgrades = true;
+  std::vector<UpgradedJoint*> m_upgraded;  ///< of this island, null where a joint is as it was
+  std::vector<int> m_touched;              ///< islands in which something touches something
 };
 
 extern template class JointSolver<btSequentialImpulseConstraintSolver>;

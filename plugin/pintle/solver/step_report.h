@@ -26,6 +26,9 @@ struct StepReport {
   /// Components that are left to forces alone, for all that contacts join: impulses lead to numbers that Bullet's precision does not
   /// hold. They are not converged, either.
   int overflowed = 0;
+  /// Settings of upgraded stock joints that are not used, as their numbers are not finite, or below zero: the solver's whyIgnored()
+  /// names them.
+  int ignored_settings = 0;
   double residual =
       0;  ///< m or rad: the most by which a joint missed what it was to reach in this step
   double open = 0;  ///< m or rad: the most that a joint of Pintle's was open before the step
@@ -47,6 +50,7 @@ struct StepReport {
     not_converged += of.not_converged;
     unsettled += of.unsettled;
     overflowed += of.overflowed;
+    ignored_settings += of.ignored_settings;
     residual = std::max(residual, of.residual);
     open = std::max(open, of.open);
     work += of.work;

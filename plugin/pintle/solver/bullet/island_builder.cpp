@@ -424,20 +424,20 @@ void IslandBuilder::addClients(IslandJoint& to, const btSolverBody& a, const btS
   addStock(to, rows, its.of_base);
 }
 
-void IslandBuilder::add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
-                        int solver_body_b) {
+void IslandBuilder::add(btTypedConstraint& joint, Joint* upgraded, const SolverBodies& bodies,
+                        int solver_body_a, int solver_body_b) {
   if (&joint.getRigidBodyA() == &joint.getRigidBodyB()) return;  // it holds nothing
   IslandJoint& to = m_island.joints.emplace_back();
   to.constraint = &joint;
   to.body = {body(bodies, solver_body_a), body(bodies, solver_body_b)};
   to.first_row = int(m_island.rows.size());
-  to.ours = JointAccess::ours(joint);
+  to.ours = upgraded != nullptr ? upgraded : JointAccess::ours(joint);
   const btSolverBody &a = bodies[solver_body_a], &b = bodies[solver_body_b];
   if (to.ours == nullptr) {
     StockRows rows;
     askStock(joint, a, b, rows);
     addStock(to, rows, 0);
-  } else if (JointAccess::mayHaveOtherRows(joint)) {
+  } else if (upgraded == nullptr && JointAccess::mayHaveOtherRows(joint)) {
     addClients(to, a, b);
   } else {
     addOurs(to);

@@ -21,8 +21,9 @@ class IslandBuilder {
       : m_island(island), m_options(options) {}
 
   void begin(const btContactSolverInfo& info);
-  /// A joint, with the numbers of its bodies among Bullet's. Bodies that do not move are left out.
-  void add(btTypedConstraint& joint, const SolverBodies& bodies, int solver_body_a,
+  /// A joint, with the one of Pintle's that stands for it, or null, and the numbers of its bodies among Bullet's. Bodies that do not
+  /// move are left out.
+  void add(btTypedConstraint& joint, Joint* upgraded, const SolverBodies& bodies, int solver_body_a,
            int solver_body_b);
   /// Sorts all by components.
   void finish(std::vector<Component>& components);

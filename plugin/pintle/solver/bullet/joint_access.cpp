@@ -1,5 +1,6 @@
 #include <pintle/solver/bullet/joint_access.h>
 
+#include <pintle/bullet/complaints.h>
 #include <pintle/joint_rows.h>
 #include <pintle/joints/angular_limit.h>
 #include <pintle/joints/ball_joint.h>
@@ -74,6 +75,12 @@ bool isSame(const btSolverConstraint& a, const btSolverConstraint& b) {
 }
 
 }  // namespace
+
+int JointAccess::ignoredSettings(Joint& joint) {
+  Complaints complaints;
+  joint.read(&complaints);
+  return complaints.count();
+}
 
 JointAccess::Known JointAccess::find(btTypedConstraint& constraint) {
   const std::type_info& type = typeid(constraint);

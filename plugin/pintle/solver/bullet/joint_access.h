@@ -38,6 +38,8 @@ struct JointAccess {
     joint.m_bullet_rows.setCount(1);
     return joint.m_rows;
   }
+  /// How many of the settings that stand in the constraint of Bullet's are not used.
+  static int ignoredSettings(Joint& joint);
   ///@{
   /// As its class has them, whatever a client's makes of that.
   static void announceRows(Joint& joint, Joint::Info1& info) { joint.announceRows(info); }

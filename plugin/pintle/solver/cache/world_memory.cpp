@@ -7,17 +7,6 @@ inline namespace PINTLE_PRECISION {
 
 using Lock = std::lock_guard<std::mutex>;
 
-std::shared_ptr<WorldMemory> WorldMemory::of(const btDispatcher& world,
-                                             const std::shared_ptr<WorldMemory>& own) {
-  static std::mutex mutex;
-  static std::unordered_map<const btDispatcher*, std::weak_ptr<WorldMemory>> all;
-  const Lock lock(mutex);
-  for (auto i = all.begin(); i != all.end();) i = i->second.expired() ? all.erase(i) : std::next(i);
-  std::weak_ptr<WorldMemory>& known = all[&world];
-  if (known.expired()) known = own;
-  return known.lock();
-}
-
 void WorldMemory::beginStep(long kept_for) {
   ++m_step;
   m_report = {};
@@ -41,6 +30,7 @@ MotionsOfBody& WorldMemory::motionsOf(const btRigidBody& body) {
 }
 
 void WorldMemory::beginStep() {
+  m_upgraded.beginStep();
   const Lock lock(m_mutex);
   beginStep(1);
 }
@@ -75,6 +65,7 @@ size_t WorldMemory::bytes() const {
   size_t sum = 0;
   for (const auto& [joint, slot] : m_slots)
     sum += sizeof(slot) + (slot.memory != nullptr ? slot.memory->bytes() : 0);
+  sum += m_upgraded.bytes();
   sum += m_motions.size() * sizeof(decltype(m_motions)::value_type);
   return sum;
 }

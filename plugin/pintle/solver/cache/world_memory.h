@@ -3,12 +3,11 @@
 
 #include <pintle/solver/cache/component_memory.h>
 #include <pintle/solver/step_report.h>
+#include <pintle/upgrade/upgraded_joints.h>
 
 #include <memory>
 #include <mutex>
 #include <unordered_map>
-
-class btDispatcher;
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -16,15 +15,13 @@ inline namespace PINTLE_PRECISION {
 /// May be used by several threads at once.
 class WorldMemory {
  public:
-  /// That of all solvers that are given this dispatcher: they solve islands of its world. `own`: it becomes this one if there is none.
-  static std::shared_ptr<WorldMemory> of(const btDispatcher& world,
-                                         const std::shared_ptr<WorldMemory>& own);
-
   /// What no island has used in the last step is forgotten: its joints sleep, or are gone.
   void beginStep();
   /// Of a component, by its first joint. Bullet's own pool does not tell its solvers when a step begins: one begins when a component
   /// comes again.
   std::unique_ptr<ComponentMemory>& slot(const btTypedConstraint* first_joint);
+  /// Joints in the place of stock ones.
+  UpgradedJoints& upgradedJoints() { return m_upgraded; }
   /// Where steps are of second order.
   MotionsOfBody& motionsOf(const btRigidBody& body);
   /// Of this step, from one of its islands.
@@ -45,6 +42,7 @@ class WorldMemory {
   std::unordered_map<const btTypedConstraint*, Slot> m_slots;
   std::unordered_map<const btRigidBody*, MotionsOfBody> m_motions;
   long m_step = 0;
+  UpgradedJoints m_upgraded;
   StepReport m_report;
 };
 

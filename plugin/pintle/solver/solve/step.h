@@ -24,9 +24,10 @@ class IslandStep {
 
   // For each island, in this order:
   void begin(const btContactSolverInfo& info);
-  /// A joint, with the numbers of its bodies among Bullet's.
-  void addJoint(btTypedConstraint& joint, const SolverBodies& bodies, int body_a, int body_b) {
-    m_builder.add(joint, bodies, body_a, body_b);
+  /// A joint, with the one of Pintle's that stands for it, or null, and the numbers of its bodies among Bullet's.
+  void addJoint(btTypedConstraint& joint, Joint* upgraded, const SolverBodies& bodies, int body_a,
+                int body_b) {
+    m_builder.add(joint, upgraded, bodies, body_a, body_b);
   }
   /// After the last one. Returns whether there are any that hold a body.
   bool endJoints();
