@@ -13,8 +13,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr int max_groups = 3;
-
 // An impulse that is given, as that of a soft spring, does not see what other joints do to its coordinate
 // in the step. They are going to do again what they did; half of what has changed is taken over in a
 // step, as springs that bear on each other would else answer each other for ever, and next to nothing
@@ -359,6 +357,8 @@ void Joint::placeRows(int room) {
     const auto place = [&](Axis::Part part, bool acts) {
       state.row[part] = static_cast<signed char>(acts && n < room ? n++ : -1);
     };
+    place(Axis::spring_pull, axis.spring.isSet());
+    place(Axis::spring_yield, axis.spring.isSet());
     place(Axis::friction, axis.max_friction > 0);
     place(Axis::motor, axis.drive != Axis::Drive::off);
     place(Axis::limit, m_rows[i].limit);
@@ -379,11 +379,13 @@ AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyP
   motion.limit = row.limit;
   motion.fps = fps;
   motion.limit_erp = m_limit_erp.orElse(default_limit_erp);
+  motion.motor_erp = motion.limit_erp;
   motion.motor_cfm = m_motor_cfm.orElse(0);
   Parameter limit_cfm = m_limit_cfm;
   if (axis.own != nullptr) {
     motion.limit_erp = axis.own->limit_erp.orElse(motion.limit_erp);
     motion.motor_cfm = axis.own->motor_cfm.orElse(motion.motor_cfm);
+    motion.motor_erp = axis.own->motor_erp.orElse(motion.limit_erp);
     if (axis.own->limit_cfm.isSet()) limit_cfm = axis.own->limit_cfm;
   }
   // As Bullet has it: the motor's unless the limit has its own.
@@ -392,7 +394,7 @@ AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyP
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor =
-        motorFactor(row.position, axis.low, axis.high, axis.motor_velocity, fps * motion.limit_erp);
+        motorFactor(row.position, axis.low, axis.high, axis.motor_velocity, fps * motion.motor_erp);
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   return motion;
 }

@@ -121,8 +121,9 @@ class Joint {
     addRows(poses, rows);
   }
   virtual ImpulseSetting impulseSetting() const { return {}; }
-  /// Three, by Row::group, if m_erp_cfm_differs.
+  /// max_groups, by Row::group, if m_erp_cfm_differs.
   virtual const ErpCfm* groups() const { return nullptr; }
+  static constexpr int max_groups = 6;
   using Info1 = btTypedConstraint::btConstraintInfo1;
   using Info2 = btTypedConstraint::btConstraintInfo2;
   ///@{
@@ -285,10 +286,10 @@ class Joint {
   AxisMotion axisMotion(const Row& row, const AxisState& state, const BodyPair& pair, Scalar fps,
                         Scalar default_limit_erp);
   void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
-           AxisRow (&parts)[3]);
-  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[3]);
+           AxisRow (&parts)[Axis::parts]);
+  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[Axis::parts]);
   bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, AxisMotion& motion,
-                 AxisRow (&parts)[3]);
+                 AxisRow (&parts)[Axis::parts]);
 
   btTypedConstraint& m_constraint;
   RowList m_rows;

@@ -77,7 +77,7 @@ struct LawPiece {
 
 class AxisLaw {
  public:
-  static constexpr int max_parts = 4;
+  static constexpr int max_parts = 5;
 
   /// Of one part.
   AxisLaw() = default;
