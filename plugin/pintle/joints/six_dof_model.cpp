@@ -197,10 +197,13 @@ void SixDofModel::settingsChanged(const StockSixDof& before) {
   m_scale = 1;
   for (int i = 0; i < axis_count; ++i) {
     const StockAxis& axis = m_read.axes[i];
-    setAxis(i, 1, axis.damping);
-    const bool is_outer = i >= first_angle && m_turning == Turning::box &&
-                          i - first_angle != m_settings.order[EulerTurn::middle];
-    if (acts(i) && (is_outer || (axis.spring && m_read.damping_is_fraction) ||
+    const bool is_outer = isOuterAngle(i), middle_is_locked = isLocked(middleAngle());
+    setAxis(i, 1);
+    setSpring(i, axis.stiffness, axis.damping,
+              is_outer && middle_is_locked ? btCos(m_read.axes[middleAngle()].low) : Scalar(1));
+    const bool turns_spring = is_outer && axis.spring && !middle_is_locked;
+    if (acts(i) && (turns_spring || (is_outer && m_turning == Turning::box) ||
+                    (axis.spring && m_read.damping_is_fraction) ||
                     (axis.motor && axis.servo && i >= first_angle)))
       m_has_changing_axes = true;
   }
@@ -293,7 +296,12 @@ void SixDofModel::setParameters() {
     if (!own.limit_cfm.isSet()) own.limit_cfm = 0;
 }
 
-void SixDofModel::setAxis(int i, Scalar scale, Scalar damping) {
+int SixDofModel::middleAngle() const { return first_angle + m_settings.order[EulerTurn::middle]; }
+bool SixDofModel::isOuterAngle(int axis) const {
+  return axis >= first_angle && axis != middleAngle();
+}
+
+void SixDofModel::setAxis(int i, Scalar scale) {
   const StockAxis& from = m_read.axes[i];
   Axis& axis = m_settings.axes[i];
   const bool is_limited = isLimitedTo(from, i >= first_angle);
@@ -308,11 +316,15 @@ void SixDofModel::setAxis(int i, Scalar scale, Scalar damping) {
   Scalar target = from.servo_target;
   if (is_limited) target = btMax(from.low, btMin(target, from.high));
   axis.servo_target = scale * target;
-  axis.spring = {};
-  if (!from.spring || isLocked(i)) return;
-  axis.spring.stiffness = from.stiffness / scale;
-  axis.spring.damping = damping;
   axis.spring_rest = scale * from.rest;
+}
+
+void SixDofModel::setSpring(int i, Scalar stiffness, Scalar damping, Scalar cosine) {
+  Spring& spring = m_settings.axes[i].spring;
+  spring = {};
+  if (!m_read.axes[i].spring || isLocked(i)) return;
+  spring.stiffness = stiffness * btFabs(cosine);
+  spring.damping = damping * cosine * cosine;
 }
 
 int SixDofModel::anyAxis(int axis) const {

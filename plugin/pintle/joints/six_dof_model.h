@@ -97,8 +97,12 @@ class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
   void setTurning();
   void setLockedFrames();
   void setParameters();
-  /// What acts along an axis, of which one unit is `scale` of Bullet's. `damping` of its spring: N s/m or N m s/rad.
-  void setAxis(int i, Scalar scale, Scalar damping);
+  /// What acts along an axis, of which one unit is `scale` of Bullet's.
+  void setAxis(int i, Scalar scale);
+  /// By its own unit vector in Bullet's way, which is shorter by `cosine` than the gradient of the angle, a spring pulls so much less.
+  void setSpring(int i, Scalar stiffness, Scalar damping, Scalar cosine);
+  bool isOuterAngle(int axis) const;
+  int middleAngle() const;
   /// The angles of the pose that the bodies are in, in the turns of `last` (rad, by axis) or of their limits.
   void resetAngles(const Scalar (&last)[3]);
   void turnTowardsLimit(int angle);

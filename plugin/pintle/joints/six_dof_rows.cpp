@@ -27,6 +27,8 @@ constexpr int all_positions = 7, all_angles = 7 << first_angle;  // bits of axes
 constexpr Scalar max_cosine2 = Scalar(0.75);
 // 1 + cos(swing), inverted, above which a hinge has no angle (HingeModel).
 constexpr Scalar max_h_scale = 20;
+// Of 85 degrees: of a spring about an outer axis so much is left at least.
+constexpr Scalar min_cosine = Scalar(0.0872);
 
 // A frame turned in itself.
 Frame turnedBy(const Frame& frame, const btMatrix3x3& R, bool is_turned) {
@@ -105,6 +107,15 @@ struct SixDofModel::Observation {
   Scalar scale(int i) const {
     if (!euler || i == of.m_settings.order[EulerTurn::middle]) return 1;
     return of.m_scale;
+  }
+  /// How much shorter the unit vector that a spring of Bullet's turns about is than the gradient of its angle, where that has its
+  /// own unit.
+  Scalar springCosine(int axis) const {
+    if (euler || !of.isOuterAngle(axis)) return 1;
+    const int middle = of.middleAngle();
+    const Scalar cosine =
+        btCos(of.isLocked(middle) ? of.m_read.axes[middle].low : angle(middle - first_angle));
+    return cosine * cosine > min_cosine * min_cosine ? cosine : min_cosine;
   }
   equations::Anchors<Scalar> anchors() const { return {a.r(), b.r(), d}; }
 };
@@ -193,14 +204,19 @@ void SixDofModel::prepareAxes(const Observation& seen) {
     const StockAxis& axis = m_read.axes[i];
     const bool is_angle = i >= first_angle;
     const Scalar scale = is_angle ? seen.scale(i - first_angle) : Scalar(1);
-    Scalar damping = axis.damping;
-    if (axis.spring && m_read.damping_is_fraction) {
-      const Vec3 row = is_angle ? Vec3(scale * seen.row(i - first_angle)) : axisOf(seen.a, i);
-      const Scalar K = is_angle ? inverseMass({Vec3::Zero(), row, row})
-                                : inverseMass(equations::contact_row(row, seen.anchors()).J);
-      damping = damperOf(axis.damping, axis.stiffness / scale, K);
+    setAxis(i, scale);
+    if (axis.spring) {
+      const Scalar stiffness = axis.stiffness / scale;
+      Scalar damping = axis.damping;
+      if (m_read.damping_is_fraction) {
+        const Vec3 row = is_angle ? Vec3(scale * seen.row(i - first_angle)) : axisOf(seen.a, i);
+        damping =
+            damperOf(axis.damping, stiffness,
+                     inverseMass(is_angle ? equations::Jacobian<Scalar>{Vec3::Zero(), row, row}
+                                          : equations::contact_row(row, seen.anchors()).J));
+      }
+      setSpring(i, stiffness, damping, seen.springCosine(i));
     }
-    setAxis(i, scale, damping);
     if (!(is_angle && axis.motor && axis.servo)) continue;
     // The nearest way.
     Scalar& target = m_settings.axes[i].servo_target;
