@@ -278,9 +278,9 @@ void setAxes(J& joint, int variant) {
     for (int i = 3; i < 6; ++i) set(i, -0.3, 0.2);
   }
   if (variant == 5) {
-    for (int i = 0; i < 6; ++i) set(i, 0.1 * i, 0.1 * i);
+    for (int i = 0; i < 6; ++i) set(i, 0.02 * i, 0.02 * i);
     set(5, 1, -1);
-    for (int i = 0; i < 6; ++i) joint.setParam(BT_CONSTRAINT_STOP_ERP, scalar(0.1 + 0.1 * i), i);
+    for (int i = 0; i < 6; ++i) joint.setParam(BT_CONSTRAINT_STOP_ERP, scalar(0.1 + 0.05 * i), i);
     joint.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.01), 1);
     joint.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.01), 4);
   }
