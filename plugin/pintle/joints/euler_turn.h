@@ -1,9 +1,11 @@
 // Purpose: the Euler angles of a 6-dof joint as they have become, also past the pole, where the outer two are one and no coordinates. For
 // the .cpp files of its model only.
 //
-// Within 5 degrees of the pole each angle goes on along its row as that was when it came there: those of the first two axes fixed in frame
-// a, that of the last one in frame b. They integrate the rotation, so nothing jumps. Where the bodies leave that cap, on any side, the
-// angles are Euler's again, of the side that fits better; what they differ by then is kept as an offset, which falls with time.
+// Within 5 degrees of the pole each angle goes on along its row as that was when it came there, fixed in a frame: an integral of the
+// rotation, so nothing jumps. There the outer two are both the turn about the pole. That of the first axis is fixed in frame a, where it does
+// not see that turn; that of the last one is, too, and then sees it, unless the first one is free: then it is fixed in frame b. So the turn is
+// held if both are. Where the bodies leave that cap, on any side, the angles are Euler's again, of the side that fits better; what they
+// differ by then is kept as an offset, which falls as the motion allows.
 #pragma once
 
 #include <pintle/equations/euler_angles.h>
@@ -32,22 +34,22 @@ class EulerTurn {
 
   /// rad, of b against a, over any number of turns: by first, middle and last axis.
   Scalar value(int n) const { return m_is_in_cap ? m_in_cap[n] : m_angle[n].value() + m_offset[n]; }
-  /// Of the pose, in the turn that is nearest to the last.
-  void update(const Frame& a, const Frame& b, const equations::EulerOrder& order) {
+  /// Of the pose, in the turn that is nearest to the last. `holds_pole`: whether the turn about the pole is not free.
+  void update(const Frame& a, const Frame& b, const equations::EulerOrder& order, bool holds_pole) {
     const auto axes = eulerAxes(a, b, order);
     const Scalar m = axes.a_k.dot(axes.b_i), c2 = 1 - m * m;
     if (!m_is_in_cap && c2 > min_c2) {
       take(axes, c2 < near_c2 || m_is_near);
       m_is_near = c2 < near_c2;
-      if (m_is_near) remember(a, b, axes);
+      if (m_is_near) remember(a, b, axes, holds_pole);
       return;
     }
     if (!m_is_in_cap && !m_is_near) {  // it starts there
       take(axes, false);
-      remember(a, b, axes);
+      remember(a, b, axes, holds_pole);
     }
     goOnInCap(a, b);
-    if (c2 > min_c2) leaveCap(a, b, axes);
+    if (c2 > min_c2) leaveCap(a, b, axes, holds_pole);
   }
   /// The other triple of the same pose (euler_angles.h).
   void changeSide() {
@@ -58,16 +60,24 @@ class EulerTurn {
   void turnTowards(int n, Scalar angle) {
     if (!m_is_in_cap) m_angle[n].turnTowards(angle - m_offset[n]);
   }
-  /// Takes back at most so much (rad) of what the angles differ from Euler's by.
-  void settle(Scalar most) {
-    for (Scalar& offset : m_offset)
-      offset = offset > 0 ? btMax(Scalar(0), offset - most) : btMin(Scalar(0), offset + most);
+  /// Takes back at most so much (rad) of what an angle differs from Euler's by.
+  void settle(int n, Scalar most) {
+    Scalar& offset = m_offset[n];
+    offset = offset > 0 ? btMax(Scalar(0), offset - most) : btMin(Scalar(0), offset + most);
+  }
+  /// Takes back all of it that moves nothing: within limits, and up to them.
+  void settleWithin(int n, Scalar low, Scalar high) {
+    Scalar& offset = m_offset[n];
+    if (m_is_in_cap || offset == 0) return;
+    const Scalar euler = m_angle[n].value(), now = euler + offset;
+    if (low <= now && now <= high) offset = btMax(low, btMin(euler, high)) - euler;
   }
   /// J_b of the angles, and |c| of the pose by which those of the outer two are longer than 1.
   equations::EulerRows<Scalar> rows(const Frame& a, const Frame& b,
                                     const equations::EulerOrder& order) const {
     if (!m_is_in_cap) return equations::euler_rows(eulerAxes(a, b, order), m_side);
-    return {a.axes() * m_row_first / m_c, a.axes() * m_row_middle, b.axes() * m_row_last / m_c};
+    return {a.axes() * m_row_first / m_c, a.axes() * m_row_middle,
+            (m_last_is_in_a ? a.axes() : b.axes()) * m_row_last / m_c};
   }
   Scalar cosine(const Frame& a, const Frame& b, const equations::EulerOrder& order) const {
     if (m_is_in_cap) return m_c;
@@ -112,7 +122,8 @@ class EulerTurn {
   }
 
   // The rows as they are here, for the cap, and how the frames stand.
-  void remember(const Frame& a, const Frame& b, const equations::EulerAxes<Scalar>& axes) {
+  void remember(const Frame& a, const Frame& b, const equations::EulerAxes<Scalar>& axes,
+                bool holds_pole) {
     m_R = a.axes().transpose() * b.axes();
     m_is_near = true;
     Vec3 n = axes.s * m_side * cross(axes.a_k, axes.b_i);
@@ -123,7 +134,8 @@ class EulerTurn {
                of_last = cross(axes.b_i, n) * (axes.s * m_side);
     m_row_first = a.axes().transpose() * of_first;
     m_row_middle = a.axes().transpose() * n;
-    m_row_last = b.axes().transpose() * of_last;
+    m_last_is_in_a = holds_pole;
+    m_row_last = (m_last_is_in_a ? a.axes() : b.axes()).transpose() * of_last;
   }
   void goOnInCap(const Frame& a, const Frame& b) {
     if (!m_is_in_cap) {
@@ -134,10 +146,11 @@ class EulerTurn {
     const Vec3 turn = equations::rotation_vector(equations::quaternion(Mat3(R * m_R.transpose())));
     m_in_cap[first] += m_row_first.dot(turn) / m_c;
     m_in_cap[middle] += m_row_middle.dot(turn);
-    m_in_cap[last] += m_row_last.dot(m_R.transpose() * turn) / m_c;
+    m_in_cap[last] += m_row_last.dot(m_last_is_in_a ? turn : Vec3(m_R.transpose() * turn)) / m_c;
     m_R = R;
   }
-  void leaveCap(const Frame& a, const Frame& b, const equations::EulerAxes<Scalar>& axes) {
+  void leaveCap(const Frame& a, const Frame& b, const equations::EulerAxes<Scalar>& axes,
+                bool holds_pole) {
     m_is_in_cap = false;
     for (int n = 0; n < count; ++n) {
       m_angle[n].set(m_in_cap[n]);
@@ -145,14 +158,15 @@ class EulerTurn {
     }
     take(axes, true);
     for (int n = 0; n < count; ++n) m_offset[n] = m_in_cap[n] - m_angle[n].value();
-    remember(a, b, axes);
+    remember(a, b, axes, holds_pole);
   }
 
   UnwrappedAngle m_angle[count];
   Scalar m_offset[count] = {}, m_in_cap[count] = {};
   Scalar m_side = 1, m_c = 1;
   bool m_is_near = false, m_is_in_cap = false;
-  // Near the pole: R_a^T R_b, and unit rows, the last one in frame b.
+  bool m_last_is_in_a = false;
+  // Near the pole: R_a^T R_b, and unit rows, each in its frame.
   Mat3 m_R = Mat3::Identity();
   Vec3 m_row_first = Vec3::Zero(), m_row_middle = Vec3::Zero(), m_row_last = Vec3::Zero();
 };

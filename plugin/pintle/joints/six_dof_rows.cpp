@@ -27,6 +27,8 @@ constexpr int all_positions = 7, all_angles = 7 << first_angle;  // bits of axes
 constexpr Scalar max_cosine2 = Scalar(0.75);
 // 1 + cos(swing), inverted, above which a hinge has no angle (HingeModel).
 constexpr Scalar max_h_scale = 20;
+// rad/s, slow: at which angles that differ from Euler's come back to them.
+constexpr Scalar settling_speed = 1;
 // Of 85 degrees: of a spring about an outer axis so much is left at least.
 constexpr Scalar min_cosine = Scalar(0.0872);
 
@@ -138,7 +140,7 @@ inline SixDofModel::Observation SixDofModel::observe(const PosePair& poses) cons
 
 void SixDofModel::Observation::follow(const Vec3* turn) {
   if (euler) {
-    euler->update(a, b, order());
+    euler->update(a, b, order(), of.acts(first_angle + order().first));
   } else if (of.m_turning == Turning::hinge) {
     const auto to = twist();
     if (isSeen(to)) turns[of.m_hinge].update(to.x, to.y);
@@ -179,7 +181,16 @@ void SixDofModel::remember(Observation& seen, bool in_step) {
     }
     for (int i = 0; i < 3; ++i) m_turns[i] = seen.turns[i];
   } else if (seen.euler) {
-    if (in_step) seen.euler->settle(getMaxCorrectionSpeed() * timeStep());
+    for (int n = 0; in_step && n < EulerTurn::count; ++n) {
+      const StockAxis& axis = m_read.axes[first_angle + m_settings.order[n]];
+      // (A spring is not to jump.)
+      if (!axis.spring) {
+        const bool is_held = m_settings.axes[first_angle + m_settings.order[n]].limited();
+        seen.euler->settleWithin(n, is_held ? -axis.high : -infinity,
+                                 is_held ? -axis.low : infinity);
+      }
+      seen.euler->settle(n, settling_speed * timeStep());
+    }
     *m_euler = *seen.euler;
   }
   if (!in_step) return;
