@@ -281,7 +281,9 @@ TEST_P(Contract, TheWorldsCfmReachesEveryEquality) {
   for (int i = 0; i < rows.announced(); ++i) {
     const bool is_bounded =
         rows[i].lower() > -pintle::infinity || rows[i].upper() < pintle::infinity;
-    if (!is_bounded) EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
+    if (!is_bounded) {
+      EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
+    }
   }
 }
 
