@@ -359,6 +359,35 @@ TYPED_TEST(SixDof, HoldsTheTurnAboutThePole) {
   EXPECT_LT(double(y.angle(before.getColumn(1))), 0.35);
 }
 
+// As a game does, which puts a body back to where it began.
+TYPED_TEST(SixDof, ABodyThatIsPutBackFromBeyondThePoleStaysThere) {
+  for (const double seconds : {0.75, 0.8, 1.2, 2.5}) {
+    Arm<TypeParam> arm(0);
+    arm.limit({3, 5}, -0.1, 0.1);
+    arm.body.setAngularVelocity(vec(0, 2, 0));
+    arm.run(seconds);
+    arm.body.setCenterOfMassTransform(scenes::pose_at(vec(0, 0, 0)));
+    arm.body.setAngularVelocity(vec(0, 0, 0));
+    arm.run(1);
+    EXPECT_LT(double(arm.body.getAngularVelocity().length()), 1e-3) << seconds;
+    EXPECT_NEAR(arm.angle(1), 0, 1e-3) << seconds;
+  }
+}
+
+TYPED_TEST(SixDof, ALimitThatComesAfterOthersWereFreeFindsTheAngles) {
+  Arm<TypeParam> arm(0);
+  arm.body.setAngularVelocity(vec(0.3, 2, 0.5));
+  arm.run(4);
+  const double here = arm.angle(0);
+  arm.limit({3}, here - 0.5, here + 0.5);
+  double top = 0;
+  for (int i = 0; i < 60; ++i) {
+    arm.world.step(dt);
+    top = std::max(top, double(arm.body.getAngularVelocity().length()));
+  }
+  EXPECT_LT(top, 3.5);
+}
+
 TYPED_TEST(SixDof, SwitchingAnAxisMovesNothing) {
   Arm<TypeParam> arm(0, vec(0.1, 0, 0));
   arm.body.setAngularVelocity(vec(0.1, -0.2, 0.3));

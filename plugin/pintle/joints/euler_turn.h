@@ -39,16 +39,20 @@ class EulerTurn {
     const auto axes = eulerAxes(a, b, order);
     const Scalar m = axes.a_k.dot(axes.b_i), c2 = 1 - m * m;
     if (!m_is_in_cap && c2 > min_c2) {
-      take(axes, c2 < near_c2 || m_is_near);
+      take(axes);
       m_is_near = c2 < near_c2;
       if (m_is_near) remember(a, b, axes, holds_pole);
       return;
     }
     if (!m_is_in_cap && !m_is_near) {  // it starts there
-      take(axes, false);
+      take(axes);
       remember(a, b, axes, holds_pole);
     }
-    goOnInCap(a, b);
+    if (!goOnInCap(a, b)) {  // put there, by no motion
+      *this = EulerTurn();
+      take(axes);
+      return;
+    }
     if (c2 > min_c2) leaveCap(a, b, axes, holds_pole);
   }
   /// The other triple of the same pose (euler_angles.h).
@@ -88,12 +92,13 @@ class EulerTurn {
  private:
   // cos^2 of 85 degrees, of which the cap is the rest, and of 60: there it may be in the next step.
   static constexpr Scalar min_c2 = Scalar(0.0075961), near_c2 = Scalar(0.25);
+  static constexpr Scalar max_turn = 1;  // rad, in a step
 
-  // `looks_at_both`: a step may have come past the pole, where the outer angles change by half a turn.
-  void take(const equations::EulerAxes<Scalar>& axes, bool looks_at_both) {
+  // A step may have come past the pole, where the outer angles change by half a turn each; or somebody has put the bodies elsewhere.
+  void take(const equations::EulerAxes<Scalar>& axes) {
     UnwrappedAngle there[count];
     const Scalar change = angles(axes, m_side, there);
-    if (looks_at_both && change > SIMD_PI) {
+    if (change > SIMD_PI) {
       UnwrappedAngle other[count];
       if (angles(axes, -m_side, other) < change) {
         m_side = -m_side;
@@ -137,17 +142,20 @@ class EulerTurn {
     m_last_is_in_a = holds_pole;
     m_row_last = (m_last_is_in_a ? a.axes() : b.axes()).transpose() * of_last;
   }
-  void goOnInCap(const Frame& a, const Frame& b) {
+  // Returns false if no step turns that far.
+  bool goOnInCap(const Frame& a, const Frame& b) {
     if (!m_is_in_cap) {
       for (int n = 0; n < count; ++n) m_in_cap[n] = m_angle[n].value() + m_offset[n];
       m_is_in_cap = true;
     }
     const Mat3 R = a.axes().transpose() * b.axes();
     const Vec3 turn = equations::rotation_vector(equations::quaternion(Mat3(R * m_R.transpose())));
+    if (!(turn.dot(turn) < max_turn * max_turn)) return false;
     m_in_cap[first] += m_row_first.dot(turn) / m_c;
     m_in_cap[middle] += m_row_middle.dot(turn);
     m_in_cap[last] += m_row_last.dot(m_last_is_in_a ? turn : Vec3(m_R.transpose() * turn)) / m_c;
     m_R = R;
+    return true;
   }
   void leaveCap(const Frame& a, const Frame& b, const equations::EulerAxes<Scalar>& axes,
                 bool holds_pole) {
@@ -156,7 +164,7 @@ class EulerTurn {
       m_angle[n].set(m_in_cap[n]);
       m_offset[n] = 0;
     }
-    take(axes, true);
+    take(axes);
     for (int n = 0; n < count; ++n) m_offset[n] = m_in_cap[n] - m_angle[n].value();
     remember(a, b, axes, holds_pole);
   }

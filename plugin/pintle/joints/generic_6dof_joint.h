@@ -42,12 +42,18 @@ class Generic6DofJoint : public JointOf<btGeneric6DofConstraint, SixDofModel> {
                    bool useLinearReferenceFrameB = true)
       : JointOf(row_count, rbB, frameInB, useLinearReferenceFrameB) {}
 
-  /// Writes the rows at other poses of the bodies; no more than getInfo1 announced. The velocities are the bodies' own, whatever is
-  /// given.
+  ///@{
+  /// Count the rows of the step, as getInfo1 does, and write them at other poses of the bodies; no more than were counted. The velocities
+  /// are the bodies' own, whatever is given.
+  void getInfo1NonVirtual(btTypedConstraint::btConstraintInfo1* info) {
+    Generic6DofJoint::getInfo1(info);
+  }
   void getInfo2NonVirtual(btTypedConstraint::btConstraintInfo2* info, const btTransform& transA,
-                          const btTransform& transB, const btVector3& linVelA,
-                          const btVector3& linVelB, const btVector3& angVelA,
-                          const btVector3& angVelB);
+                          const btTransform& transB, const btVector3&, const btVector3&,
+                          const btVector3&, const btVector3&) {
+    writeRowsAt(*info, transA, transB);
+  }
+  ///@}
 
   // --- beyond Bullet -----------------------------------------------------------------------------
   ///@{

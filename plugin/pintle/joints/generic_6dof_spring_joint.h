@@ -35,6 +35,19 @@ class Generic6DofSpringJoint : public JointOf<btGeneric6DofSpringConstraint, Six
                          bool useLinearReferenceFrameB = true)
       : JointOf(row_count, rbB, frameInB, useLinearReferenceFrameB) {}
 
+  ///@{
+  /// Count the rows of the step, as getInfo1 does, and write them at other poses of the bodies; no more than were counted. The velocities
+  /// are the bodies' own, whatever is given.
+  void getInfo1NonVirtual(btTypedConstraint::btConstraintInfo1* info) {
+    Generic6DofSpringJoint::getInfo1(info);
+  }
+  void getInfo2NonVirtual(btTypedConstraint::btConstraintInfo2* info, const btTransform& transA,
+                          const btTransform& transB, const btVector3&, const btVector3&,
+                          const btVector3&, const btVector3&) {
+    writeRowsAt(*info, transA, transB);
+  }
+  ///@}
+
   // --- beyond Bullet -----------------------------------------------------------------------------
   ///@{
   /// Bullet hides those that are not const.

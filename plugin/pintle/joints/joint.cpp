@@ -102,6 +102,11 @@ inline void writeParts(RowWriter& out, const AxisState& axis, const Lanes& L, co
                 parts[i].upper);
 }
 
+// Whether a spring is a row (axis_part.h).
+bool isStiff(const Spring& spring, Scalar dt, Scalar K) {
+  return softnessOf(spring, dt, K).gamma <= max_spring_cfm * dt;
+}
+
 bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
   return std::any_of(parts, parts + Axis::parts, [](const AxisRow& part) { return part.cfm > 0; });
 }
@@ -211,7 +216,12 @@ void Joint::beginStep() {
   m_last_angular_speed = m_angular_speed;
   m_angular_speed =
       btSqrt(btMax(bodyA().getAngularVelocity().length2(), bodyB().getAngularVelocity().length2()));
-  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).beginStep();
+  for (int i = 0; i < m_rows.axisCount(); ++i) {
+    AxisState& state = m_rows.axis(i);
+    state.beginStep();
+    if (state.axis != nullptr && state.axis->spring.isSet())
+      state.yields = !(state.K > 0) || isStiff(state.axis->spring, m_time_step, state.K);
+  }
   m_solver_rows = nullptr;
   // A solver that did not show its passes, or not all: what is remembered is old.
   m_remembers = m_learned && m_passes_left == 0;
@@ -358,7 +368,7 @@ void Joint::placeRows(int room) {
       state.row[part] = static_cast<signed char>(acts && n < room ? n++ : -1);
     };
     place(Axis::spring_pull, axis.spring.isSet());
-    place(Axis::spring_yield, axis.spring.isSet());
+    place(Axis::spring_yield, axis.spring.isSet() && state.yields);
     place(Axis::friction, axis.max_friction > 0);
     place(Axis::motor, axis.drive != Axis::Drive::off);
     place(Axis::limit, m_rows[i].limit);

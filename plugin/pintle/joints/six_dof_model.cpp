@@ -173,6 +173,7 @@ void SixDofModel::takeAxis(int i, const StockAxis& from, Complaints* complaints)
 
 void SixDofModel::settingsChanged(const StockSixDof& before) {
   const Turning last_turning = m_turning;
+  const bool followed_angles = m_turning != Turning::box || m_acting >> first_angle != 0;
   const signed char last_axes[] = {m_hinge, m_of_a, m_of_b};
   Scalar last_angles[3];
   for (int i = 0; i < 3; ++i) last_angles[i] = angleOf(i);
@@ -208,8 +209,9 @@ void SixDofModel::settingsChanged(const StockSixDof& before) {
       m_has_changing_axes = true;
   }
 
-  const bool is_another = order_changed || last_turning != m_turning || last_axes[0] != m_hinge ||
-                          last_axes[1] != m_of_a || last_axes[2] != m_of_b;
+  const bool is_another = !followed_angles || order_changed || last_turning != m_turning ||
+                          last_axes[0] != m_hinge || last_axes[1] != m_of_a ||
+                          last_axes[2] != m_of_b;
   if (is_another) return resetAngles(last_angles);
   // A limit that is set anew holds in the turn that the joint is in, or nearest to it.
   for (int i = 0; i < 3; ++i) {
@@ -227,6 +229,7 @@ void SixDofModel::setTurning() {
              last_is_locked = isLocked(first_angle + last);
   const int locked = int(first_is_locked) + int(middle_is_locked) + int(last_is_locked);
   m_hinge = m_of_a = m_of_b = 0;
+  m_turns_shafts = locked == 1;
   m_turning = locked == 3   ? Turning::locked
               : locked == 2 ? Turning::hinge
               : locked == 1 ? Turning::universal

@@ -61,8 +61,9 @@ struct AxisState {
   bool given : 1;     ///< whether a part is an impulse, given whatever other joints do
   bool seen : 1;      ///< whether a solver has shown what they did to it
   bool foreseen : 1;  ///< whether that is reckoned with in this step
+  bool yields : 1;    ///< whether its spring is stiff enough to be a row, in the last step
 
-  AxisState() : acted(false), given(false), seen(false), foreseen(false) {}
+  AxisState() : acted(false), given(false), seen(false), foreseen(false), yields(true) {}
   void beginStep() {
     if (acted) {
       last_incoming = incoming;

@@ -244,7 +244,8 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
     K_beside = inverseMassBeside(of, row.J);
     motion.K = Scalar(K_beside);
   }
-  if (axis.spring.isSet()) addPart(ownSpringPart(axis, motion), Axis::spring_pull, &axis.spring);
+  // Implicit at any stiffness, also where a step would resolve it.
+  if (axis.spring.isSet()) addPart(ownSpringPart(axis, motion), Axis::spring_pull, nullptr);
   if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction, nullptr);
   if (axis.drive != Axis::Drive::off)
     addPart(motorPart(axis, motion), Axis::motor,
