@@ -1,5 +1,9 @@
 // Purpose: the drawings of joints that hold frames together, or but for an axis.
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/generic_6dof_joint.h>
+#include <pintle/joints/generic_6dof_spring_2_joint.h>
+#include <pintle/joints/generic_6dof_spring_joint.h>
+#include <pintle/joints/hinge_2_joint.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/unstable/single_row_lock.h>
 
@@ -11,11 +15,14 @@ namespace drawings {
 namespace {
 
 template <class Joint>
-Made lock(const char* file, const char* title, const char* subtitle,
-          std::vector<std::string> notes) {
+Made lock(
+    const char* file, const char* title, const char* subtitle, std::vector<std::string> notes,
+    void (*set)(Joint&) = [](Joint&) {}) {
   const btTransform in_a = at(-0.62, 0, 0), in_b = at(0.62, 0, 0);
   const MakeJoint make = [&](btRigidBody& a, btRigidBody& b) {
-    return std::make_unique<Joint>(a, b, in_a, in_b);
+    auto joint = std::make_unique<Joint>(a, b, in_a, in_b);
+    set(*joint);
+    return joint;
   };
   const Poses poses{in_b * in_a.inverse(), at(0, 0, 0)};
   Pair pair(poses, make);
@@ -41,6 +48,22 @@ Made lock(const char* file, const char* title, const char* subtitle,
   Sketch::Caption text = caption(title, subtitle, kAInB, degreesOf(make, poses, true, frame));
   text.notes = std::move(notes);
   return {file, sketch.svg(text), sketch.tile(text.title)};
+}
+
+// A stretch along x, a turn about it, and a bend.
+template <class Joint>
+void setAxes(Joint& joint) {
+  joint.setLimit(0, btScalar(-0.3), btScalar(0.3));
+  joint.setLimit(4, rad(-30), rad(30));
+  joint.setLimit(5, 0, 0);
+}
+template <class Joint>
+void setSprings(Joint& joint) {
+  setAxes(joint);
+  for (const int axis : {0, 4}) {
+    joint.enableSpring(axis, true);
+    joint.setStiffness(axis, 100);
+  }
 }
 
 Made slider() {
@@ -129,13 +152,26 @@ Made slider() {
 }  // namespace
 
 std::vector<Made> drawFrames() {
-  return {slider(),
-          lock<pintle::FixedJoint>("fixed_joint", "FixedJoint", "A weld: two frames coincide",
-                                   {"Nothing is free."}),
-          lock<pintle::SingleRowLock>(
-              "single_row_lock", "SingleRowLock",
-              "For comparison only: one row along the error of the orientation",
-              {"Where there is no error there is no", "row: nothing holds the turn."})};
+  return {
+      slider(),
+      lock<pintle::FixedJoint>("fixed_joint", "FixedJoint", "A weld: two frames coincide",
+                               {"Nothing is free."}),
+      lock<pintle::Generic6DofJoint>(
+          "generic_6dof_joint", "Generic6DofJoint", "Each axis is locked, limited or free",
+          {"Here x is limited, and so is the", "turn about y; that about x is free."}, setAxes),
+      lock<pintle::Generic6DofSpringJoint>(
+          "generic_6dof_spring_joint", "Generic6DofSpringJoint", "The same, with springs",
+          {"Here with springs along x and about y,", "within their limits."}, setSprings),
+      lock<pintle::Generic6DofSpring2Joint>(
+          "generic_6dof_spring_2_joint", "Generic6DofSpring2Joint",
+          "The same, with springs, servos and any order of angles",
+          {"Here with springs along x and about y,", "within their limits."}, setSprings),
+      lock<pintle::Hinge2Joint>("hinge_2_joint", "Hinge2Joint",
+                                "A wheel: sprung along z, steered about it", {"It turns about x."}),
+      lock<pintle::SingleRowLock>(
+          "single_row_lock", "SingleRowLock",
+          "For comparison only: one row along the error of the orientation",
+          {"Where there is no error there is no", "row: nothing holds the turn."})};
 }
 
 }  // namespace drawings

@@ -14,6 +14,10 @@ class ContactJoint;
 class DistanceJoint;
 class DotHinge;
 class FixedJoint;
+class Generic6DofJoint;
+class Generic6DofSpring2Joint;
+class Generic6DofSpringJoint;
+class Hinge2Joint;
 class QuaternionHinge;
 class SliderJoint;
 class TwoPointHinge;
@@ -29,6 +33,7 @@ class BallModel;
 class ConeTwistModel;
 class HingeModel;
 class QuaternionHingeModel;
+class SixDofModel;
 class SliderModel;
 class StandaloneJoint;
 

@@ -11,6 +11,10 @@
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/draw_joints.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/generic_6dof_joint.h>
+#include <pintle/joints/generic_6dof_spring_2_joint.h>
+#include <pintle/joints/generic_6dof_spring_joint.h>
+#include <pintle/joints/hinge_2_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/two_point_hinge.h>

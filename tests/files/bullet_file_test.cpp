@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
+#include <pintle/joints/generic_6dof_joint.h>
+#include <pintle/joints/generic_6dof_spring_2_joint.h>
+#include <pintle/joints/generic_6dof_spring_joint.h>
+#include <pintle/joints/hinge_2_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <scenes/world.h>
@@ -155,6 +159,57 @@ TEST(BulletFile, AConeTwistIsLoadedAsBullets) {
   EXPECT_FLOAT_EQ(float(of->getDamping()), 0.125f);
   EXPECT_EQ(of->getAFrame().getOrigin(), cone.getAFrame().getOrigin());
   for (int i = 0; i < 60; ++i) loaded.world().stepSimulation(btScalar(1. / 60), 0);
+}
+
+// What is written of any of them, and that a loaded one moves.
+template <class Stock, class J>
+void expectLoadedAsBullets() {
+  Boxes written;
+  auto& joint = written.world.add_joint<J>(written.a, written.b, at(0.5, 0.3), at(-0.5, 0.3));
+  for (int i = 0; i < 6; ++i)
+    joint.setLimit(i, btScalar(-0.125) * btScalar(i), btScalar(0.25) * btScalar(i));
+  Loaded loaded(written.world.bullet());
+  auto* const of = onlyJoint<Stock>(loaded);
+  ASSERT_NE(of, nullptr);
+  btVector3 low, high, low_angle, high_angle;
+  of->getLinearLowerLimit(low);
+  of->getLinearUpperLimit(high);
+  of->getAngularLowerLimit(low_angle);
+  of->getAngularUpperLimit(high_angle);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FLOAT_EQ(float(low[i]), -0.125f * float(i));
+    EXPECT_FLOAT_EQ(float(high[i]), 0.25f * float(i));
+    EXPECT_NEAR(double(low_angle[i]), -0.125 * (3 + i), 1e-6);
+    EXPECT_NEAR(double(high_angle[i]), 0.25 * (3 + i), 1e-6);
+  }
+  EXPECT_EQ(of->getFrameOffsetA().getOrigin(), joint.getFrameOffsetA().getOrigin());
+  for (int i = 0; i < 60; ++i) loaded.world().stepSimulation(btScalar(1. / 60), 0);
+}
+
+// (Files keep only Bullet's type number: a hinge 2 is the joint that its settings make.)
+TEST(BulletFile, JointsOfSixDegreesOfFreedomAreLoadedAsBullets) {
+  expectLoadedAsBullets<btGeneric6DofConstraint, pintle::Generic6DofJoint>();
+  expectLoadedAsBullets<btGeneric6DofSpringConstraint, pintle::Generic6DofSpringJoint>();
+  expectLoadedAsBullets<btGeneric6DofSpring2Constraint, pintle::Generic6DofSpring2Joint>();
+  expectLoadedAsBullets<btGeneric6DofSpring2Constraint, pintle::Hinge2Joint>();
+}
+
+TEST(BulletFile, SpringsAreLoadedAsBullets) {
+  Boxes written;
+  auto& joint = written.world.add_joint<pintle::Generic6DofSpring2Joint>(
+      written.a, written.b, at(0.5, 0.3), at(-0.5, 0.3));
+  joint.enableSpring(4, true);
+  joint.setStiffness(4, 20);
+  joint.setDamping(4, btScalar(0.5));
+  joint.setEquilibriumPoint(4, btScalar(0.25));
+  Loaded loaded(written.world.bullet());
+  auto* const of = onlyJoint<btGeneric6DofSpring2Constraint>(loaded);
+  ASSERT_NE(of, nullptr);
+  const btRotationalLimitMotor2& motor = *of->getRotationalLimitMotor(1);
+  EXPECT_TRUE(motor.m_enableSpring);
+  EXPECT_FLOAT_EQ(float(motor.m_springStiffness), 20);
+  EXPECT_FLOAT_EQ(float(motor.m_springDamping), 0.5f);
+  EXPECT_FLOAT_EQ(float(motor.m_equilibriumPoint), 0.25f);
 }
 
 }  // namespace

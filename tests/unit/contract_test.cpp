@@ -278,7 +278,13 @@ TEST_P(Contract, TheWorldsCfmReachesEveryEquality) {
   const SolverRows rows = SolverRows::ofStep(*joint, info);
   if (!holds()) return;
   ASSERT_GT(rows.announced(), 1);
-  for (int i = 0; i < rows.announced(); ++i) EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
+  for (int i = 0; i < rows.announced(); ++i) {
+    const bool is_bounded =
+        rows[i].lower() > -pintle::infinity || rows[i].upper() < pintle::infinity;
+    if (!is_bounded) {
+      EXPECT_EQ(rows[i].cfm(), scalar(0.0625)) << i;
+    }
+  }
 }
 
 // From 1 on Bullet's iteration of a soft row diverges, and stock joints do.

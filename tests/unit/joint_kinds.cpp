@@ -8,6 +8,10 @@
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/generic_6dof_joint.h>
+#include <pintle/joints/generic_6dof_spring_2_joint.h>
+#include <pintle/joints/generic_6dof_spring_joint.h>
+#include <pintle/joints/hinge_2_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/two_point_hinge.h>
@@ -247,6 +251,94 @@ void set(SliderJoint& slider, int variant) {
   }
 }
 
+// A lock, a hinge, universal joints, boxes, and axes locked at values that are not 0. Each has an axis that is locked.
+template <class J>
+void setAxes(J& joint, int variant) {
+  const auto set = [&](int axis, double low, double high) {
+    joint.setLimit(axis, scalar(low), scalar(high));
+  };
+  if (variant == 1)
+    for (int i = 3; i < 6; ++i) set(i, 0, 0);
+  if (variant == 2) {
+    set(0, -0.2, 0.3);
+    set(3, 0, 0);
+    set(4, -0.2, 0.3);
+    set(5, 0, 0);
+  }
+  if (variant == 3) {
+    set(0, 1, -1);
+    set(2, -0.2, 0.3);
+    set(3, 0, 0);
+    set(4, -0.2, 0.3);
+    set(5, -0.3, 0.2);
+  }
+  if (variant == 4) {
+    set(0, 0.1, 0.1);
+    set(1, -0.2, 0.2);
+    for (int i = 3; i < 6; ++i) set(i, -0.3, 0.2);
+  }
+  if (variant == 5) {
+    for (int i = 0; i < 6; ++i) set(i, 0.02 * i, 0.02 * i);
+    set(5, 1, -1);
+    for (int i = 0; i < 6; ++i) joint.setParam(BT_CONSTRAINT_STOP_ERP, scalar(0.1 + 0.05 * i), i);
+    joint.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.01), 1);
+    joint.setParam(BT_CONSTRAINT_STOP_CFM, scalar(0.01), 4);
+  }
+  if (variant == 6) {
+    set(3, 1, -1);
+    set(4, 0.3, 0.3);
+    set(5, -0.5, 0.5);
+  }
+}
+
+void set(pintle::Generic6DofJoint& joint, int variant) {
+  setAxes(joint, variant);
+  if (variant == 3 || variant == 4) {
+    joint.getTranslationalLimitMotor()->m_enableMotor[2] = true;
+    joint.getTranslationalLimitMotor()->m_targetVelocity[2] = 1;
+    joint.getTranslationalLimitMotor()->m_maxMotorForce[2] = 20;
+    btRotationalLimitMotor& motor = *joint.getRotationalLimitMotor(1);
+    motor.m_enableMotor = true;
+    motor.m_targetVelocity = 2;
+    motor.m_bounce = scalar(0.5);
+  }
+}
+
+template <class J>
+void setSprings(J& joint) {
+  for (int i = 0; i < 6; ++i) {
+    joint.enableSpring(i, true);
+    joint.setStiffness(i, i < 3 ? 100 : 10);
+    joint.setDamping(i, scalar(0.1));
+    joint.setEquilibriumPoint(i, scalar(0.05));
+  }
+}
+
+void set(pintle::Generic6DofSpringJoint& joint, int variant) {
+  setAxes(joint, variant);
+  if (variant >= 2) setSprings(joint);
+}
+
+template <class J>
+void setSpring2(J& joint, int variant) {
+  setAxes(joint, variant);
+  if (variant == 2 || variant >= 4) setSprings(joint);
+  if (variant == 3 || variant == 4) {
+    joint.enableMotor(2, true);
+    joint.setTargetVelocity(2, 1);
+    joint.setMaxMotorForce(2, 20);
+    joint.enableMotor(4, true);
+    joint.setServo(4, true);
+    joint.setServoTarget(4, scalar(0.1));
+    joint.setTargetVelocity(4, 1);
+    joint.setBounce(5, scalar(0.5));
+  }
+  if (variant == 3) joint.setRotationOrder(RO_ZXY);
+}
+
+void set(pintle::Generic6DofSpring2Joint& joint, int variant) { setSpring2(joint, variant); }
+void set(pintle::Hinge2Joint& joint, int variant) { setSpring2(joint, variant); }
+
 // Where the frames that the test gave meet, these are apart: the cone has no direction in its middle.
 btQuaternion turnFrame(ConeTwistJoint& joint, double x, double y, double z) {
   const btVector3 turn = support::vec(x, y, z);
@@ -355,6 +447,10 @@ std::vector<Kind> all() {
   add<ConeTwistJoint>(list, "ConeTwistJoint", 10, {false, "A", "", true});
   add<SliderJoint>(list, "SliderJoint", 6, {true, "B", ""});
   add<pintle::FixedJoint>(list, "FixedJoint", 3);
+  add<pintle::Generic6DofJoint>(list, "Generic6DofJoint", 7, {true, "B", ""});
+  add<pintle::Generic6DofSpringJoint>(list, "Generic6DofSpringJoint", 7, {true, "B", ""});
+  add<pintle::Generic6DofSpring2Joint>(list, "Generic6DofSpring2Joint", 7, {true, "B", ""});
+  add<pintle::Hinge2Joint>(list, "Hinge2Joint", 7, {true, "B", ""});
   add<pintle::DotHinge>(list, "DotHinge", 6);
   add<TwoPointHinge>(list, "TwoPointHinge", 9);
   add<pintle::CrossProductHinge>(list, "CrossProductHinge", 3);

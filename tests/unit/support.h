@@ -117,7 +117,7 @@ struct StepInfo {
 /// The rows of one joint, in memory that was NaN before the joint wrote to it.
 class SolverRows {
  public:
-  static constexpr int capacity = 12;
+  static constexpr int capacity = 32;
 
   SolverRows() { clear(); }
 

@@ -15,8 +15,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-constexpr int max_groups = 3;
-
 // Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
 constexpr Scalar diverging_cfm = 1;
 
@@ -92,11 +90,12 @@ bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
 struct BulletRows::Step {
   BodyPair pair;
   Scalar dt, fps;
-  Scalar limit_erp;                          ///< unless the limit has its own
-  Scalar rate[max_groups], cfm[max_groups];  ///< of equalities: erp / dt, and softness
-  bool rigid;                                ///< no equality is soft
-  bool is_needle;                            ///< one of the bodies
-  Scalar curved_time;  ///< s: with the curvature, what it adds to a mean velocity
+  Scalar limit_erp;  ///< unless the limit has its own
+  Scalar rate[Joint::max_groups],
+      cfm[Joint::max_groups];  ///< of equalities: erp / dt, and softness
+  bool rigid;                  ///< no equality is soft
+  bool is_needle;              ///< one of the bodies
+  Scalar curved_time;          ///< s: with the curvature, what it adds to a mean velocity
   ImpulseSetting setting;
 
   Step(const Joint& joint, const Info2& info, Scalar default_cfm, Scalar curved)
@@ -116,7 +115,7 @@ struct BulletRows::Step {
   void setGroups(const Joint& joint, const Info2& info, Scalar default_cfm) {
     rigid = true;
     const ErpCfm* const all = joint.groups();
-    for (int i = 0; i < max_groups; ++i) {
+    for (int i = 0; i < Joint::max_groups; ++i) {
       const ErpCfm& group = all[i];
       rate[i] = group.factor * group.erp.orElse(info.erp) * fps;
       cfm[i] = group.cfm.orElse(default_cfm);
@@ -126,7 +125,7 @@ struct BulletRows::Step {
 
   // Whether Bullet's iteration would diverge for an equality.
   bool tooSoft(const Joint& joint) const {
-    const int n = joint.m_erp_cfm_differs ? max_groups : 1;
+    const int n = joint.m_erp_cfm_differs ? Joint::max_groups : 1;
     return !std::all_of(cfm, cfm + n, [](Scalar c) { return c < diverging_cfm; });
   }
 
@@ -199,6 +198,8 @@ void BulletRows::place(int room) {
     const auto place = [&](Axis::Part part, bool acts) {
       state.row[part] = static_cast<signed char>(acts && n < room ? n++ : -1);
     };
+    place(Axis::spring_pull, axis.spring.isSet());
+    place(Axis::spring_yield, axis.spring.isSet() && state.yields);
     place(Axis::friction, axis.max_friction > 0);
     place(Axis::motor, axis.drive != Axis::Drive::off);
     place(Axis::limit, m_rows[i].limit);

@@ -1,6 +1,7 @@
 // Purpose: what Bullet's iterating solvers make of a joint's rows: it writes them as Bullet takes them, and acts between the passes over them.
 #pragma once
 
+#include <pintle/rows/axis_settings.h>
 #include <pintle/rows/row_list.h>
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
@@ -75,10 +76,10 @@ class BulletRows {
   void writePlain(Info2& info, const Step& step);
   void writeDelicate(Info2& info, const Step& step);
   void act(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
-           AxisRow (&parts)[3]);
-  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[3]);
+           AxisRow (&parts)[Axis::parts]);
+  void actBesideEqualities(Row& row, const Step& step, AxisRow (&parts)[Axis::parts]);
   bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
-                 AxisMotion& motion, AxisRow (&parts)[3]);
+                 AxisMotion& motion, AxisRow (&parts)[Axis::parts]);
 
   void beginPasses(const Info2& info, bool independent);
   void actBetweenPasses(btSolverBody& a, btSolverBody& b);

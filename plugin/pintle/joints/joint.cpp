@@ -1,6 +1,7 @@
 #include <pintle/joints/joint.h>
 
 #include <pintle/body_pair.h>
+#include <pintle/rows/axis_part.h>
 #include <pintle/rows/row.h>
 
 namespace pintle {
@@ -25,6 +26,11 @@ Scalar motorFactor(Scalar position, Scalar low, Scalar high, Scalar velocity, Sc
   const Scalar left = velocity < 0 ? low - position : high - position;
   const Scalar part = left / way;
   return part < 0 ? Scalar(0) : part < 1 ? part : Scalar(1);
+}
+
+// Whether a spring is a row (axis_part.h).
+bool isStiff(const Spring& spring, Scalar dt, Scalar K) {
+  return softnessOf(spring, dt, K).gamma <= max_spring_cfm * dt;
 }
 
 }  // namespace
@@ -67,7 +73,12 @@ void Joint::beginStep() {
   m_last_angular_speed = m_angular_speed;
   m_angular_speed =
       btSqrt(btMax(bodyA().getAngularVelocity().length2(), bodyB().getAngularVelocity().length2()));
-  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).beginStep();
+  for (int i = 0; i < m_rows.axisCount(); ++i) {
+    AxisState& state = m_rows.axis(i);
+    state.beginStep();
+    if (state.axis != nullptr && state.axis->spring.isSet())
+      state.yields = !(state.K > 0) || isStiff(state.axis->spring, m_time_step, state.K);
+  }
   m_bullet_rows.beginStep();
 }
 
@@ -88,11 +99,13 @@ AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyP
   motion.limit = row.limit;
   motion.fps = fps;
   motion.limit_erp = m_limit_erp.orElse(default_limit_erp);
+  motion.motor_erp = motion.limit_erp;
   motion.motor_cfm = m_motor_cfm.orElse(0);
   Parameter limit_cfm = m_limit_cfm;
   if (axis.own != nullptr) {
     motion.limit_erp = axis.own->limit_erp.orElse(motion.limit_erp);
     motion.motor_cfm = axis.own->motor_cfm.orElse(motion.motor_cfm);
+    motion.motor_erp = axis.own->motor_erp.orElse(motion.limit_erp);
     if (axis.own->limit_cfm.isSet()) limit_cfm = axis.own->limit_cfm;
   }
   // As Bullet has it: the motor's unless the limit has its own.
@@ -101,7 +114,7 @@ AxisMotion Joint::axisMotion(const Row& row, const AxisState& state, const BodyP
   // Bullet's own: a motor slows down before a limit. It changes nothing in the constraint.
   if (axis.drive == Axis::Drive::velocity)
     motion.motor_factor =
-        motorFactor(row.position, axis.low, axis.high, axis.motor_velocity, fps * motion.limit_erp);
+        motorFactor(row.position, axis.low, axis.high, axis.motor_velocity, fps * motion.motor_erp);
   if (axis.normalized_motor) motion.motor_inertia = motorInertia(row, pair);
   return motion;
 }

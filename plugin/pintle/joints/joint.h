@@ -117,8 +117,9 @@ class Joint {
     addRows(poses, rows);
   }
   virtual ImpulseSetting impulseSetting() const { return {}; }
-  /// Three, by Row::group, if m_erp_cfm_differs.
+  /// max_groups, by Row::group, if m_erp_cfm_differs.
   virtual const ErpCfm* groups() const { return nullptr; }
+  static constexpr int max_groups = 6;
   using Info1 = btTypedConstraint::btConstraintInfo1;
   using Info2 = btTypedConstraint::btConstraintInfo2;
   ///@{

@@ -96,7 +96,7 @@ class SliderModel : public ObservedJoint<SliderModel, Joint> {
   Look m_looks[axes];
   StockSliderBits m_read;  ///< as Bullet's object was read last
   AxisParameters m_linear_parameters, m_angular_parameters;
-  ErpCfm m_erp_cfm[group_count];
+  ErpCfm m_erp_cfm[max_groups];
   StockMotor m_read_linear_motor = {false, 0, 0}, m_read_angular_motor = {false, 0, 0};
   Scalar m_read_low = 0, m_read_high = 0;  ///< rad: of Bullet's object, when it was read
   bool m_turn_given = false;

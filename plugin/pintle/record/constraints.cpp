@@ -112,6 +112,12 @@ void describeUniversal(Universal& joint, btScalar second, Description& to) {
   addTurn(2, low[2], high[2], SIMD_2_PI, to);
 }
 
+void setOrder(RotateOrder order, Description& to) {
+  static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
+                                   {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  std::copy_n(orders[int(order)], 3, to.order);
+}
+
 bool describePintle(Joint& joint, Description& to) {
   if (auto* hinge = dynamic_cast<HingeBase*>(&joint)) {
     describeHinge(*hinge, to);
@@ -122,6 +128,14 @@ bool describePintle(Joint& joint, Description& to) {
   } else if (auto* universal = dynamic_cast<UniversalJoint*>(&joint)) {
     describeUniversal(*universal, SIMD_2_PI, to);
     if (universal->getAngularOnly()) holdNothing(to);
+  } else if (dynamic_cast<SixDofModel*>(&joint) != nullptr) {
+    if (auto* first = dynamic_cast<btGeneric6DofConstraint*>(&joint.constraint())) {
+      describeSixDof(*first, to);
+    } else {
+      auto& second = static_cast<btGeneric6DofSpring2Constraint&>(joint.constraint());
+      setOrder(second.getRotationOrder(), to);
+      describeSixDof(second, to);
+    }
   } else if (auto* ball = dynamic_cast<BallJoint*>(&joint)) {
     to.in_a.setOrigin(ball->getPivotInA());
     to.in_b.setOrigin(ball->getPivotInB());
@@ -150,12 +164,6 @@ bool describePintle(Joint& joint, Description& to) {
       to.limits.push_back({Limit::Kind::bend, 0, shafts->getBendLimit()});
   }
   return true;
-}
-
-void setOrder(RotateOrder order, Description& to) {
-  static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
-                                   {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  std::copy_n(orders[int(order)], 3, to.order);
 }
 
 void describeStock(btTypedConstraint& constraint, Description& to) {

@@ -64,6 +64,15 @@ double meet(const Slope* slope, const AxisPart* part, double u_free, double K) {
   return f_right > f_left ? left - f_left * (right - left) / (f_right - f_left) : left;
 }
 
+// A stiff spring is a soft row, of which an iteration leaves the part cfm. What it comes to for the joint alone is given, and the row
+// has what others change of that: of a joint alone nothing is left to iterate.
+void yieldToOthers(double pull, Scalar K, AxisRow (&rows)[Axis::parts]) {
+  AxisRow &given = rows[Axis::spring_pull], &rest = rows[Axis::spring_yield];
+  rest = given;
+  rest.target -= Scalar(double(given.cfm) * double(K) * pull);
+  given = {0, 0, Scalar(pull), Scalar(pull)};
+}
+
 }  // namespace
 
 bool solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state,
@@ -72,6 +81,7 @@ bool solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state,
   if (!(m.K > 0)) return false;  // neither body can move
 
   AxisPart part[Axis::parts];
+  if (axis.spring.isSet()) part[Axis::spring_pull] = ownSpringPart(axis, m);
   if (axis.drive != Axis::Drive::off) part[Axis::motor] = motorPart(axis, m);
   if (axis.max_friction > 0) part[Axis::friction] = frictionPart(axis, m);
   if (m.limit) part[Axis::limit] = limitPart(axis, m, state.incoming);
@@ -81,12 +91,15 @@ bool solveAxis(const Axis& axis, const AxisMotion& m, AxisState& state,
     slope[i] = Slope(part[i], double(m.K));
     given = given || (part[i].on && !part[i].rigid);
   }
-  const double u = given ? meet(slope, part, double(m.free_velocity), double(m.K)) : 0;
+  const bool meets = given || part[Axis::spring_pull].on;
+  const double u = meets ? meet(slope, part, double(m.free_velocity), double(m.K)) : 0;
   for (const Axis::Part i : Axis::each_part) {
     if (!part[i].on) continue;
     rows[i] = part[i].row;
     if (!part[i].rigid) rows[i].lower = rows[i].upper = Scalar(slope[i].at(u));
   }
+  if (part[Axis::spring_pull].on && part[Axis::spring_pull].rigid)
+    yieldToOthers(slope[Axis::spring_pull].at(u), m.K, rows);
   return given;
 }
 

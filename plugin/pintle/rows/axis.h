@@ -23,6 +23,7 @@ struct AxisMotion {
   bool limit;        ///< whether the limit may act in this step
   Scalar fps;
   Scalar limit_erp;
+  Scalar motor_erp;             ///< of a drive that approaches its target
   Scalar motor_cfm, limit_cfm;  ///< as Bullet has them: fractions of K
   Scalar motor_factor;          ///< of motor_velocity: Bullet's motors slow down before a limit
   Scalar motor_inertia = 1;     ///< of a normalized motor, kg m^2
@@ -53,15 +54,16 @@ struct AxisState {
   Scalar disturbance = 0;           ///< what others added to that velocity in the last step
   Scalar foreseen_disturbance = 0;  ///< what they are expected to add in this one
   /// Where Bullet has the parts' rows among those of the joint; -1: the part does not act.
-  std::array<signed char, Axis::parts> row = {-1, -1, -1};
+  std::array<signed char, Axis::parts> row = {-1, -1, -1, -1, -1};
   /// J v = sign * d/dt of the coordinate (+1 or -1): which way Bullet counts the impulse.
   signed char sign = 1;
   bool acted : 1;     ///< whether there is a row in this step
   bool given : 1;     ///< whether a part is an impulse, given whatever other joints do
   bool seen : 1;      ///< whether a solver has shown what they did to it
   bool foreseen : 1;  ///< whether that is reckoned with in this step
+  bool yields : 1;    ///< whether its spring is stiff enough to be a row, in the last step
 
-  AxisState() : acted(false), given(false), seen(false), foreseen(false) {}
+  AxisState() : acted(false), given(false), seen(false), foreseen(false), yields(true) {}
   void beginStep() {
     if (acted) {
       last_incoming = incoming;

@@ -25,10 +25,19 @@ inline AxisPart rigidPart(Scalar target, Scalar cfm, Scalar lower, Scalar upper)
   return {{target, cfm, lower, upper}, cfm < 1, true};
 }
 
-inline AxisPart springPart(const Spring& spring, Scalar error, Scalar dt, Scalar lower,
+/// Softness as a fraction of K = J M^-1 J^T of the coordinate.
+inline equations::Softness<Scalar> softnessOf(const Spring& spring, Scalar dt, Scalar K) {
+  if (!spring.hasUnits())
+    return equations::softness_by_frequency<Scalar>(spring.angular_frequency, spring.damping_ratio,
+                                                    dt, Scalar(1));
+  auto soft = equations::softness<Scalar>(spring.stiffness, spring.damping, dt);
+  soft.gamma /= K;
+  return soft;
+}
+
+inline AxisPart springPart(const Spring& spring, Scalar error, Scalar dt, Scalar K, Scalar lower,
                            Scalar upper) {
-  const auto soft = equations::softness_by_frequency<Scalar>(spring.angular_frequency,
-                                                             spring.damping_ratio, dt, Scalar(1));
+  const auto soft = softnessOf(spring, dt, K);
   const Scalar cfm = soft.gamma / dt;
   return {{-equations::baumgarte(error, soft.beta, dt), cfm, lower, upper},
           cfm <= max_spring_cfm,
@@ -72,7 +81,7 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
   const Scalar side = limit.side, gap = limit.gap;
   if (axis.hasLimitSpring()) {
     if (gap > 0 && !locked) return {};
-    return springPart(axis.limit_spring, side * gap, 1 / m.fps, lower, upper);
+    return springPart(axis.limit_spring, side * gap, 1 / m.fps, m.K, lower, upper);
   }
   const Scalar rebound = reboundSpeed(axis, m, limit);
   if (gap > 0 && !locked) {
@@ -87,17 +96,32 @@ inline AxisPart limitPart(const Axis& axis, const AxisMotion& m, Scalar& incomin
   return rigidPart(side * speed, m.limit_cfm, lower, upper);
 }
 
+/// To the target at the motor's speed, or as the last stretch is to be closed.
+inline Scalar approachSpeed(const Axis& axis, const AxisMotion& m) {
+  const Scalar most = btFabs(axis.motor_velocity),
+               closing = m.fps * m.motor_erp * (axis.servo_target - m.position);
+  return btMax(-most, btMin(closing, most));
+}
+
 inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
   if (axis.drive != Axis::Drive::servo) {
     const Scalar target = axis.drive == Axis::Drive::pose   ? -m.fps * axis.motor_gain * m.position
                           : axis.drive == Axis::Drive::rate ? m.position
-                                                            : m.motor_factor * axis.motor_velocity;
+                          : axis.drive == Axis::Drive::approach
+                              ? approachSpeed(axis, m)
+                              : m.motor_factor * axis.motor_velocity;
     const Scalar given = m.motor_inertia * axis.max_motor_impulse + axis.max_motor_force / m.fps;
     const Scalar bound = btMin(given, infinity);
     return rigidPart(target, m.motor_cfm, -bound, bound);
   }
   const Scalar bound = axis.max_servo_force / m.fps;
-  return springPart(axis.servo_spring, m.position - axis.servo_target, 1 / m.fps, -bound, bound);
+  return springPart(axis.servo_spring, m.position - axis.servo_target, 1 / m.fps, m.K, -bound,
+                    bound);
+}
+
+inline AxisPart ownSpringPart(const Axis& axis, const AxisMotion& m) {
+  return springPart(axis.spring, m.position - axis.spring_rest, 1 / m.fps, m.K, -infinity,
+                    infinity);
 }
 
 inline AxisPart frictionPart(const Axis& axis, const AxisMotion& m) {

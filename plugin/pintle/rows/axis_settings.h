@@ -22,6 +22,7 @@ class Parameter {
 /// Bullet's, of one axis.
 struct AxisParameters {
   Parameter limit_erp, limit_cfm, motor_cfm;
+  Parameter motor_erp;  ///< by which a motor slows down before its target; unset: the limit's
 };
 
 /// ERP and CFM of a group of equalities: the part of C that a step takes away, and Bullet's softness.
@@ -30,9 +31,15 @@ struct ErpCfm {
   Scalar factor = 1;  ///< of the ERP
 };
 
+/// A spring and damper by its own frequency and damping ratio, or, if one of the last two is set, by those.
 struct Spring {
-  Scalar angular_frequency = 0;  ///< rad/s; 0: not a spring
+  Scalar angular_frequency = 0;  ///< rad/s
   Scalar damping_ratio = 0;
+  Scalar stiffness = 0;  ///< N/m, or N m/rad
+  Scalar damping = 0;    ///< N s/m, or N m s/rad
+
+  bool hasUnits() const { return stiffness > 0 || damping > 0; }
+  bool isSet() const { return angular_frequency > 0 || hasUnits(); }
 };
 
 /// Settings along a coordinate. Units are those of the coordinate: rad, rad/s, N m s for an angle.
@@ -40,13 +47,21 @@ struct Axis {
   enum class Drive : unsigned char {
     off,
     velocity,
-    pose,  ///< to coordinate 0, in parts
-    rate,  ///< at the speed that stands in the place of the coordinate
+    pose,      ///< to coordinate 0, in parts
+    rate,      ///< at the speed that stands in the place of the coordinate
+    approach,  ///< to servo_target, at no more than motor_velocity
     servo
   };
   /// In the order of their rows: what comes later is obeyed the better, and Bullet reads the last one's impulse.
-  enum Part { friction, motor, limit, parts };
-  static constexpr Part each_part[] = {friction, motor, limit};
+  enum Part {
+    spring_pull,   ///< of the spring, as found for the joint alone
+    spring_yield,  ///< what others change of that, of a stiff one
+    friction,
+    motor,
+    limit,
+    parts
+  };
+  static constexpr Part each_part[] = {spring_pull, spring_yield, friction, motor, limit};
 
   Scalar low = 1, high = -1;  ///< low > high: free
   Scalar bias = Scalar(0.3);
@@ -66,6 +81,8 @@ struct Axis {
   Spring servo_spring;
   Scalar max_servo_force = 0;  ///< N m
   Scalar max_friction = 0;     ///< N m
+  Spring spring;               ///< beside motor and limit
+  Scalar spring_rest = 0;      ///< the coordinate at which it bears nothing
 
   const AxisParameters* own = nullptr;  ///< before the joint's
 
@@ -77,12 +94,12 @@ struct Axis {
 
   bool limited() const { return low <= high && !is_any_angle; }
   bool locked() const { return low == high; }
-  /// Motor, servo or friction: a row in every step, whatever the coordinate.
-  bool driven() const { return drive != Drive::off || max_friction > 0; }
-  bool hasLimitSpring() const { return limit_spring.angular_frequency > 0; }
+  /// Motor, servo, friction or spring: a row in every step, whatever the coordinate.
+  bool driven() const { return drive != Drive::off || max_friction > 0 || spring.isSet(); }
+  bool hasLimitSpring() const { return limit_spring.isSet(); }
   /// Whether a part that acts is a spring.
   bool isSoft(bool limit_acts) const {
-    return drive == Drive::servo || (limit_acts && hasLimitSpring());
+    return drive == Drive::servo || spring.isSet() || (limit_acts && hasLimitSpring());
   }
   /// How far the coordinate is from the limit that it is nearest to: negative beyond it.
   Scalar distance(Scalar position) const {

@@ -54,8 +54,11 @@ struct Reach {
   /// far off `coordinate` may be.
   bool reaches(const Axis& axis, Scalar coordinate, Scalar slack = 0) const {
     const Scalar margin = gained + slack;
-    return coordinate - axis.low <= margin + btMax(-2 * moved, -moved) ||
-           axis.high - coordinate <= margin + btMax(2 * moved, moved);
+    // A spring moves it to its rest at most.
+    const Scalar pulled = axis.spring.isSet() ? axis.spring_rest - coordinate : Scalar(0);
+    return coordinate - axis.low <=
+               margin + btMax(-2 * moved, -moved) + btMax(-pulled, Scalar(0)) ||
+           axis.high - coordinate <= margin + btMax(2 * moved, moved) + btMax(pulled, Scalar(0));
   }
 };
 

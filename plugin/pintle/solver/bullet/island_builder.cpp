@@ -217,7 +217,7 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
   AxisState& state = JointAccess::axis(*of.ours, *row.start);
   const Axis& axis = *state.axis;
-  const AxisMotion motion = JointAccess::motion(
+  AxisMotion motion = JointAccess::motion(
       *of.ours, *row.start, state, pair, Scalar(velocityAlong(of, row.J, &IslandBody::v0)), m_info);
   state.acted = true;
   state.incoming = 0;
@@ -225,7 +225,7 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
   row.law = AxisLaw(extras.parts);
   extras.rebound_energy = double(state.taken);  // a rebound may give it back
   state.taken = 0;
-  state.row = {-1, -1, -1};
+  state.row.fill(-1);
   double K_beside = -1;
   const auto addPart = [&](const AxisPart& part, Axis::Part role, const Spring* spring) {
     if (!part.on) return;
@@ -234,22 +234,26 @@ void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, Isla
       if (K_beside < 0) K_beside = inverseMassBeside(of, row.J);
       softness *= role == Axis::limit ? JointAccess::keptK(state, K_beside) : K_beside;
     }
-    const double of_spring =
-        spring != nullptr && softness > 0
-            ? double(equations::softness_by_frequency<Scalar>(
-                         spring->angular_frequency, spring->damping_ratio, m_info.m_timeStep, 1)
-                         .beta)
-            : 0;
+    const double of_spring = spring != nullptr && softness > 0
+                                 ? double(softnessOf(*spring, m_info.m_timeStep, 1).beta)
+                                 : 0;
     row.law.add({double(part.row.target), softness, bounded(part.row.lower),
                  bounded(part.row.upper), true, false, role, of_spring});
   };
+  if (axis.spring.isSet() || axis.limit_spring.hasUnits() || axis.servo_spring.hasUnits()) {
+    K_beside = inverseMassBeside(of, row.J);
+    motion.K = Scalar(K_beside);
+  }
+  // Implicit at any stiffness, also where a step would resolve it.
+  if (axis.spring.isSet()) addPart(ownSpringPart(axis, motion), Axis::spring_pull, nullptr);
   if (axis.max_friction > 0) addPart(frictionPart(axis, motion), Axis::friction, nullptr);
   if (axis.drive != Axis::Drive::off)
     addPart(motorPart(axis, motion), Axis::motor,
             axis.drive == Axis::Drive::servo ? &axis.servo_spring : nullptr);
   // What is asked of its velocity alone need not be a coordinate: friction about any axis of the world, and the like.
-  row.has_position =
-      row.start->limit || axis.drive == Axis::Drive::servo || axis.drive == Axis::Drive::pose;
+  row.has_position = row.start->limit || axis.drive == Axis::Drive::servo ||
+                     axis.drive == Axis::Drive::approach || axis.drive == Axis::Drive::pose ||
+                     axis.spring.isSet();
   if (!row.start->limit || !axis.limited()) return;
   if (axis.hasLimitSpring())
     addPart(limitPart(axis, motion, state.incoming), Axis::limit,
@@ -303,7 +307,8 @@ void IslandBuilder::addLimit(const IslandJoint& of, const Axis& axis, const Axis
   if (high < double(infinity)) add(down, -AxisLaw::unbounded, 0, gives && !limit.at_low);
   // The angle about an axis bends no more than its bodies turn. That to a cone does, about its tip.
   row.has_stops_alone = !row.isSoft() && row.start->angular && of.equalities == 5 &&
-                        axis.drive != Axis::Drive::servo && axis.drive != Axis::Drive::pose;
+                        axis.drive != Axis::Drive::servo && axis.drive != Axis::Drive::pose &&
+                        !axis.spring.isSet();
 }
 
 /// Rows of a joint as Bullet has them. m_rhs is their target, without what closes them.

@@ -10,6 +10,10 @@
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/generic_6dof_joint.h>
+#include <pintle/joints/generic_6dof_spring_2_joint.h>
+#include <pintle/joints/generic_6dof_spring_joint.h>
+#include <pintle/joints/hinge_2_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/two_point_hinge.h>
@@ -88,7 +92,8 @@ JointAccess::Known JointAccess::find(btTypedConstraint& constraint) {
   if (joint == nullptr) return {&type};
   return {&type, reinterpret_cast<char*>(joint) - reinterpret_cast<char*>(&constraint),
           isOneOf<AngularLimit, BallJoint, ConeTwistJoint, ConstantVelocityJoint, ContactJoint,
-                  DistanceJoint, DotHinge, FixedJoint, QuaternionHinge, SliderJoint, TwoPointHinge,
+                  DistanceJoint, DotHinge, FixedJoint, Generic6DofJoint, Generic6DofSpring2Joint,
+                  Generic6DofSpringJoint, Hinge2Joint, QuaternionHinge, SliderJoint, TwoPointHinge,
                   UniversalJoint, WedgeJoint>(type)};
 }
 

@@ -69,6 +69,7 @@ void report(const Island& island, const Component& component, const Workspace& e
       const Axis::Part last = state.impulse[Axis::limit] != 0  ? Axis::limit
                               : axis.drive != Axis::Drive::off ? Axis::motor
                               : axis.max_friction > 0          ? Axis::friction
+                              : axis.spring.isSet()            ? Axis::spring_pull
                                                                : Axis::limit;
       // A limit that does not act has no row there.
       if (last != Axis::limit || state.impulse[last] != 0)
