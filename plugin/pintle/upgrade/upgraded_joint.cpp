@@ -5,12 +5,17 @@
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_model.h>
 #include <pintle/joints/quaternion_hinge.h>
+#include <pintle/joints/six_dof_model.h>
 #include <pintle/joints/slider_joint.h>
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpringConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btHinge2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btUniversalConstraint.h>
 
 #include <array>
 #include <cmath>
@@ -89,6 +94,12 @@ const StockClass* lookUp(const std::type_info& type) {
       upgrade<btPoint2PointConstraint, BallModel>(),
       upgrade<btSliderConstraint, SliderModel>(),
       upgrade<btConeTwistConstraint, ConeTwistModel>(),
+      upgrade<btGeneric6DofConstraint, SixDofModel>(),
+      upgrade<btGeneric6DofSpringConstraint, SixDofModel>(),
+      upgrade<btUniversalConstraint, SixDofModel>(),
+      upgrade<btGeneric6DofSpring2Constraint, SixDofModel>(),
+      upgrade<btFixedConstraint, SixDofModel>(),
+      upgrade<btHinge2Constraint, SixDofModel>(),
   };
   for (const StockClass& of : all)
     if (of.type == type) return &of;
