@@ -2,7 +2,7 @@
 //   program            prints the names of the scenes
 //   program SCENE      prints "row: joints gap gap_max passed energy us" of 600 steps of 1/60 s: the most joints that there
 //                                are; how far their pivots are apart, the mean of all and the largest (m); how far they are beyond a
-//                                limit (m or rad, the largest); by how much the energy rises above that of the start (J); the time of
+//                                limit (m or rad, the largest); by how much the energy rises above that of the start (J); the CPU time of
 //                                a step (us). "not finite", if a number is not.
 #include <algorithm>
 #include <cmath>
