@@ -53,7 +53,7 @@ cmake --build "$build/objects" --parallel "$jobs" >"$build/compile.log" 2>&1 ||
 # --- run ---------------------------------------------------------------------------------------------------------------
 row='%-20s %6s  %-9s %9s %9s %9s %10s %8s\n'
 echo "600 steps of 1/60 s: gap of the pivots, mean and largest (m), limits passed at the most (m or rad), the rise of the energy above"
-echo "that of the start (J), and the time of a step (us)"
+echo "that of the start (J), and the CPU time of a step (us)"
 printf "$row" scene joints solver gap "gap max" passed energy time
 while read -r scene; do
   for contender in stock upgraded exact; do

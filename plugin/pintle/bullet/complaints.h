@@ -101,15 +101,16 @@ struct MotorNames {
 /// what was taken before.
 inline void takeMotor(Axis& axis, Scalar Axis::*bound, const StockMotor& from, StockMotor& last,
                       const MotorNames& names, Complaints* complaints) {
-  const bool is_another = !from.isSameAs(last);
-  const bool complains = complaints != nullptr && axis.chosen == Axis::Drive::velocity;
-  if (from.on && (is_another || complains)) {
-    takeFinite(axis.motor_velocity, from.velocity, names.velocity, complaints);
-    takeBound(axis.*bound, from.bound, names.bound, complaints);
-  }
-  if (from.on && is_another) {
-    last = from;
-    axis.chosen = Axis::Drive::velocity;
+  if (from.on) {  // else Bullet may have left them as the memory was
+    const bool is_another = !from.isSameAs(last);
+    if (is_another || (complaints != nullptr && axis.chosen == Axis::Drive::velocity)) {
+      takeFinite(axis.motor_velocity, from.velocity, names.velocity, complaints);
+      takeBound(axis.*bound, from.bound, names.bound, complaints);
+    }
+    if (is_another) {
+      last = from;
+      axis.chosen = Axis::Drive::velocity;
+    }
   }
   axis.enable(from.on);
 }
