@@ -104,7 +104,7 @@ inline void writeParts(RowWriter& out, const AxisState& axis, const Lanes& L, co
 
 // Whether a spring is a row (axis_part.h).
 bool isStiff(const Spring& spring, Scalar dt, Scalar K) {
-  return softnessOf(spring, dt, K).gamma <= max_spring_cfm * dt;
+  return softnessOf(spring, dt, K).gamma <= max_yield_cfm * dt;
 }
 
 bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
