@@ -29,6 +29,8 @@ inline namespace PINTLE_PRECISION {
 ///
 /// The others are kept to be read, as in Bullet. The positions are along frame a, whatever useLinearReferenceFrameA says: that has an effect
 /// on Bullet's obsolete solver alone.
+///
+/// \image html generic_6dof_joint.svg
 class Generic6DofJoint : public JointOf<btGeneric6DofConstraint, SixDofModel> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

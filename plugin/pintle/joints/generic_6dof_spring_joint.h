@@ -22,6 +22,8 @@ inline namespace PINTLE_PRECISION {
 ///
 /// Bullet's object is the only place of its settings: what any pointer writes there, setters or fields, holds in the next step. A number that
 /// is not finite is not used: the last good one stays (Joint::whyIgnored). Motors and springs are read only where they are on.
+///
+/// \image html generic_6dof_spring_joint.svg
 class Generic6DofSpringJoint : public JointOf<btGeneric6DofSpringConstraint, SixDofModel> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -15,6 +15,8 @@ inline namespace PINTLE_PRECISION {
 ///
 /// Bullet's object is the only place of its settings: what any pointer writes there, setters or fields, holds in the next step. A number that
 /// is not finite is not used: the last good one stays (Joint::whyIgnored). Motors and springs are read only where they are on.
+///
+/// \image html hinge_2_joint.svg
 class Hinge2Joint : public JointOf<btHinge2Constraint, SixDofModel> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

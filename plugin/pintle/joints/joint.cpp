@@ -30,7 +30,7 @@ Scalar motorFactor(Scalar position, Scalar low, Scalar high, Scalar velocity, Sc
 
 // Whether a spring is a row (axis_part.h).
 bool isStiff(const Spring& spring, Scalar dt, Scalar K) {
-  return softnessOf(spring, dt, K).gamma <= max_spring_cfm * dt;
+  return softnessOf(spring, dt, K).gamma <= max_yield_cfm * dt;
 }
 
 }  // namespace

@@ -16,15 +16,14 @@ namespace {
 
 // Axes of the joint frames: z of a and x of b are those of Bullet's angles, in its usual order.
 constexpr int main_axis = 2, second_axis = 0;
-constexpr int first_angle = 3, axis_count = 6;
 // rad: what is locked between axes at right angles stays short of where they come together.
 constexpr Scalar max_bend = Scalar(1.4);
 // Before 2.89 the bound of a motor is an impulse a step.
 constexpr Scalar Axis::*motor_bound =
     BT_BULLET_VERSION < 289 ? &Axis::max_motor_impulse : &Axis::max_motor_force;
 
-const char* const axis_names[axis_count] = {"linear x",  "linear y",  "linear z",
-                                            "angular x", "angular y", "angular z"};
+const char* const axis_names[6] = {"linear x",  "linear y",  "linear z",
+                                   "angular x", "angular y", "angular z"};
 
 bool isLockedAt(const StockAxis& axis) { return axis.low == axis.high; }
 // A range of a turn is none, and neither is (-pi, pi).

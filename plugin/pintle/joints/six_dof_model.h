@@ -73,6 +73,7 @@ class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
 
  private:
   friend ObservedJoint;
+  static constexpr int first_angle = 3, axis_count = 6;  ///< of axes
   enum class Turning : unsigned char { locked, hinge, universal, box };
 
   struct Observation;

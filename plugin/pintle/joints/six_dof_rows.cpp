@@ -20,11 +20,10 @@ inline namespace PINTLE_PRECISION {
 namespace {
 
 // Bullet's angles are those of a against b, the equations' of b against a.
-constexpr int sign = -1;
-constexpr int first_angle = 3;
-constexpr int all_positions = 7, all_angles = 7 << first_angle;  // bits of axes
+constexpr int angle_sign = -1;
+constexpr int all_positions = 7, all_angles = 7 << 3;  // bits of axes
 // Axes that are off their right angle by more than 60 degrees go back first (UniversalJoint).
-constexpr Scalar max_cosine2 = Scalar(0.75);
+constexpr Scalar max_cross_cosine2 = Scalar(0.75);
 // 1 + cos(swing), inverted, above which a hinge has no angle (HingeModel).
 constexpr Scalar max_h_scale = 20;
 // rad/s, slow: at which angles that differ from Euler's come back to them.
@@ -99,11 +98,11 @@ struct SixDofModel::Observation {
   Vec3 row(int i) const;
   /// rad, of a against b.
   Scalar angle(int i) const {
-    if (!euler) return sign * turns[i].value();
+    if (!euler) return angle_sign * turns[i].value();
     const equations::EulerOrder o = order();
-    return sign * euler->value(i == o.first    ? EulerTurn::first
-                               : i == o.middle ? EulerTurn::middle
-                                               : EulerTurn::last);
+    return angle_sign * euler->value(i == o.first    ? EulerTurn::first
+                                     : i == o.middle ? EulerTurn::middle
+                                                     : EulerTurn::last);
   }
   /// The part of an angle's unit that its axis is scaled by, so that its row is a unit vector at the start of the step.
   Scalar scale(int i) const {
@@ -238,9 +237,9 @@ void SixDofModel::prepareAxes(const Observation& seen) {
 
 Scalar SixDofModel::angleOf(int index) const {
   if (m_turning != Turning::box || (m_acting & all_angles) == 0)
-    return sign * m_turns[index].value();
+    return angle_sign * m_turns[index].value();
   for (int n = 0; n < EulerTurn::count; ++n)
-    if (m_settings.order[n] == index) return sign * m_euler->value(n);
+    if (m_settings.order[n] == index) return angle_sign * m_euler->value(n);
   return 0;
 }
 
@@ -254,7 +253,7 @@ Scalar SixDofModel::accumulatedAngle(int axis) {
 void SixDofModel::turnTowardsLimit(int angle) {
   const StockAxis& axis = m_read.axes[first_angle + angle];
   if (!(axis.low < axis.high && axis.high - axis.low < SIMD_2_PI)) return;
-  const Scalar middle = sign * (axis.low + axis.high) / 2;
+  const Scalar middle = angle_sign * (axis.low + axis.high) / 2;
   if (m_turning != Turning::box) return m_turns[angle].turnTowards(middle);
   for (int n = 0; n < EulerTurn::count; ++n)
     if (m_settings.order[n] == angle) m_euler->turnTowards(n, middle);
@@ -272,9 +271,9 @@ void SixDofModel::resetAngles(const Scalar (&last)[3]) {
   };
   const auto turn = [&] {
     for (int i = 0; i < 3; ++i) {
-      m_turns[i].turnTowards(sign * last[i]);
+      m_turns[i].turnTowards(angle_sign * last[i]);
       for (int n = 0; n < EulerTurn::count; ++n)
-        if (m_settings.order[n] == i) m_euler->turnTowards(n, sign * last[i]);
+        if (m_settings.order[n] == i) m_euler->turnTowards(n, angle_sign * last[i]);
       turnTowardsLimit(i);
     }
   };
@@ -346,7 +345,8 @@ void SixDofModel::addUniversalRow(const Observation& seen, Rows& rows) const {
 }
 
 void SixDofModel::addAngles(const Observation& seen, Rows& rows) const {
-  if (m_turning == Turning::universal && seen.crossCosine() * seen.crossCosine() > max_cosine2)
+  if (m_turning == Turning::universal &&
+      seen.crossCosine() * seen.crossCosine() > max_cross_cosine2)
     return;
   if (m_turning == Turning::hinge && !(seen.swing().h_scale < max_h_scale)) return;
   const AngularReach reach = rows.turn();
@@ -356,10 +356,11 @@ void SixDofModel::addAngles(const Observation& seen, Rows& rows) const {
     const Axis& axis = m_settings.axes[first_angle + i];
     const Scalar scale = seen.scale(i), angle = scale * seen.angle(i);
     const Vec3 J_b = scale * seen.row(i);
-    const Reach along = Reach{sign * J_b.dot(reach.moved()), reach.gained() * J_b.norm()}.of(axis);
+    const Reach along =
+        Reach{angle_sign * J_b.dot(reach.moved()), reach.gained() * J_b.norm()}.of(axis);
     const bool limit = axis.limited() && along.reaches(axis, angle);
     if (!limit && !axis.driven()) continue;
-    rows.addAngularAxis(first_angle + i, J_b, angle, axis, limit, sign);
+    rows.addAngularAxis(first_angle + i, J_b, angle, axis, limit, angle_sign);
     if (m_turning == Turning::hinge) rows.shape(RowShape::turn);
   }
 }

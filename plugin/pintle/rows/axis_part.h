@@ -12,6 +12,9 @@ inline namespace PINTLE_PRECISION {
 // Bullet iterates a soft row by lambda <- rhs - cfm lambda, which leaves cfm^n of the answer after
 // n iterations. Softer springs than this are solved here, and written as the impulse that they are.
 constexpr Scalar max_spring_cfm = Scalar(0.1);
+// The same of a spring whose row begins with what it comes to for the joint alone: of what others change of that cfm^n is left. (Hair of ten
+// links is shaken by springs that are given, and not by these.)
+constexpr Scalar max_yield_cfm = Scalar(0.7);
 
 /// lambda = clamp((target - u) / softness, lower, upper), softness from cfm, a fraction of K. One part
 /// alone is the row.
@@ -120,8 +123,10 @@ inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
 }
 
 inline AxisPart ownSpringPart(const Axis& axis, const AxisMotion& m) {
-  return springPart(axis.spring, m.position - axis.spring_rest, 1 / m.fps, m.K, -infinity,
-                    infinity);
+  AxisPart part = springPart(axis.spring, m.position - axis.spring_rest, 1 / m.fps, m.K, -infinity,
+                             infinity);
+  part.rigid = part.row.cfm <= max_yield_cfm;
+  return part;
 }
 
 inline AxisPart frictionPart(const Axis& axis, const AxisMotion& m) {
