@@ -31,8 +31,7 @@ struct LawPart {
   bool isMotor() const { return drives && role == Axis::motor && !(softness > 0); }
   /// Friction, or a motor that holds still: it takes alone.
   bool brakes() const {
-    return drives && role != Axis::parts && role != Axis::spring_pull && target == 0 &&
-           lower < upper && !(spring_share > 0);
+    return drives && role != Axis::parts && target == 0 && lower < upper && !(spring_share > 0);
   }
   /// Of a stop: whether u is beyond it.
   bool isBeyond(double u) const {
