@@ -48,15 +48,14 @@ std::uint32_t hashOfVelocities(const btSolverBody& a, const btSolverBody& b) {
 
 }  // namespace
 
-// `independent`: no equality says what others say.
-void BulletRows::beginPasses(const Info2& info, bool independent) {
+void BulletRows::beginPasses(const Info2& info) {
   const int own = m_joint.constraint().getOverrideNumSolverIterations();
   const int passes = own > 0 ? own : info.m_numIterations;
   // Bullet shows none beyond its own number; so many are enough for any joint.
   const bool shown = m_solver_rows != nullptr && passes <= info.m_numIterations &&
                      passes <= std::numeric_limits<short>::max();
   m_passes = m_passes_left = static_cast<short>(shown ? passes : 0);
-  m_starts_warm = m_remembers && independent && m_start_left == 0 && m_passes > few_passes &&
+  m_starts_warm = m_remembers && m_start_left == 0 && m_passes > few_passes &&
                   m_joint.curvedPart(m_joint.angularSpeed()) > 0;
   m_acts_in_each = true;
   m_last_load = -1;
@@ -104,19 +103,23 @@ inline void BulletRows::startWarm(btSolverBody& a, btSolverBody& b) {
     if (m_solver_rows[i].m_jacDiagABInv > 0)
       sum.setImpulse(m_solver_rows[i], warm_start * lasting * m_rows.history(i).impulse);
   if (btSolverConstraint* const limit = onlyLimit()) {
-    const AxisState& axis = m_rows.axis(m_rows[m_rows.equalities()].axis);
-    const Scalar impulse = lasting * -axis.sign * axis.last_limit_impulse;
+    const Scalar impulse = lasting * -onlyAxis()->sign * m_last_limit_impulse;
     sum.setImpulse(*limit, btMax(limit->m_lowerLimit, btMin(impulse, limit->m_upperLimit)));
   }
   sum.apply(a, b);
 }
 
-// The row of a rigid limit, where it is the only axis row of the joint; else null. (Several are not orthogonal to each other.)
+// Several axis rows are not orthogonal to each other: they do not go on from impulses of the last step.
+const AxisState* BulletRows::onlyAxis() const {
+  const int n = m_rows.equalities();
+  return m_rows.size() == n + 1 ? &m_rows.axis(m_rows[n].axis) : nullptr;
+}
+
+// The row of a rigid limit, if it is that of the only axis; else null.
 inline btSolverConstraint* BulletRows::onlyLimit() const {
-  if (m_rows.size() != m_rows.equalities() + 1) return nullptr;
-  const int place = m_rows.axis(m_rows[m_rows.equalities()].axis).row[Axis::limit];
-  if (place < 0) return nullptr;
-  btSolverConstraint& row = m_solver_rows[place];
+  const AxisState* const axis = onlyAxis();
+  if (axis == nullptr || axis->row[Axis::limit] < 0) return nullptr;
+  btSolverConstraint& row = m_solver_rows[axis->row[Axis::limit]];
   return row.m_cfm == 0 && row.m_jacDiagABInv > 0 ? &row : nullptr;
 }
 

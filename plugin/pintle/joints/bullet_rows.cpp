@@ -329,11 +329,8 @@ PINTLE_FLATTEN void BulletRows::write(Info2& info) {
   aim(step);
 
   const int equalities = m_rows.equalities();
-  for (int i = 0; i < m_rows.axisCount(); ++i) {
-    AxisState& axis = m_rows.axis(i);
-    axis.last_limit_impulse = axis.impulse[Axis::limit];
-    axis.impulse = {};
-  }
+  if (const AxisState* const axis = onlyAxis()) m_last_limit_impulse = axis->impulse[Axis::limit];
+  for (int i = 0; i < m_rows.axisCount(); ++i) m_rows.axis(i).impulse = {};
   if (step.is_needle || (!step.rigid && !m_are_plain && step.tooSoft(m_joint)))
     return writeDelicate(info, step);
   // Bullet compares a threshold with single rows, which are those of the joint if they are not mixed. Where its passes
@@ -344,10 +341,12 @@ PINTLE_FLATTEN void BulletRows::write(Info2& info) {
   if (!m_joint.m_block_rows || m_are_plain || !may_mix) return writePlain(info, step);
 
   Block block(step.pair);
+  for (int i = 0; i < equalities; ++i) block.add(m_rows[i]);
+  // Rows that say the same, or contradict each other, as in games of two dimensions: the passes share out what they ask for.
+  if (!block.independent()) return writePlain(info, step);
   for (int i = 0; i < equalities; ++i) {
-    const Row& row = m_rows[i];
-    const BlockRow& to = block.add(row);
-    out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[row.group], -infinity, infinity);
+    const BlockRow& to = block[i];
+    out.write(to.L, to.A_a, to.A_b, to.target(), step.cfm[m_rows[i].group], -infinity, infinity);
   }
   // Several axes are not orthogonal among themselves, and so are iterated: with a remainder of
   // rounding errors that does not end well. One alone takes no harm.
@@ -363,8 +362,7 @@ PINTLE_FLATTEN void BulletRows::write(Info2& info) {
     act(m_rows[i], &to, &block, step, parts);
     writeParts(out, m_rows.axis(m_rows[i].axis), to.L, to.A_a, to.A_b, to.target(), parts);
   }
-  // A row that depends on others shares its impulse with them as it comes.
-  if (step.hasExactPasses()) beginPasses(info, block.independent());
+  if (step.hasExactPasses()) beginPasses(info);
 }
 
 // Rows as they stand.

@@ -81,9 +81,10 @@ class BulletRows {
   bool solveSoft(Row& row, const BlockRow* orthogonal, const Block* block, const Step& step,
                  AxisMotion& motion, AxisRow (&parts)[Axis::parts]);
 
-  void beginPasses(const Info2& info, bool independent);
+  void beginPasses(const Info2& info);
   void actBetweenPasses(btSolverBody& a, btSolverBody& b);
   void startWarm(btSolverBody& a, btSolverBody& b);
+  const AxisState* onlyAxis() const;
   btSolverConstraint* onlyLimit() const;
   bool goesOn() const;
   void liftThresholds();
@@ -99,9 +100,10 @@ class BulletRows {
   Joint& m_joint;
   RowList& m_rows;                              ///< the joint's
   btSolverConstraint* m_solver_rows = nullptr;  ///< Bullet's of this step, while it is solved
-  Scalar m_gap = -1;        ///< m, at the start of the last step; < 0: there was none
-  Scalar m_start_left = 0;  ///< s: the joint starts apart, and may do so for so long
-  Scalar m_last_dt = 0;     ///< s, of the last step
+  Scalar m_gap = -1;                ///< m, at the start of the last step; < 0: there was none
+  Scalar m_start_left = 0;          ///< s: the joint starts apart, and may do so for so long
+  Scalar m_last_dt = 0;             ///< s, of the last step
+  Scalar m_last_limit_impulse = 0;  ///< of the only axis, in the last step
   Scalar m_last_load =
       0;  ///< N s or N m s, after the last pass over the rows of a joint that may break
   std::uint32_t m_velocities = 0;  ///< a hash of the bodies', while the joint rests

@@ -9,6 +9,8 @@
 
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 
+#include <cmath>
+
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 HingeModel::HingeModel(btHingeConstraint& hinge, RowCount max_rows)
@@ -116,9 +118,16 @@ void HingeModel::limitSet(const Axis& before) {
 
 // --- what a client reads from Bullet's object after a step ---------------------------------------
 
-void HingeModel::showAngle() {
-  // Near enough for Bullet's getter, which makes up for the rest.
-  if (m_accumulated != nullptr) *m_accumulated = m_sign * m_twist.roughValue();
+void HingeModel::showAngle(bool axes_are_apart) {
+  // Near enough for Bullet's getter, which makes up for the rest if that is less than 0.3 rad. (Where a load has turned the axes apart, Bullet's angle is
+  // another one.)
+  if (m_accumulated != nullptr) {
+    *m_accumulated = m_sign * m_twist.roughValue();
+    if (axes_are_apart) {
+      const Scalar within = hinge().getHingeAngle();
+      *m_accumulated = within + SIMD_2_PI * std::round((angle() - within) / SIMD_2_PI);
+    }
+  }
   showLimitAt(m_twist, rows().axis(0).impulse[Axis::limit]);
 }
 

@@ -81,7 +81,7 @@ class HingeModel : public Joint {
   bool hasOwnLimit() const { return m_own_limit && limitOf(hinge()) == m_read_limit; }
   ///@{
   /// Leaves in Bullet's object what a step of its own would, and what its testLimit does.
-  void showAngle();
+  void showAngle(bool axes_are_apart);
   void showLimitAt(const UnwrappedAngle& twist, Scalar last_impulse = 0);
   ///@}
 

@@ -34,7 +34,7 @@ inline HingeModel::Observation HingeModel::observe(const PosePair& poses) const 
 
 inline void HingeModel::remember(const Observation& seen, bool in_step) {
   followStep(m_twist, seen.twist, seen.c_a, seen.c_b, bodyA(), bodyB(), timeStep(), angularSpeed());
-  if (in_step) showAngle();
+  if (in_step) showAngle(seen.c_a.dot(seen.c_b) < Scalar(0.9));
 }
 
 inline Acting HingeModel::acting(const Observation& seen, const equations::Swing<Scalar>& swing,

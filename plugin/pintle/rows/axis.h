@@ -43,8 +43,7 @@ struct AxisState {
   const Axis* axis = nullptr;
   /// Of the parts in this step, along the coordinate, as far as a solver lets them be read.
   std::array<Scalar, Axis::parts> impulse = {};
-  Scalar last_limit_impulse = 0;  ///< in the last step
-  Scalar incoming = 0;            ///< speed towards a limit that this step's row stops, else 0
+  Scalar incoming = 0;  ///< speed towards a limit that this step's row stops, else 0
   Scalar last_incoming =
       0;             ///< the same of the last step. Two, so that getInfo2 may be called again
   Scalar taken = 0;  ///< J: by that row, of which a rebound in the next step may give back

@@ -62,6 +62,7 @@ class Block {
     return row;
   }
 
+  const BlockRow& operator[](int i) const { return m_rows[i]; }
   /// Whether all rows are independent of those before them.
   bool independent() const { return m_independent; }
 
