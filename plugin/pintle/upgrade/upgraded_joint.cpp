@@ -10,8 +10,6 @@
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpringConstraint.h>
-#include <BulletDynamics/ConstraintSolver/btHinge2Constraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
@@ -94,12 +92,10 @@ const StockClass* lookUp(const std::type_info& type) {
       upgrade<btPoint2PointConstraint, BallModel>(),
       upgrade<btSliderConstraint, SliderModel>(),
       upgrade<btConeTwistConstraint, ConeTwistModel>(),
-      upgrade<btGeneric6DofConstraint, SixDofModel>(),
-      upgrade<btGeneric6DofSpringConstraint, SixDofModel>(),
-      upgrade<btUniversalConstraint, SixDofModel>(),
-      upgrade<btGeneric6DofSpring2Constraint, SixDofModel>(),
+      // (Not yet the others of six degrees of freedom: in loops, as of a skirt, limits of three angles do not converge on the exact solver, and
+      // stiff springs shake on Bullet's iterations.)
       upgrade<btFixedConstraint, SixDofModel>(),
-      upgrade<btHinge2Constraint, SixDofModel>(),
+      upgrade<btUniversalConstraint, SixDofModel>(),
   };
   for (const StockClass& of : all)
     if (of.type == type) return &of;
