@@ -43,7 +43,11 @@ class SolverOfTests : public testing::Environment {
     const char* const name = std::getenv(variable);
     ASSERT_TRUE(name == nullptr || onExactSolver()) << variable << "=" << name;
     if (!onExactSolver()) return;
-    scenes::default_solver() = [] { return std::make_unique<ForOurs<pintle::ExactJointSolver>>(); };
+    scenes::default_solver() = [] {
+      auto solver = std::make_unique<ForOurs<pintle::ExactJointSolver> >();
+      solver->setUpgradesBulletJoints(false);  // stock's are there to compare with
+      return solver;
+    };
   }
 };
 [[maybe_unused]] const auto* const environment =
