@@ -37,12 +37,11 @@ class JointSolver : public BulletSolver {
   void setOptions(const SolverOptions& options);
   /// What setOptions set.
   const SolverOptions& options() const;
-  ///@{
   /// Default true: stock joints are solved as those of Pintle's that replace their classes, and stay as they are
   /// (SequentialJointSolver says which). False: as rows that stock writes. Call it between steps.
   void setUpgradesBulletJoints(bool upgrades) { m_upgrades = upgrades; }
+  /// What setUpgradesBulletJoints set.
   bool getUpgradesBulletJoints() const { return m_upgrades; }
-  ///@}
   /// Which settings of a stock joint that is upgraded, or of a joint of Pintle's, are not used, and why (Joint::whyIgnored). Empty: all
   /// are, or the constraint is neither.
   std::string whyIgnored(const btTypedConstraint& constraint) const;
