@@ -12,6 +12,10 @@
 #include "support.h"
 #include "upgraded_worlds.h"
 
+namespace contract_test {
+extern thread_local long allocations;  // by operator new
+}
+
 namespace upgraded_six_dof_test {
 namespace {
 
@@ -20,7 +24,7 @@ using First = btGeneric6DofConstraint;
 using Springs = btGeneric6DofSpringConstraint;
 using Second = btGeneric6DofSpring2Constraint;
 
-// What a client's getters tell after a step.
+// Answers of a client's getters after a step.
 template <class Joint>
 std::vector<btScalar> readingsOf(btTypedConstraint& constraint) {
   auto& joint = static_cast<Joint&>(constraint);
@@ -223,6 +227,18 @@ TEST_P(UpgradedSixDof, MovesAsPintlesToTheSameBits) {
     Chain stock_chain(upgraded->world(), *one.of, false), our_chain(ours->world(), *one.of, true);
     const std::vector<btScalar> stock = stock_chain.run(one);
     expectSame(stock, our_chain.run(one));
+  }
+}
+
+TEST_P(UpgradedSixDof, AllocatesNothingOnceASolverHasSeenIt) {
+  for (const Class* of : {&fixed, &universals}) {
+    SCOPED_TRACE(of->name);
+    const MadeWorld world = GetParam().upgraded();
+    Chain chain(world->world(), *of, false);
+    for (int i = 0; i < steps; ++i) chain.step();
+    const long before = contract_test::allocations;
+    for (int i = 0; i < 60; ++i) chain.step();
+    EXPECT_EQ(contract_test::allocations - before, 0);
   }
 }
 

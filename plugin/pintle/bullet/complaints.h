@@ -21,6 +21,9 @@ class Complaints {
   /// Counts them, and takes no memory: for a step.
   Complaints() = default;
 
+  /// The fields that follow are those of this axis; null: of none.
+  void setAxis(const char* axis) { m_axis = axis; }
+
   void add(const char* field, Scalar value, const char* why) {
     ++m_count;
     if (m_joint == nullptr) return;
@@ -38,10 +41,13 @@ class Complaints {
  private:
   void append(const std::string& field, const char* why) {
     if (!m_text.empty()) m_text += "; ";
-    m_text.append("pintle::").append(m_joint).append(": ").append(field).append(": ").append(why);
+    m_text.append("pintle::").append(m_joint).append(": ");
+    if (m_axis != nullptr) m_text.append(m_axis).append(" ");
+    m_text.append(field).append(": ").append(why);
   }
 
   const char* m_joint = nullptr;
+  const char* m_axis = nullptr;
   int m_count = 0;
   std::string m_text;
 };

@@ -1,10 +1,32 @@
-// Purpose: constants of the joints on Bullet's iterating solvers, each with its unit, its reason, and what fails beyond it.
+// Purpose: constants of the joints, each with its unit, its reason, and what fails beyond it: of their equations, and then of their rows on
+// Bullet's iterating solvers.
 #pragma once
 
 #include <pintle/precision.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
+
+/// 2 / (1 + cos(swing)) of a hinge, above which its axes are all but opposite, and its angle is none.
+constexpr Scalar max_h_scale = 20;
+
+/// cos^2 of the angle between the axes of a universal joint. Axes that are off their right angle by more than 60 degrees go back first: what acts
+/// along the angles would be torques that fight about one direction.
+constexpr Scalar max_cross_cosine2 = Scalar(0.75);
+
+/// Cosine of the angle between the axes of a hinge, below which Bullet's angle may differ from the twist by more than the 0.3 rad that its
+/// accumulated angle makes up for in a step.
+constexpr Scalar min_cosine_of_axes = Scalar(0.9);
+
+/// rad: the middle angle of a joint of six degrees of freedom that is locked, between two that are not, is within this of 0. Farther, their axes come
+/// together.
+constexpr Scalar max_locked_middle = Scalar(1.4);
+
+/// rad/s, slow: angles that differ from Euler's come back to them at this speed (joints/euler_turn.h).
+constexpr Scalar settling_speed = 1;
+
+/// Cosine of 85 degrees: a spring about an outer angle keeps at least this fraction of its pull.
+constexpr Scalar min_cosine_of_springs = Scalar(0.0872);
 
 /// s: a joint is taken as one that starts apart for so long at most. What is still open then is held open by a load, or by a mouse that drags
 /// it, and closes as ERP says.
@@ -24,6 +46,9 @@ constexpr Scalar warm_start = Scalar(0.5);
 /// Passes: with so many at most a start that is not right is not made up for.
 constexpr int few_passes = 2;
 
+/// Fraction of K. Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
+constexpr Scalar diverging_cfm = 1;
+
 /// m/s and rad/s. Bullet makes no second pass if the first one changed nothing, or less than its residual threshold: what started then
 /// would stay as it is. A row that the first one changed by more than this says that there is another.
 constexpr Scalar goes_on = Scalar(1e-3);
@@ -39,7 +64,7 @@ constexpr int passes_to_rest = 3;
 /// velocity of what turns by thousands.
 constexpr Scalar max_turn_of_step = 1000;
 
-/// What is slower than this (m/s, rad/s) stands still. Of an error a step leaves a part, or its rounding: after a few
+/// m/s, rad/s: slower bodies stand still. Of an error a step leaves a part, or its rounding: after a few
 /// steps a denormal, with which a processor is a hundred times as slow.
 constexpr Scalar min_speed = SIMD_EPSILON * SIMD_EPSILON;
 

@@ -4,6 +4,7 @@
 #include <pintle/bullet/complaints.h>
 #include <pintle/bullet/frames.h>
 #include <pintle/bullet/stock_limits.h>
+#include <pintle/joints/constants.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/euler_turn.h>
 
@@ -16,8 +17,6 @@ namespace {
 
 // Axes of the joint frames: z of a and x of b are those of Bullet's angles, in its usual order.
 constexpr int main_axis = 2, second_axis = 0;
-// rad: what is locked between axes at right angles stays short of where they come together.
-constexpr Scalar max_bend = Scalar(1.4);
 // Before 2.89 the bound of a motor is an impulse a step.
 constexpr Scalar Axis::*motor_bound =
     BT_BULLET_VERSION < 289 ? &Axis::max_motor_impulse : &Axis::max_motor_force;
@@ -133,39 +132,37 @@ void SixDofModel::readSettings(Complaints* complaints) {
 
 void SixDofModel::takeAxis(int i, const StockAxis& from, Complaints* complaints) {
   StockAxis& to = m_read.axes[i];
-  const auto named = [&](const char* field) {
-    return complaints != nullptr ? std::string(axis_names[i]) + " " + field : std::string();
-  };
+  if (complaints != nullptr) complaints->setAxis(axis_names[i]);
   if (leavesAPosition(from.low, from.high)) {
     to.low = from.low;
     to.high = from.high;
   } else if (complaints != nullptr) {
-    complaints->add(named("limit").c_str(), isNumber(from.low) ? from.high : from.low,
+    complaints->add("limit", isNumber(from.low) ? from.high : from.low,
                     "must be a number, and leave a position");
   }
-  takeNotNegative(to.bounce, from.bounce, named("bounce").c_str(), complaints);
+  takeNotNegative(to.bounce, from.bounce, "bounce", complaints);
   to.motor = from.motor;
   to.servo = from.servo;
   to.spring = from.spring;
   if (to.motor) {
-    takeFinite(to.velocity, from.velocity, named("motor target velocity").c_str(), complaints);
-    takeBound(to.max_force, from.max_force, named("max motor force").c_str(), complaints);
-    if (to.servo)
-      takeFinite(to.servo_target, from.servo_target, named("servo target").c_str(), complaints);
+    takeFinite(to.velocity, from.velocity, "motor target velocity", complaints);
+    takeBound(to.max_force, from.max_force, "max motor force", complaints);
+    if (to.servo) takeFinite(to.servo_target, from.servo_target, "servo target", complaints);
   }
   if (to.spring) {
-    takeNotNegative(to.stiffness, from.stiffness, named("spring stiffness").c_str(), complaints);
-    takeNotNegative(to.damping, from.damping, named("spring damping").c_str(), complaints);
-    takeFinite(to.rest, from.rest, named("equilibrium point").c_str(), complaints);
+    takeNotNegative(to.stiffness, from.stiffness, "spring stiffness", complaints);
+    takeNotNegative(to.damping, from.damping, "spring damping", complaints);
+    takeFinite(to.rest, from.rest, "equilibrium point", complaints);
   }
   const auto take = [&](Parameter& parameter, const StockParameter& value, int num) {
-    takeParameter(parameter, value, named(parameterName(num)).c_str(), complaints);
+    takeParameter(parameter, value, parameterName(num), complaints);
   };
   AxisParameters& own = m_parameters[i];
   take(own.limit_erp, from.limit_erp, BT_CONSTRAINT_STOP_ERP);
   take(own.limit_cfm, from.limit_cfm, BT_CONSTRAINT_STOP_CFM);
   take(own.motor_erp, from.motor_erp, BT_CONSTRAINT_ERP);
   take(own.motor_cfm, from.motor_cfm, BT_CONSTRAINT_CFM);
+  if (complaints != nullptr) complaints->setAxis(nullptr);
 }
 
 // --- the settings as a step uses them, so that it need not ask ------------------------------------
@@ -272,7 +269,7 @@ void SixDofModel::setLockedFrames() {
   else if (middle != 0 && middle_goes_to_b)
     m_turn_b *= about(order[EulerTurn::middle], middle);
   else if (middle != 0)
-    m_bend = btMax(-max_bend, btMin(middle, max_bend)) *
+    m_bend = btMax(-max_locked_middle, btMin(middle, max_locked_middle)) *
              Scalar(equations::EulerOrder{order[0], order[1], order[2]}.sign());
   m_is_turned = first != 0 || last != 0 || m_bend == 0;
 }
