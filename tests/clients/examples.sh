@@ -6,32 +6,14 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-bullet= library_build=build/release
-while [ $# -gt 0 ]; do
-  case $1 in
-    --bullet) bullet=${2:?--bullet: the folder is missing}; shift 2 ;;
-    --build) library_build=${2:?--build: the folder is missing}; shift 2 ;;
-    *) echo "examples.sh: unknown option $1" >&2; exit 2 ;;
-  esac
-done
-version=3.25
-if [ -z "$bullet" ]; then
-  echo "Bullet's examples: skipped (--bullet DIR with bullet-$version.tar.xz and examples-$version.tar.xz runs them)"
-  exit 0
-fi
-for archive in "bullet-$version.tar.xz" "examples-$version.tar.xz"; do
-  [ -f "$bullet/$archive" ] || { echo "examples.sh: no $archive in $bullet" >&2; exit 2; }
-done
-
+source tests/clients/options.sh
 source tests/setup.sh
 pintle_install_packages
 build=$PWD/build/examples
 mkdir -p "$build"
 jobs=${PINTLE_JOBS:-$(nproc)}
 
-[ -f "$library_build/CMakeCache.txt" ] || cmake -S . -B "$library_build" -DCMAKE_BUILD_TYPE=Release >"$build/library.log"
-cmake --build "$library_build" --parallel "$jobs" --target pintle_single >>"$build/library.log" ||
-  { tail -n 40 "$build/library.log"; exit 1; }
+build_library "$build/library.log" "$jobs"
 
 # --- the line that makes the solver ------------------------------------------------------------------------------------
 tree=$build/bullet-$version

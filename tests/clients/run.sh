@@ -11,32 +11,14 @@ tolerance=1e-4
 # Scenes in which it is by more, with the figures when they were listed (m). One that passes is to be taken off the list.
 known_failures=()
 
-bullet= library_build=build/release
-while [ $# -gt 0 ]; do
-  case $1 in
-    --bullet) bullet=${2:?--bullet: the folder is missing}; shift 2 ;;
-    --build) library_build=${2:?--build: the folder is missing}; shift 2 ;;
-    *) echo "run.sh: unknown option $1" >&2; exit 2 ;;
-  esac
-done
-version=3.25
-if [ -z "$bullet" ]; then
-  echo "Bullet's examples: skipped (--bullet DIR with bullet-$version.tar.xz and examples-$version.tar.xz runs them)"
-  exit 0
-fi
-for archive in "bullet-$version.tar.xz" "examples-$version.tar.xz"; do
-  [ -f "$bullet/$archive" ] || { echo "run.sh: no $archive in $bullet" >&2; exit 2; }
-done
-
+source tests/clients/options.sh
 source tests/setup.sh
 pintle_install_packages
 build=$PWD/build/clients
 mkdir -p "$build"
 
 # --- the library -------------------------------------------------------------------------------------------------------
-[ -f "$library_build/CMakeCache.txt" ] || cmake -S . -B "$library_build" -DCMAKE_BUILD_TYPE=Release >"$build/library.log"
-cmake --build "$library_build" --parallel "$(nproc)" --target pintle_single >>"$build/library.log" ||
-  { tail -n 40 "$build/library.log"; exit 1; }
+build_library "$build/library.log" "$(nproc)"
 
 # --- both trees --------------------------------------------------------------------------------------------------------
 stock=$build/stock/bullet-$version renamed=$build/renamed/bullet-$version

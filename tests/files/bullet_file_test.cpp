@@ -161,7 +161,7 @@ TEST(BulletFile, AConeTwistIsLoadedAsBullets) {
   for (int i = 0; i < 60; ++i) loaded.world().stepSimulation(btScalar(1. / 60), 0);
 }
 
-// What is written of any of them, and that a loaded one moves.
+// Files of any of them, and that a loaded one moves.
 template <class Stock, class J>
 void expectLoadedAsBullets() {
   Boxes written;

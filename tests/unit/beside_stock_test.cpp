@@ -170,7 +170,7 @@ TEST(BesideStock, LinksThatOverlapAndCollideAreAsCalm) {
   for (const double hz : {60., 240.}) expectAsCalm(true, hz, 0.05, 1.2);
 }
 
-// What ERP asks of such gaps in a step is more than a contact lets them have.
+// The speed that ERP asks of such gaps in a step is more than a contact lets them have.
 TEST(BesideStock, LinksThatOverlapByMuchAreCalmer) {
   for (const bool hinges : {false, true}) expectAsCalm(hinges, 240, 0.2, 0.25);
 }

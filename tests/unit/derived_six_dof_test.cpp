@@ -130,7 +130,7 @@ TYPED_TEST(DerivedSixDof, AStepLeavesInBulletsObjectWhatBulletsDoes) {
   }
 }
 
-// What the calls of clients between steps say is of where the bodies are.
+// Calls of clients between steps tell where the bodies are now.
 TYPED_TEST(DerivedSixDof, CalculateTransformsLooksAtTheBodies) {
   Pair<TypeParam> pair;
   SolverRows::ofStep(pair.joint);
@@ -148,7 +148,7 @@ TYPED_TEST(DerivedSixDof, CalculateTransformsLooksAtTheBodies) {
 template <class J>
 using Change = std::function<void(StockOf<J>&)>;
 
-// What any pointer writes, by setters or in the fields of limit motors.
+// Settings that any pointer writes, by setters or in the fields of limit motors.
 template <class J>
 std::vector<Change<J>> changes() {
   const btTransform frame(btQuaternion(vec(0, 1, 0), scalar(0.2)), vec(0.3, 0.1, 0));

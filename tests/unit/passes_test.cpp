@@ -1,4 +1,4 @@
-// What joints do between Bullet's passes over their rows (bullet_passes.cpp): impulses of the last step start the
+// Actions of joints between Bullet's passes over their rows (bullet_passes.cpp): impulses of the last step start the
 // next where joints bear on each other, and disturb nothing where they do not.
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
@@ -134,7 +134,7 @@ TEST(Passes, AJointThatWasDisabledBeginsFromNothing) {
   for (int i = 0; i < 10; ++i) rod.step(1. / 60);
   joint.setEnabled(true);
   const double before = double(load.getLinearVelocity().length());
-  // What ERP takes away of the gap that is there, and no more.
+  // The part of the gap that ERP takes away, and no more.
   const double closing = 0.2 * 60 * rod.gap(Rod<>::links - 1);
   rod.step(1. / 60);
   EXPECT_LT(double(load.getLinearVelocity().length()), before + closing + 0.01);

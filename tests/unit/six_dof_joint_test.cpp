@@ -104,7 +104,7 @@ TEST(SixDofSpring, FollowsTheImplicitEulerRuleAtAnyStiffnessAndNumberOfIteration
           size = std::max(size, std::abs(x));
           worst = std::max(worst, std::abs(double(arm.body.getCenterOfMassPosition().z()) - x));
         }
-        // What is left of the digits of a load by a stiff spring is that of its body's speed in a step.
+        // The digits that are left of a load by a stiff spring are those of its body's speed in a step.
         EXPECT_LE(worst, (is_double ? 1e-12 : 2e-4) * size + (is_double ? 1e-15 : 1e-8));
       }
 }

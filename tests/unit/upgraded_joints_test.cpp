@@ -159,7 +159,7 @@ std::vector<Use> usesOfCones() {
   };
 }
 
-/// What any constraint has.
+/// Uses that any constraint has.
 std::vector<Use> usesOf(const Class& of) {
   return {
       {&of, "breaks",

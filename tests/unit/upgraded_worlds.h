@@ -40,7 +40,7 @@ struct Class {
   const char* name;
   std::function<Made(btRigidBody&, btRigidBody&, const btTransform&, const btTransform&)> stock,
       ours;
-  /// What its getters tell.
+  /// Answers of its getters.
   std::function<std::vector<btScalar>(btTypedConstraint&)> readings;
 };
 
@@ -93,7 +93,7 @@ inline const Class slider = {"btSliderConstraint", make<btSliderConstraint>,
 inline const Class cone = {"btConeTwistConstraint", make<btConeTwistConstraint>,
                            make<pintle::ConeTwistJoint>, readCone};
 
-/// What a client does to each joint, by a pointer to Bullet's class: before step number i.
+/// Calls of a client to each joint, by a pointer to Bullet's class: before step number i.
 struct Use {
   const Class* of;
   const char* name;

@@ -22,7 +22,6 @@ PINTLE_PRIVATE_MEMBER(SixDofSpringDamping, SixNumbers, btGeneric6DofSpringConstr
 
 inline namespace PINTLE_PRECISION {
 
-// Bullet's linear motors move b the other way.
 void readAxes(btGeneric6DofConstraint& from, StockSixDof& to) {
   const btTranslationalLimitMotor& linear = *from.getTranslationalLimitMotor();
   const int all_flags = from.btGeneric6DofConstraint::getFlags();
@@ -33,25 +32,12 @@ void readAxes(btGeneric6DofConstraint& from, StockSixDof& to) {
     axis.limit_cfm.is_set = (flags & BT_6DOF_FLAGS_CFM_STOP) != 0;
     axis.motor_cfm.is_set = (flags & BT_6DOF_FLAGS_CFM_NORM) != 0;
     if (i < 3) {
-      axis.low = linear.m_lowerLimit[i];
-      axis.high = linear.m_upperLimit[i];
-      axis.motor = linear.m_enableMotor[i];
-      axis.velocity = -linear.m_targetVelocity[i];
-      axis.max_force = linear.m_maxMotorForce[i];
-      axis.limit_erp.value = linear.m_stopERP[i];
-      axis.limit_cfm.value = linear.m_stopCFM[i];
+      readLinearMotor(linear, i, axis);
       axis.motor_cfm.value = linear.m_normalCFM[i];
       continue;
     }
     const btRotationalLimitMotor& angular = *from.getRotationalLimitMotor(i - 3);
-    axis.low = angular.m_loLimit;
-    axis.high = angular.m_hiLimit;
-    axis.bounce = angular.m_bounce;
-    axis.motor = angular.m_enableMotor;
-    axis.velocity = angular.m_targetVelocity;
-    axis.max_force = angular.m_maxMotorForce;
-    axis.limit_erp.value = angular.m_stopERP;
-    axis.limit_cfm.value = angular.m_stopCFM;
+    readAngularMotor(angular, axis);
     axis.motor_cfm.value = angular.m_normalCFM;
   }
   to.frame_offset = from.getUseFrameOffset();

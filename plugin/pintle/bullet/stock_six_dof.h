@@ -25,6 +25,31 @@ struct StockAxis {
   StockParameter limit_erp, limit_cfm, motor_erp, motor_cfm;
 };
 
+///@{
+/// Fields that have the same name in the limit motors of both kinds of Bullet's. Linear motors move b the other way there.
+template <class LinearMotor>
+void readLinearMotor(const LinearMotor& from, int i, StockAxis& to) {
+  to.low = from.m_lowerLimit[i];
+  to.high = from.m_upperLimit[i];
+  to.motor = from.m_enableMotor[i];
+  to.velocity = -from.m_targetVelocity[i];
+  to.max_force = from.m_maxMotorForce[i];
+  to.limit_erp.value = from.m_stopERP[i];
+  to.limit_cfm.value = from.m_stopCFM[i];
+}
+template <class AngularMotor>
+void readAngularMotor(const AngularMotor& from, StockAxis& to) {
+  to.low = from.m_loLimit;
+  to.high = from.m_hiLimit;
+  to.bounce = from.m_bounce;
+  to.motor = from.m_enableMotor;
+  to.velocity = from.m_targetVelocity;
+  to.max_force = from.m_maxMotorForce;
+  to.limit_erp.value = from.m_stopERP;
+  to.limit_cfm.value = from.m_stopCFM;
+}
+///@}
+
 /// Settings of a joint.
 struct StockSixDof {
   StockAxis axes[6];         ///< along x, y, z of frame a, and the Euler angles of a against b

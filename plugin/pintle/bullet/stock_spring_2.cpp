@@ -19,7 +19,7 @@ constexpr int spring_2_orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
 
 inline namespace PINTLE_PRECISION {
 
-// Bullet's linear velocity motors move b the other way; its servos do not.
+// (Its servos move a, as angular ones do.)
 void readAxes(btGeneric6DofSpring2Constraint& from, StockSixDof& to) {
   const btTranslationalLimitMotor2& linear = *from.getTranslationalLimitMotor();
   const int all_flags = from.*pointer(SpringTwoFlags());
@@ -31,39 +31,26 @@ void readAxes(btGeneric6DofSpring2Constraint& from, StockSixDof& to) {
     axis.motor_erp.is_set = (flags & BT_6DOF_FLAGS_ERP_MOTO2) != 0;
     axis.motor_cfm.is_set = (flags & BT_6DOF_FLAGS_CFM_MOTO2) != 0;
     if (i < 3) {
-      axis.low = linear.m_lowerLimit[i];
-      axis.high = linear.m_upperLimit[i];
+      readLinearMotor(linear, i, axis);
       axis.bounce = linear.m_bounce[i];
-      axis.motor = linear.m_enableMotor[i];
       axis.servo = linear.m_servoMotor[i];
       axis.spring = linear.m_enableSpring[i];
-      axis.velocity = -linear.m_targetVelocity[i];
-      axis.max_force = linear.m_maxMotorForce[i];
       axis.servo_target = linear.m_servoTarget[i];
       axis.stiffness = linear.m_springStiffness[i];
       axis.damping = linear.m_springDamping[i];
       axis.rest = linear.m_equilibriumPoint[i];
-      axis.limit_erp.value = linear.m_stopERP[i];
-      axis.limit_cfm.value = linear.m_stopCFM[i];
       axis.motor_erp.value = linear.m_motorERP[i];
       axis.motor_cfm.value = linear.m_motorCFM[i];
       continue;
     }
     const btRotationalLimitMotor2& angular = *from.getRotationalLimitMotor(i - 3);
-    axis.low = angular.m_loLimit;
-    axis.high = angular.m_hiLimit;
-    axis.bounce = angular.m_bounce;
-    axis.motor = angular.m_enableMotor;
+    readAngularMotor(angular, axis);
     axis.servo = angular.m_servoMotor;
     axis.spring = angular.m_enableSpring;
-    axis.velocity = angular.m_targetVelocity;
-    axis.max_force = angular.m_maxMotorForce;
     axis.servo_target = angular.m_servoTarget;
     axis.stiffness = angular.m_springStiffness;
     axis.damping = angular.m_springDamping;
     axis.rest = angular.m_equilibriumPoint;
-    axis.limit_erp.value = angular.m_stopERP;
-    axis.limit_cfm.value = angular.m_stopCFM;
     axis.motor_erp.value = angular.m_motorERP;
     axis.motor_cfm.value = angular.m_motorCFM;
   }

@@ -59,7 +59,7 @@ Vector3<T> position_curvature(const Vector3<T>& w_a, const Vector3<T>& r_a, cons
   return cross(w_b, cross(w_b, r_b)) - cross(w_a, cross(w_a, r_a));
 }
 
-/// By how much the end of a lever r that turns by w dt moves on beside dt w x r, as the mean of a second derivative over the step: 2/dt^2 times
+/// The motion of the end of a lever r that turns by w dt beside dt w x r, as the mean of a second derivative over the step: 2/dt^2 times
 ///   exp([w dt]x) r - r - dt w x r.
 /// The centripetal part alone is a parabola, on which what turns fast gains energy with (w dt)^4. (To the rounding of single precision up to
 /// a turn of pi/4, which is the most that Bullet makes of a step; beyond, as at pi/4.)

@@ -32,7 +32,7 @@ void boundTurn(btSolverBody& body, Scalar dt) {
 Vec3 linearOf(const btSolverBody& body) { return view(linearVelocity(body)); }
 Vec3 angularOf(const btSolverBody& body) { return view(angularVelocity(body)); }
 
-// Of what a step's impulses have given the bodies so far: another one if a number is another. (FNV-1a, by words.)
+// A hash of the velocities that a step's impulses have given the bodies so far. (FNV-1a, by words.)
 std::uint32_t hashOfVelocities(const btSolverBody& a, const btSolverBody& b) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const btVector3* v : {&a.m_deltaLinearVelocity, &a.m_deltaAngularVelocity,
@@ -85,7 +85,7 @@ PINTLE_NOINLINE void BulletRows::actBetweenPasses(btSolverBody& a, btSolverBody&
   boundTurn(b, m_joint.m_time_step);
   stopIfSlow(a);
   stopIfSlow(b);
-  // What nobody disturbed is found by the first pass of the next step, too.
+  // Impulses that nobody disturbed are found by the first pass of the next step, too.
   m_remembers = done > 1 && !isSettled(false);
   for (int i = 0; i < m_rows.equalities(); ++i)
     m_rows.history(i).impulse = m_solver_rows[i].m_appliedImpulse;
@@ -202,7 +202,7 @@ inline void BulletRows::rest(btSolverBody& a, btSolverBody& b, int done) {
   if (m_rests) m_velocities = hashOfVelocities(a, b);
 }
 
-// Of Bullet's passes over all rows.
+// The number of Bullet's passes over all rows.
 inline void BulletRows::setPasses(int count) {
   for (int i = 0; i < m_count; ++i) m_solver_rows[i].m_overrideNumSolverIterations = count;
 }
@@ -211,7 +211,7 @@ inline void BulletRows::solveRows(btSolverBody& a, btSolverBody& b) {
   for (int i = 0; i < m_count; ++i) solveRow(m_solver_rows[i], a, b);
 }
 
-// Whether the impulses have not changed, but for rounding: those of equalities since the first pass, those of axes since
+// True if the impulses have not changed, but for rounding: those of equalities since the first pass, those of axes since
 // the last one.
 inline bool BulletRows::isSettled(bool with_axes) const {
   Scalar largest = 0, change = 0;
@@ -230,7 +230,7 @@ inline bool BulletRows::isSettled(bool with_axes) const {
   return change <= rounding_of_impulses * largest;
 }
 
-// What the parts of an axis have come to, and what others do to a coordinate along which an impulse is given.
+// Keeps the impulses of an axis, and sees the effect of others on a coordinate along which an impulse is given.
 inline void BulletRows::seeAxis(const Row& row, const btSolverBody& a, const btSolverBody& b) {
   AxisState& axis = m_rows.axis(row.axis);
   for (const Axis::Part k : Axis::each_part)

@@ -15,9 +15,6 @@ namespace pintle {
 inline namespace PINTLE_PRECISION {
 namespace {
 
-// Bullet iterates a soft row by lambda <- rhs - cfm lambda: from here on it diverges.
-constexpr Scalar diverging_cfm = 1;
-
 // An impulse that is given, as that of a soft spring, does not see what other joints do to its coordinate
 // in the step. They are going to do again what they did; half of what has changed is taken over in a
 // step, as springs that bear on each other would else answer each other for ever, and next to nothing
@@ -42,7 +39,7 @@ bool isNeedle(const btRigidBody& body) {
   return rounding_of_K * btMax(btMax(I[0], I[1]), I[2]) > btMin(btMin(I[0], I[1]), I[2]);
 }
 
-// Whether J M^-1 J^T of a row is nothing but the rounding of I^-1 in the world, R I^-1 R^T. An impulse
+// True if J M^-1 J^T of a row is nothing but the rounding of I^-1 in the world, R I^-1 R^T. An impulse
 // along it would turn the bodies anywhere, and further in each pass.
 bool isRounding(const Row& row, const BodyPair& pair) {
   const auto product = [](const Vec3& x, const MatrixView& M, const Vec3& y) {
@@ -59,7 +56,7 @@ bool isRounding(const Row& row, const BodyPair& pair) {
   return !(K > 8 * SIMD_EPSILON * terms);
 }
 
-// Whether the two may collide with each other, and their boxes overlap.
+// True if the two may collide with each other, and their boxes overlap.
 bool mayTouch(const btRigidBody& a, const btRigidBody& b) {
   const btBroadphaseProxy *in_a = a.getBroadphaseHandle(), *in_b = b.getBroadphaseHandle();
   if (in_a == nullptr || in_b == nullptr) return false;
@@ -86,7 +83,7 @@ bool hasSoftness(const AxisRow (&parts)[Axis::parts]) {
 
 }  // namespace
 
-// What all rows of a joint share in a step.
+// Numbers that all rows of a joint share in a step.
 struct BulletRows::Step {
   BodyPair pair;
   Scalar dt, fps;
@@ -123,19 +120,19 @@ struct BulletRows::Step {
     }
   }
 
-  // Whether Bullet's iteration would diverge for an equality.
+  // True if Bullet's iteration would diverge for an equality.
   bool tooSoft(const Joint& joint) const {
     const int n = joint.m_erp_cfm_differs ? Joint::max_groups : 1;
     return !std::all_of(cfm, cfm + n, [](Scalar c) { return c < diverging_cfm; });
   }
 
-  // Whether the passes leave its equalities at their targets: a soft row is not to end there, and a damped one will not.
+  // True if the passes leave its equalities at their targets: a soft row is not to end there, and a damped one will not.
   bool hasExactPasses() const { return rigid && setting.damping == 1; }
 
-  // What the curvature adds to the mean velocity of the row in this step.
+  // The contribution of the curvature to the mean velocity of the row in this step.
   Scalar gain(const Row& row) const { return curved_time * row.curvature; }
 
-  // Whether it is of a gap, whose speed of correction boundClosing bounds.
+  // True for a row of a gap, whose speed of correction boundClosing bounds.
   bool closes(const Row& row) const { return !(row.max_speed < infinity); }
 
   // The velocity that takes away the part erp of C (2.3).
@@ -281,7 +278,7 @@ inline void BulletRows::aim(const Step& step) {
   for (int i = 0; i < m_rows.equalities(); ++i) m_rows[i].target -= step.gain(m_rows[i]);
 }
 
-// What acts along an axis in this step, part by part. `orthogonal` is its row after the elimination in `block`,
+// The parts that act along an axis in this step. `orthogonal` is its row after the elimination in `block`,
 // whose target is what the equalities' targets came to in it; both null: as it stands.
 inline void BulletRows::act(Row& row, const BlockRow* orthogonal, const Block* block,
                             const Step& step, AxisRow (&parts)[Axis::parts]) {

@@ -31,7 +31,7 @@ class BulletRows {
   ///@}
   static constexpr int max_room = std::numeric_limits<signed char>::max();  ///< m_count
 
-  /// Of this joint.
+  /// The rows of this joint.
   explicit BulletRows(Joint& joint);
 
   /// Once a step, before all others.
@@ -55,7 +55,7 @@ class BulletRows {
   Scalar axisImpulse(int axis, int part) const;
 
   ///@{
-  /// Whether the rows are those of addRows: none is made orthogonal to others, none predicts by how much its motion is curved, and what closes it
+  /// True if the rows are those of addRows: none is made orthogonal to others, none predicts by how much its motion is curved, and what closes it
   /// grows with the rate of the steps, without a largest speed.
   bool arePlain() const { return m_are_plain; }
   void setPlain(bool plain) { m_are_plain = plain; }

@@ -34,7 +34,7 @@ class EulerTurn {
 
   /// rad, of b against a, over any number of turns: by first, middle and last axis.
   Scalar value(int n) const { return m_is_in_cap ? m_in_cap[n] : m_angle[n].value() + m_offset[n]; }
-  /// Of the pose, in the turn that is nearest to the last. `holds_pole`: whether the turn about the pole is not free.
+  /// Takes the angles of the pose, in the turn that is nearest to the last. `holds_pole`: whether the turn about the pole is not free.
   void update(const Frame& a, const Frame& b, const equations::EulerOrder& order, bool holds_pole) {
     const auto axes = eulerAxes(a, b, order);
     const Scalar m = axes.a_k.dot(axes.b_i), c2 = 1 - m * m;

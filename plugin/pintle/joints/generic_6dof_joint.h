@@ -1,8 +1,7 @@
 // Purpose: the joint of six degrees of freedom, in the place of btGeneric6DofConstraint.
 #pragma once
 
-#include <pintle/joints/joint_of.h>
-#include <pintle/joints/six_dof_model.h>
+#include <pintle/joints/six_dof_of.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofConstraint.h>
 
@@ -21,7 +20,7 @@ inline namespace PINTLE_PRECISION {
 /// Bullet's object is the only place of its settings: what any pointer writes there, setters or fields, holds in the next step. A number that
 /// is not finite is not used: the last good one stays (Joint::whyIgnored). Motors and springs are read only where they are on.
 ///
-/// Of Bullet's fields these have an effect:
+/// Fields of Bullet's that have an effect:
 /// - limits of any axis; m_bounce (>= 0) of an angle: the part of its speed that a limit sends back;
 /// - m_enableMotor, m_targetVelocity (rad/s; m/s, of a against b, as in Bullet), m_maxMotorForce (N m or N, >= 0; before Bullet 2.89
 ///   an impulse a step);
@@ -31,49 +30,11 @@ inline namespace PINTLE_PRECISION {
 /// on Bullet's obsolete solver alone.
 ///
 /// \image html generic_6dof_joint.svg
-class Generic6DofJoint : public JointOf<btGeneric6DofConstraint, SixDofModel> {
+class Generic6DofJoint : public Generic6DofOf<btGeneric6DofConstraint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// Joint frames in the bodies' frames.
-  Generic6DofJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
-                   const btTransform& frameInB, bool useLinearReferenceFrameA = true)
-      : JointOf(row_count, rbA, rbB, frameInA, frameInB, useLinearReferenceFrameA) {}
-  /// To the world, where the body is now. As in Bullet the body is b, and a is Bullet's fixed body.
-  Generic6DofJoint(btRigidBody& rbB, const btTransform& frameInB,
-                   bool useLinearReferenceFrameB = true)
-      : JointOf(row_count, rbB, frameInB, useLinearReferenceFrameB) {}
-
-  ///@{
-  /// Count the rows of the step, as getInfo1 does, and write them at other poses of the bodies; no more than were counted. The velocities
-  /// are the bodies' own, whatever is given.
-  void getInfo1NonVirtual(btTypedConstraint::btConstraintInfo1* info) {
-    Generic6DofJoint::getInfo1(info);
-  }
-  void getInfo2NonVirtual(btTypedConstraint::btConstraintInfo2* info, const btTransform& transA,
-                          const btTransform& transB, const btVector3&, const btVector3&,
-                          const btVector3&, const btVector3&) {
-    writeRowsAt(*info, transA, transB);
-  }
-  ///@}
-
-  // --- beyond Bullet -----------------------------------------------------------------------------
-  ///@{
-  /// Bullet hides those that are not const.
-  using btTypedConstraint::getRigidBodyA;
-  using btTypedConstraint::getRigidBodyB;
-  ///@}
-  /// rad: the Euler angle about axis 3 to 5, with all turns since it was last locked, freed, or measured about other axes.
-  btScalar getAccumulatedAngle(int axis) {
-    angleAxis(axis);
-    return accumulatedAngle(axis);
-  }
-  ///@{
-  /// Impulses of the last step along axis 0 to 5 (N s or N m s), positive along the coordinate. A locked axis has none of its own. Those of the
-  /// outer two of three free angles are torques about Bullet's getAxis.
-  btScalar getLimitImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::limit); }
-  btScalar getMotorImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::motor); }
-  ///@}
+  using Generic6DofOf::Generic6DofOf;
 };
 
 }  // namespace PINTLE_PRECISION

@@ -2,8 +2,7 @@
 // btGeneric6DofSpring2Constraint.
 #pragma once
 
-#include <pintle/joints/joint_of.h>
-#include <pintle/joints/six_dof_model.h>
+#include <pintle/joints/six_dof_of.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 
@@ -27,37 +26,22 @@ inline namespace PINTLE_PRECISION {
 /// is not finite is not used: the last good one stays (Joint::whyIgnored). Motors and springs are read only where they are on.
 ///
 /// \image html generic_6dof_spring_2_joint.svg
-class Generic6DofSpring2Joint : public JointOf<btGeneric6DofSpring2Constraint, SixDofModel> {
+class Generic6DofSpring2Joint : public SixDofOf<btGeneric6DofSpring2Constraint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
   /// Joint frames in the bodies' frames.
   Generic6DofSpring2Joint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
                           const btTransform& frameInB, RotateOrder rotOrder = RO_XYZ)
-      : JointOf(row_count, rbA, rbB, frameInA, frameInB, rotOrder) {}
+      : SixDofOf(rbA, rbB, frameInA, frameInB, rotOrder) {}
   /// To the world, where the body is now. As in Bullet the body is b, and a is Bullet's fixed body.
   Generic6DofSpring2Joint(btRigidBody& rbB, const btTransform& frameInB,
                           RotateOrder rotOrder = RO_XYZ)
-      : JointOf(row_count, rbB, frameInB, rotOrder) {}
+      : SixDofOf(rbB, frameInB, rotOrder) {}
 
   // --- beyond Bullet -----------------------------------------------------------------------------
-  ///@{
-  /// Bullet hides those that are not const.
-  using btTypedConstraint::getRigidBodyA;
-  using btTypedConstraint::getRigidBodyB;
-  ///@}
-  /// rad: the Euler angle about axis 3 to 5, with all turns since it was last locked, freed, or measured about other axes.
-  btScalar getAccumulatedAngle(int axis) {
-    angleAxis(axis);
-    return accumulatedAngle(axis);
-  }
-  ///@{
-  /// Impulses of the last step along axis 0 to 5 (N s or N m s), positive along the coordinate. A locked axis has none of its own. Those of the
-  /// outer two of three free angles are torques about Bullet's getAxis.
-  btScalar getLimitImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::limit); }
-  btScalar getMotorImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::motor); }
+  /// Impulse of its spring in the last step along axis 0 to 5, as getLimitImpulse has it.
   btScalar getSpringImpulse(int axis) const { return springImpulse(anyAxis(axis)); }
-  ///@}
 };
 
 }  // namespace PINTLE_PRECISION

@@ -1,8 +1,7 @@
 // Purpose: the joint of six degrees of freedom with springs, in the place of btGeneric6DofSpringConstraint.
 #pragma once
 
-#include <pintle/joints/joint_of.h>
-#include <pintle/joints/six_dof_model.h>
+#include <pintle/joints/six_dof_of.h>
 
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpringConstraint.h>
 
@@ -24,50 +23,15 @@ inline namespace PINTLE_PRECISION {
 /// is not finite is not used: the last good one stays (Joint::whyIgnored). Motors and springs are read only where they are on.
 ///
 /// \image html generic_6dof_spring_joint.svg
-class Generic6DofSpringJoint : public JointOf<btGeneric6DofSpringConstraint, SixDofModel> {
+class Generic6DofSpringJoint : public Generic6DofOf<btGeneric6DofSpringConstraint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
-  /// Joint frames in the bodies' frames.
-  Generic6DofSpringJoint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
-                         const btTransform& frameInB, bool useLinearReferenceFrameA = true)
-      : JointOf(row_count, rbA, rbB, frameInA, frameInB, useLinearReferenceFrameA) {}
-  /// To the world, where the body is now. As in Bullet the body is b, and a is Bullet's fixed body.
-  Generic6DofSpringJoint(btRigidBody& rbB, const btTransform& frameInB,
-                         bool useLinearReferenceFrameB = true)
-      : JointOf(row_count, rbB, frameInB, useLinearReferenceFrameB) {}
-
-  ///@{
-  /// Count the rows of the step, as getInfo1 does, and write them at other poses of the bodies; no more than were counted. The velocities
-  /// are the bodies' own, whatever is given.
-  void getInfo1NonVirtual(btTypedConstraint::btConstraintInfo1* info) {
-    Generic6DofSpringJoint::getInfo1(info);
-  }
-  void getInfo2NonVirtual(btTypedConstraint::btConstraintInfo2* info, const btTransform& transA,
-                          const btTransform& transB, const btVector3&, const btVector3&,
-                          const btVector3&, const btVector3&) {
-    writeRowsAt(*info, transA, transB);
-  }
-  ///@}
+  using Generic6DofOf::Generic6DofOf;
 
   // --- beyond Bullet -----------------------------------------------------------------------------
-  ///@{
-  /// Bullet hides those that are not const.
-  using btTypedConstraint::getRigidBodyA;
-  using btTypedConstraint::getRigidBodyB;
-  ///@}
-  /// rad: the Euler angle about axis 3 to 5, with all turns since it was last locked, freed, or measured about other axes.
-  btScalar getAccumulatedAngle(int axis) {
-    angleAxis(axis);
-    return accumulatedAngle(axis);
-  }
-  ///@{
-  /// Impulses of the last step along axis 0 to 5 (N s or N m s), positive along the coordinate. A locked axis has none of its own. Those of the
-  /// outer two of three free angles are torques about Bullet's getAxis.
-  btScalar getLimitImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::limit); }
-  btScalar getMotorImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::motor); }
+  /// Impulse of its spring in the last step along axis 0 to 5, as getLimitImpulse has it.
   btScalar getSpringImpulse(int axis) const { return springImpulse(anyAxis(axis)); }
-  ///@}
 };
 
 }  // namespace PINTLE_PRECISION

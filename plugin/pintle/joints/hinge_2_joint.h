@@ -1,8 +1,7 @@
 // Purpose: the suspension of a wheel, in the place of btHinge2Constraint.
 #pragma once
 
-#include <pintle/joints/joint_of.h>
-#include <pintle/joints/six_dof_model.h>
+#include <pintle/joints/six_dof_of.h>
 
 #include <BulletDynamics/ConstraintSolver/btHinge2Constraint.h>
 
@@ -17,7 +16,7 @@ inline namespace PINTLE_PRECISION {
 /// is not finite is not used: the last good one stays (Joint::whyIgnored). Motors and springs are read only where they are on.
 ///
 /// \image html hinge_2_joint.svg
-class Hinge2Joint : public JointOf<btHinge2Constraint, SixDofModel> {
+class Hinge2Joint : public SixDofOf<btHinge2Constraint> {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
 
@@ -25,7 +24,7 @@ class Hinge2Joint : public JointOf<btHinge2Constraint, SixDofModel> {
   /// stand.
   Hinge2Joint(btRigidBody& rbA, btRigidBody& rbB, btVector3& anchor, btVector3& axis1,
               btVector3& axis2)
-      : JointOf(row_count, rbA, rbB, anchor, axis1, axis2) {}
+      : SixDofOf(rbA, rbB, anchor, axis1, axis2) {}
   /// Joint frames in the bodies' frames. The axes and the anchor are those of frame a, where its body is now.
   Hinge2Joint(btRigidBody& rbA, btRigidBody& rbB, const btTransform& frameInA,
               const btTransform& frameInB);
@@ -35,30 +34,15 @@ class Hinge2Joint : public JointOf<btHinge2Constraint, SixDofModel> {
   const char* name() const override { return "Hinge2Joint"; }
 
   // --- beyond Bullet -----------------------------------------------------------------------------
-  ///@{
-  /// Bullet hides those that are not const.
-  using btTypedConstraint::getRigidBodyA;
-  using btTypedConstraint::getRigidBodyB;
-  ///@}
-  /// rad: the Euler angle about axis 3 to 5, with all turns since it was last locked, freed, or measured about other axes.
-  btScalar getAccumulatedAngle(int axis) {
-    angleAxis(axis);
-    return accumulatedAngle(axis);
-  }
-  ///@{
-  /// Impulses of the last step along axis 0 to 5 (N s or N m s), positive along the coordinate. A locked axis has none of its own. Those of the
-  /// outer two of three free angles are torques about Bullet's getAxis.
-  btScalar getLimitImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::limit); }
-  btScalar getMotorImpulse(int axis) const { return axisImpulse(anyAxis(axis), Axis::motor); }
+  /// Impulse of its spring in the last step along axis 0 to 5, as getLimitImpulse has it.
   btScalar getSpringImpulse(int axis) const { return springImpulse(anyAxis(axis)); }
-  ///@}
 
  private:
   struct Axes {
     btVector3 anchor, axis_1, axis_2;
   };
   Hinge2Joint(btRigidBody& rbA, btRigidBody& rbB, Axes axes)
-      : JointOf(row_count, rbA, rbB, axes.anchor, axes.axis_1, axes.axis_2) {}
+      : SixDofOf(rbA, rbB, axes.anchor, axes.axis_1, axes.axis_2) {}
 };
 
 }  // namespace PINTLE_PRECISION

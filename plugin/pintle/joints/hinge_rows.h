@@ -6,6 +6,7 @@
 #include <pintle/equations/position.h>
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/frame.h>
+#include <pintle/joints/constants.h>
 #include <pintle/joints/hinge_model.h>
 #include <pintle/joints/observed_joint_rows.h>
 #include <pintle/joints/turning.h>
@@ -34,13 +35,13 @@ inline HingeModel::Observation HingeModel::observe(const PosePair& poses) const 
 
 inline void HingeModel::remember(const Observation& seen, bool in_step) {
   followStep(m_twist, seen.twist, seen.c_a, seen.c_b, bodyA(), bodyB(), timeStep(), angularSpeed());
-  if (in_step) showAngle(seen.c_a.dot(seen.c_b) < Scalar(0.9));
+  if (in_step) showAngle(seen.c_a.dot(seen.c_b) < min_cosine_of_axes);
 }
 
 inline Acting HingeModel::acting(const Observation& seen, const equations::Swing<Scalar>& swing,
                                  const Rows& rows) const {
   // With c_a and c_b all but opposite the axis has no angle.
-  if (!(swing.h_scale < Scalar(20))) return {};
+  if (!(swing.h_scale < max_h_scale)) return {};
   return actingAngle(
       m_settings.axis, [&] { return followed(m_twist, seen.twist); }, swing.h, m_sign,
       [&] { return rows.turn(); });

@@ -28,7 +28,7 @@ Scalar motorFactor(Scalar position, Scalar low, Scalar high, Scalar velocity, Sc
   return part < 0 ? Scalar(0) : part < 1 ? part : Scalar(1);
 }
 
-// Whether a spring is a row (axis_part.h).
+// True if a spring is a row (axis_part.h).
 bool isStiff(const Spring& spring, Scalar dt, Scalar K) {
   return softnessOf(spring, dt, K).gamma <= max_yield_cfm * dt;
 }

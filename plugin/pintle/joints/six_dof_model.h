@@ -98,7 +98,7 @@ class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
   void setTurning();
   void setLockedFrames();
   void setParameters();
-  /// What acts along an axis, of which one unit is `scale` of Bullet's.
+  /// Sets limit, motor and rest of an axis, of which one unit is `scale` of Bullet's.
   void setAxis(int i, Scalar scale);
   /// By its own unit vector in Bullet's way, which is shorter by `cosine` than the gradient of the angle, a spring pulls so much less.
   void setSpring(int i, Scalar stiffness, Scalar damping, Scalar cosine);

@@ -6,6 +6,7 @@
 #include <pintle/equations/quaternion_hinge_limit.h>
 #include <pintle/equations/universal.h>
 #include <pintle/frame.h>
+#include <pintle/joints/constants.h>
 #include <pintle/joints/euler_turn.h>
 #include <pintle/joints/observed_joint_rows.h>
 #include <pintle/joints/six_dof_model.h>
@@ -22,14 +23,6 @@ namespace {
 // Bullet's angles are those of a against b, the equations' of b against a.
 constexpr int angle_sign = -1;
 constexpr int all_positions = 7, all_angles = 7 << 3;  // bits of axes
-// Axes that are off their right angle by more than 60 degrees go back first (UniversalJoint).
-constexpr Scalar max_cross_cosine2 = Scalar(0.75);
-// 1 + cos(swing), inverted, above which a hinge has no angle (HingeModel).
-constexpr Scalar max_h_scale = 20;
-// rad/s, slow: at which angles that differ from Euler's come back to them.
-constexpr Scalar settling_speed = 1;
-// Of 85 degrees: of a spring about an outer axis so much is left at least.
-constexpr Scalar min_cosine = Scalar(0.0872);
 
 // A frame turned in itself.
 Frame turnedBy(const Frame& frame, const btMatrix3x3& R, bool is_turned) {
@@ -87,7 +80,7 @@ struct SixDofModel::Observation {
   equations::Swing<Scalar> swing() const {
     return equations::swing(axisA(of.m_hinge), axisB(of.m_hinge));
   }
-  /// Of a universal joint: 1 if its axes and the third are cyclic, else -1.
+  /// A universal joint's: 1 if its axes and the third are cyclic, else -1.
   Scalar crossSign() const { return (of.m_of_a + 1) % 3 == of.m_of_b ? Scalar(1) : Scalar(-1); }
   Scalar crossCosine() const { return axisA(of.m_of_a).dot(axisB(of.m_of_b)); }
 
@@ -116,7 +109,8 @@ struct SixDofModel::Observation {
     const int middle = of.middleAngle();
     const Scalar cosine =
         btCos(of.isLocked(middle) ? of.m_read.axes[middle].low : angle(middle - first_angle));
-    return cosine * cosine > min_cosine * min_cosine ? cosine : min_cosine;
+    return cosine * cosine > min_cosine_of_springs * min_cosine_of_springs ? cosine
+                                                                           : min_cosine_of_springs;
   }
   equations::Anchors<Scalar> anchors() const { return {a.r(), b.r(), d}; }
 };
@@ -200,7 +194,7 @@ void SixDofModel::remember(Observation& seen, bool in_step) {
     showPoses(*m_first);
 }
 
-// What depends on the pose at the start of the step.
+// Sets the springs and servos that depend on the pose at the start of the step.
 void SixDofModel::prepareAxes(const Observation& seen) {
   const BodyPair pair(bodyA(), bodyB());
   const equations::InverseMass<Scalar> M{pair.inv_mass_a(), pair.inv_mass_b(), pair.inv_inertia_a(),

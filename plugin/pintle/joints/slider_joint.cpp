@@ -9,6 +9,7 @@
 #include <pintle/equations/slider.h>
 #include <pintle/frame.h>
 #include <pintle/bullet/complaints.h>
+#include <pintle/joints/constants.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/turning.h>
 #include <pintle/joints/observed_joint_rows.h>
@@ -471,7 +472,7 @@ inline void SliderModel::constrain(const Observation& seen, Rows& rows) const {
     const auto swing = equations::swing(seen.a.a(), seen.b.a());
     if (!document) addSwingRows(swing, getMaxCorrectionSpeed(), rows, group(directions));
     // With the axes all but opposite there is no angle between them.
-    if (swing.h_scale < Scalar(20))
+    if (swing.h_scale < max_h_scale)
       turn = actingAngle(
           m_settings.angular, [&] { return angle(seen); }, swing.h, 1, [&] { return rows.turn(); });
     if (turn.row) turn_row = equations::twist_row(swing);

@@ -4,6 +4,7 @@
 #include <pintle/equations/position.h>
 #include <pintle/equations/universal.h>
 #include <pintle/frame.h>
+#include <pintle/joints/constants.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/joints/observed_joint_rows.h>
 #include <pintle/joints/turning.h>
@@ -19,10 +20,6 @@ constexpr int sign = -1;
 // Less than this of an axis's square is left across the other one: they have come together, and
 // there are no angles.
 constexpr Scalar min_across2 = Scalar(0.01);
-
-// Axes that are off their right angle by more than 60 degrees go back first: what acts along the
-// angles would be torques that fight about one direction.
-constexpr Scalar max_cosine2 = Scalar(0.75);
 
 // Bullet's, short of where its angles are singular.
 constexpr Scalar limit_margin = Scalar(0.01);
@@ -484,7 +481,7 @@ inline void UniversalJoint::constrain(const Observation& seen, Rows& rows) const
   }
   addPivotRows({seen.a.r(), seen.b.r(), seen.d}, rows);
 
-  if (cosine * cosine > max_cosine2) return;
+  if (cosine * cosine > max_cross_cosine2) return;
   const Axis &first = m_hinges[1].axis, &second = m_hinges[0].axis;
   if (!first.limited() && !second.limited() && !first.driven() && !second.driven()) return;
   const AngularReach reach = rows.turn();

@@ -41,7 +41,7 @@ struct AxisRow {
 /// What a joint remembers of an axis that has rows.
 struct AxisState {
   const Axis* axis = nullptr;
-  /// Of the parts in this step, along the coordinate, as far as a solver lets them be read.
+  /// The parts' in this step, along the coordinate, as far as a solver lets them be read.
   std::array<Scalar, Axis::parts> impulse = {};
   Scalar incoming = 0;  ///< speed towards a limit that this step's row stops, else 0
   Scalar last_incoming =

@@ -43,7 +43,7 @@ struct Row {
   LanesView lanesA_b() const { return LanesView(&A_b[0]); }
 };
 
-/// What Bullet's passes have made of the impulse of an equality's row, as Bullet counts it, N s or N m s.
+/// Impulses of an equality's row, as Bullet counts them, N s or N m s.
 struct RowHistory {
   Scalar impulse = 0;  ///< of the last step, in the end
   Scalar first = 0;    ///< of this step, after the first pass

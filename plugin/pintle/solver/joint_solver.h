@@ -40,7 +40,7 @@ class JointSolver : public BulletSolver {
   /// Default true: stock joints are solved as those of Pintle's that replace their classes, and stay as they are
   /// (SequentialJointSolver says which). False: as rows that stock writes. Call it between steps.
   void setUpgradesBulletJoints(bool upgrades) { m_upgrades = upgrades; }
-  /// What setUpgradesBulletJoints set.
+  /// The value that setUpgradesBulletJoints set.
   bool getUpgradesBulletJoints() const { return m_upgrades; }
   /// Which settings of a stock joint that is upgraded, or of a joint of Pintle's, are not used, and why (Joint::whyIgnored). Empty: all
   /// are, or the constraint is neither.

@@ -12,9 +12,10 @@ inline namespace PINTLE_PRECISION {
 ///     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 ///
 /// A constraint whose class is exactly `btHingeConstraint`, `btHingeAccumulatedAngleConstraint`, `btPoint2PointConstraint`,
-/// `btSliderConstraint` or `btConeTwistConstraint` is solved as the joint of Pintle's that replaces the class (QuaternionHinge,
-/// BallJoint, SliderJoint, ConeTwistJoint), with the settings that stand in the object at the start of the step. The result is that
-/// joint's, to the bit.
+/// `btSliderConstraint`, `btConeTwistConstraint`, `btFixedConstraint` or `btUniversalConstraint` is solved as a joint of Pintle's
+/// (QuaternionHinge, BallJoint, SliderJoint, ConeTwistJoint; the last two, which are joints of six degrees of freedom, as
+/// Generic6DofSpring2Joint and Generic6DofJoint), with the settings that stand in the object at the start of the step. The result is
+/// that joint's, to the bit.
 ///
 /// The object, its address, its type and its file stay. A step leaves there what one of Bullet's leaves: applied impulse, feedback,
 /// the enabled flag of a joint that breaks, and what getters tell of angles, positions and limits.

@@ -30,7 +30,7 @@ class UpgradingSolver : public BulletSolver {
 
   /// Default true. False: the solver is Bullet's, to the same bits. Call it between steps.
   void setUpgradesBulletJoints(bool upgrades) { m_upgrades = upgrades; }
-  /// What setUpgradesBulletJoints set.
+  /// The value that setUpgradesBulletJoints set.
   bool getUpgradesBulletJoints() const { return m_upgrades; }
   /// Which settings of a stock joint that is upgraded, or of a joint of Pintle's, are not used, and why (Joint::whyIgnored). Empty: all
   /// are, or the constraint is neither.

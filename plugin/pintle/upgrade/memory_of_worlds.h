@@ -18,7 +18,7 @@ namespace pintle {
 template <class Memory>
 class MemoryOfWorlds {
  public:
-  /// What follows is of this world.
+  /// The islands that follow are of this world.
   void enter(const btDispatcher& world) {
     if (!m_recent.empty() && m_recent.front().first == &world) return;
     const auto known = std::find_if(m_recent.begin(), m_recent.end(),
@@ -43,7 +43,7 @@ class MemoryOfWorlds {
  private:
   static constexpr std::size_t max_worlds = 8;  ///< that take turns in one solver
 
-  /// What a solver of the world has already; else `own`.
+  /// The memory that a solver of the world has already; else `own`.
   static std::shared_ptr<Memory> shared(const btDispatcher& world,
                                         const std::shared_ptr<Memory>& own) {
     static std::mutex mutex;

@@ -19,7 +19,7 @@ struct StockClass;
 /// its own.
 const StockClass* stockClassOf(const btTypedConstraint& constraint);
 
-/// What Bullet's solver sees of the joint: a constraint with the bodies of the stock one.
+/// The joint as Bullet's solver sees it: a constraint with the bodies of the stock one.
 class UpgradedJoint : public btTypedConstraint {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();

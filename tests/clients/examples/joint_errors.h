@@ -79,7 +79,7 @@ inline JointErrors errorsOf(btConeTwistConstraint& cone, const Frames& at) {
   return errors;
 }
 
-/// Of six degrees of freedom; fixed and universal joints and hinges of two axes are such.
+/// Joints of six degrees of freedom; fixed and universal joints and hinges of two axes are such.
 template <class SixDof>
 JointErrors errorsOfSixDof(SixDof& joint, btTypedConstraint& constraint) {
   joint.calculateTransforms(constraint.getRigidBodyA().getCenterOfMassTransform(),

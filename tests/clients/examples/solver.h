@@ -11,7 +11,7 @@ bool isContender(const char* name);
 btSequentialImpulseConstraintSolver* makeSolver();
 /// In the place of btNNCGConstraintSolver.
 btSequentialImpulseConstraintSolver* makeNncgSolver();
-/// What an example asks that may have a solver that is not iterated: that one has no upgraded form.
+/// The question of an example that may have a solver that is not iterated: that one has no upgraded form.
 inline bool usesMlcp() { return isContender("stock"); }
 
 }  // namespace examples

@@ -24,7 +24,7 @@ struct JointAccess {
     return place != 0 ? reinterpret_cast<Joint*>(reinterpret_cast<char*>(&constraint) + place)
                       : nullptr;
   }
-  /// Whether a client's type, derived from one of Pintle's, may answer otherwise than its base.
+  /// True for a client's type, derived from one of Pintle's, that may answer otherwise than its base.
   static bool mayHaveOtherRows(btTypedConstraint& constraint) { return !known(constraint).is_own; }
 
   /// Its rows at the start of a step, in its own memory.
