@@ -1,5 +1,6 @@
 #include <pintle/solver/solve/projection.h>
 
+#include <pintle/solver/constants.h>
 #include <pintle/solver/model/row_velocities.h>
 #include <pintle/solver/model/stops.h>
 #include <pintle/solver/system/load_stiffness.h>
@@ -30,6 +31,7 @@ class Projection {
   void begin();
   bool findGoals();
   bool addPassed();
+  bool turnsFar() const;
   bool rebounds(const IslandRow& row, size_t r) const {
     const LawPiece& piece = m_work.pieces[r];
     return piece.acts && pintle::rebounds(row.law, piece.target);
@@ -39,11 +41,28 @@ class Projection {
     const bool leaves = m_has_equalities && m_may_leave;
     return m_factors < m_options.max_factors - (leaves ? m_options.max_factors / 4 : 0);
   }
+  /// The row pulls as a spring, and is not at a stop.
+  bool isSpring(const IslandRow& row, size_t r) const {
+    const LawPiece& piece = m_work.pieces[r];
+    return piece.acts && piece.softness > 0 && row.open == 0 && !row.law.isEquality() &&
+           !row.hasSoftStop();
+  }
   /// Limits that do not press: they may go back in later steps.
   bool mayLeave(const IslandRow& row, size_t r) const {
-    return m_closes[r] && !row.law.isEquality() && !m_work.pieces[r].acts;
+    return m_closes[r] && !row.law.isEquality() && (!m_work.pieces[r].acts || isSpring(row, r));
+  }
+  /// Of a row of K, relative to its own: springs resist as in the step, what closes hardly gives.
+  double softnessOf(const IslandRow& row, size_t r) const {
+    return m_resists[r]
+               ? std::max(m_softness, m_work.pieces[r].softness * row.by_root_K * row.by_root_K)
+               : m_softness;
   }
   bool factorise(bool at_end);
+  bool regularise();
+  void giveLittle() {
+    m_softness = m_options.dependent_softness;
+    m_halves = !m_is_net;
+  }
   bool leaveLimits();
   bool straighten();
   bool askLess();
@@ -70,11 +89,16 @@ class Projection {
   bool m_may_leave = false;  ///< limits
   bool m_is_at_end = false;  ///< the factor is of where bodies have come to
   bool m_arrives = true;
-  double m_part = 1;   ///< of the way of the step, at the end of which rows are to be met
-  double m_asked = 1;  ///< of what Bullet's rows are to close
+  /// K may be singular, or nearly so, and what closes is measured by rows that tell how it does.
+  bool m_is_net = false;
+  double m_softness = m_options.dependent_softness;
+  bool m_halves = true;  ///< a step of a new factor is shortened until it closes something
+  double m_passed = 0;  ///< m or rad: the most that limits are passed by which are not to be closed
+  double m_part = 1;    ///< of the way of the step, at the end of which rows are to be met
+  double m_asked = 1;   ///< of what Bullet's rows are to close
   double m_most_bend = infinity;  ///< m or rad: a larger bend is by what other rows ask for
   std::vector<double>&m_u = m_memory.u, &m_goal = m_memory.goal;
-  std::vector<char>& m_closes = m_memory.closes;
+  std::vector<char>&m_closes = m_memory.closes, &m_resists = m_memory.resists;
   std::vector<char>& m_bends =
       m_memory.bends;  ///< of each row that closes: whether it is measured at the end
   std::vector<double>& m_open = m_memory.open;  ///< what was open at first, in the units of K
@@ -94,10 +118,12 @@ bool Projection::findGoals() {
     const bool rebounds = this->rebounds(row, r);
     if (hasStops(row) && (rebounds ? std::abs(m_u[r]) >= std::abs(open) : !beyond)) open = 0;
     // Nor is anything pulled to a stop that it meets and does not pass.
-    const bool holds = piece.acts && (row.has_position || row.law.isEquality()) && !rebounds &&
-                       (beyond || !isLimit(row.law));
-    const bool comes_back = beyond && !piece.acts;
+    const bool is_spring = isSpring(row, r);
+    const bool holds = piece.acts && !is_spring && (row.has_position || row.law.isEquality()) &&
+                       !rebounds && (beyond || !isLimit(row.law));
+    const bool comes_back = beyond && (!piece.acts || is_spring);
     m_closes[r] = holds || comes_back || open != 0;
+    m_resists[r] = is_spring && !m_closes[r];
     m_has_equalities = m_has_equalities || row.law.isEquality();
     m_may_leave = m_may_leave || mayLeave(row, r);
     if (!m_closes[r]) return;
@@ -105,7 +131,7 @@ bool Projection::findGoals() {
                        : piece.softness > 0         ? m_work.u[r]
                                                     : piece.target;
     m_goal[r] = (comes_back ? *stop : end) - open;
-    all_act = all_act && piece.acts;
+    all_act = all_act && piece.acts && !is_spring;
   });
   return all_act;
 }
@@ -127,6 +153,7 @@ bool Projection::addPassed() {
     const double* const stop = passedRigidStop(row.law, m_u[r]);
     if (stop == nullptr || !(std::abs(m_u[r] - *stop) * m_island.dt > m_tolerance)) return;
     m_closes[r] = m_bends[r] = any = true;
+    m_resists[r] = false;
     m_may_leave = m_may_leave || mayLeave(row, r);
     m_goal[r] = *stop;
   });
@@ -142,10 +169,21 @@ bool Projection::factorise(bool at_end) {
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_memory.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     m_K.setRow(c, i, at_end ? m_memory.J[r] : row.J, row.root_K, row.by_root_K);
-    m_K.setActing(m_K.row(c, i), m_closes[r], m_options.dependent_softness);
+    m_K.setActing(m_K.row(c, i), m_closes[r] || m_resists[r], softnessOf(row, r));
   });
   m_memory.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
+}
+
+// A net has ways to move that close next to nothing (of plates that hang level, say): Newton's step for what is open goes far along those,
+// closes it, and leaves limits far behind. Rows that give (Levenberg 1944) leave these ways alone. Returns false if they give enough
+// already; the last step is then along those that do not, shortened.
+bool Projection::regularise() {
+  if (m_halves) return false;
+  m_halves = m_softness >= most_softness;
+  m_softness = m_halves ? m_options.dependent_softness
+                        : std::min(softness_growth * m_softness, most_softness);
+  return true;
 }
 
 // Where limits are too far passed, or leave no way to close all, equalities come first. Returns whether any limit was to be closed.
@@ -165,6 +203,15 @@ bool Projection::straighten() {
     if (row.open == 0 || !row.law.isEquality() || row.isOfArms()) return;
     any = any || m_bends[r];
     m_bends[r] = false;
+  });
+  return any;
+}
+
+// Whether there is anything to straighten.
+bool Projection::turnsFar() const {
+  bool any = false;
+  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
+    any = any || (m_bends[r] && row.open != 0 && row.law.isEquality() && !row.isOfArms());
   });
   return any;
 }
@@ -200,18 +247,25 @@ double Projection::measure() {
 
 // Of m_u.
 double Projection::findResidual() {
-  double largest = 0;
+  double largest = 0, passed = 0;
   std::fill(m_work.x.begin(), m_work.x.end(), 0.);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
-    if (!m_closes[r]) return;
+    if (!m_closes[r]) {
+      const double* const stop = m_is_net && row.has_position && !rebounds(row, r)
+                                     ? passedRigidStop(row.law, m_u[r])
+                                     : nullptr;
+      if (stop != nullptr) passed = larger(passed, m_u[r] - *stop);
+      return;
+    }
     const double left = m_u[r] - m_part * m_goal[r];
     m_work.x[m_K.row(c, i)] = -left * row.by_root_K;
     largest = larger(largest, left);
   });
+  m_passed = passed * m_island.dt;
   return largest * m_island.dt;
 }
 
-// With the factor at hand from where bodies are. Returns what is open then. A step of a new factor is shortened until it closes
+// With the factor at hand from where bodies are. Returns what is open then. A step of a new factor may be shortened until it closes
 // something (the monotonicity test of Deuflhard 2004, 3.1).
 double Projection::step(double open, bool is_fresh) {
   if (!m_memory.broyden.step(m_K, m_work.x, m_work.y)) return infinity;
@@ -221,7 +275,8 @@ double Projection::step(double open, bool is_fresh) {
   for (double part = 1;; part /= 2) {
     for (size_t b = 0; b < w.size(); ++b) m_work.moved[b].goOn(part * w[b], m_island.dt);
     const double now = measure();
-    if (now <= (1 - part / 4) * open || !is_fresh || part < m_options.least_part) return now;
+    if (now <= (1 - part / 4) * open || !is_fresh || !m_halves || part < m_options.least_part)
+      return now;
     m_work.moved = m_nearest;
   }
 }
@@ -232,7 +287,7 @@ double Projection::leftBySoftness() const {
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     if (m_closes[r]) largest = larger(largest, row.root_K * m_memory.broyden.last()[m_K.row(c, i)]);
   });
-  return m_options.dependent_softness * largest * m_island.dt;
+  return m_softness * largest * m_island.dt;
 }
 
 // Whether a row that is measured as it is, and not by an angle that folds, has more open than all had.
@@ -259,15 +314,19 @@ bool Projection::getsThere(double left) {
 double Projection::iterate(double open, bool goes_on_anyhow) {
   std::vector<MovedBody>& first = m_memory.first;
   first.clear();
+  double passed = m_passed;
   bool is_fresh = false, is_of_softness = false, closes_any = false;
   for (int steps = 0; steps < m_options.max_iterations; ++steps) {
     const double now = step(open, is_fresh);
-    const bool closes = now < open, is_fast = now < m_options.contraction * open;
+    // What passes limits by more than was open is no way to close it.
+    const bool closes = now < open && m_passed <= std::fmax(open, passed),
+               is_fast = closes && now < m_options.contraction * open;
     closes_any = closes_any || closes;
     if (closes) {
       m_nearest = m_work.moved;
       open = now;
-    } else if (goes_on_anyhow && steps == 0 && now < infinity && !opensArms(open)) {
+      passed = m_passed;
+    } else if (goes_on_anyhow && !m_is_net && steps == 0 && now < infinity && !opensArms(open)) {
       first = m_work.moved;
     }
     if (open <= m_tolerance / 2) break;
@@ -277,7 +336,7 @@ double Projection::iterate(double open, bool goes_on_anyhow) {
     if (was_fresh && open <= m_options.loose_pose_tolerance) break;
     if (was_fresh) is_of_softness = now < infinity && leftBySoftness() > open / 2;
     if (closes && (is_of_softness || !mayFactorise())) continue;
-    if (was_fresh && !closes) break;
+    if (was_fresh && !closes && !regularise()) break;
     if (!closes) m_work.moved = m_nearest;
     if (!factorise(true)) break;
     measure();
@@ -292,6 +351,7 @@ double Projection::closePassed(double left) {
   while (mayFactorise() && addPassed()) {
     m_work.moved = m_nearest;
     left = measure();
+    giveLittle();
     if (factorise(true)) left = iterate(left, false);
   }
   return left;
@@ -346,6 +406,7 @@ void Projection::begin() {
   m_u.resize(rows);
   setZero(rows, m_goal);
   m_closes.assign(rows, false);
+  m_resists.assign(rows, false);
   if (actsInHalves(m_island, m_component)) {  // so nothing pushes them
     moveBodies(m_island, m_component, m_work.way.data(), m_work.moved);
   } else {
@@ -359,6 +420,8 @@ PosesReport Projection::run(bool has_factor) {
   begin();
   has_factor = findGoals() && has_factor;
   m_bends = m_closes;
+  m_is_net = m_work.has_loops && !turnsFar();
+  giveLittle();
   double open = findResidual();
   if (open <= m_tolerance) return {open};
   m_open = m_work.x;
@@ -383,6 +446,7 @@ PosesReport Projection::run(bool has_factor) {
     passed = left;
     m_work.moved = m_nearest;
     left = measure();
+    giveLittle();
     if (factorise(true)) left = iterate(left, false);
   }
   m_may_leave = false;

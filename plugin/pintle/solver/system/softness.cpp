@@ -1,5 +1,6 @@
 #include <pintle/solver/system/softness.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pintle {
@@ -34,6 +35,7 @@ std::vector<char> findLoops(int bodies, const std::vector<std::array<int, 2>>& j
 // may meet in a corner.
 void findSoftness(const Island& island, const Component& component, const SolverOptions& options,
                   const std::vector<char>& in_loop, Workspace& work) {
+  work.has_loops = std::find(in_loop.begin(), in_loop.end(), true) != in_loop.end();
   std::vector<double>& softness = work.of_loop;
   softness.resize(size_t(component.joints));
   const double give = options.newton_tolerance / options.dependent_margin / island.dt;

@@ -31,6 +31,7 @@ struct Workspace {
   std::vector<Matrix3d> stiffness;  ///< else, of each: added to its inertia (load_stiffness.h)
   bool is_missed = false;           ///< impulses do not lead to what is foreseen (chord.h)
   std::vector<double> of_loop;      ///< of each joint: the softness of its rows (softness.h)
+  bool has_loops = false;           ///< some joints may be in loops (softness.h)
 
   /// The impulses of the parts of the law of row r.
   AxisLaw::Parts split(const AxisLaw& law, size_t r) const {
