@@ -9,6 +9,7 @@
 #include <pintle/rows/row.h>
 
 #include <limits>
+#include <utility>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -30,7 +31,7 @@ void addTo(GearRow& row, const GearSide& side, const GearReading& of, Scalar wei
     } else if (&body == &b) {
       row.L_b += L_weight * of.L;
       row.A_b += A_weight * A;
-    } else if (!body.isStaticObject()) {
+    } else if (body.isKinematicObject() || !body.isStaticObject()) {
       row.rate +=
           L_weight * of.L.dot(freeLinear(body, dt)) + A_weight * A.dot(freeAngular(body, dt));
     }
@@ -53,7 +54,8 @@ struct GearModel::State {
   double weigh(double change_a, double change_b) const {
     return double(a.factor()) * change_a + double(ratio) * double(b.factor()) * change_b;
   }
-  void follow(const GearReadings& now, bool holds);
+  /// What bodies have done since the last call; whether the gear holds them from here on.
+  void follow(const GearReadings& now, bool holds_now);
   /// rad or m.
   double sum() const { return a.value() + double(ratio) * b.value(); }
 
@@ -61,17 +63,19 @@ struct GearModel::State {
   double error =
       0;  ///< C, rad or m. Its sum of changes rounds 1e-16 of one in a step, whatever they add up to.
   Scalar ratio = std::numeric_limits<Scalar>::quiet_NaN();  ///< none was given
+  bool holds = true;
   Scalar dt = Scalar(1) / 60;                               ///< s, of the last step
   bool has_row = false;
   GearRow row;
 };
 
 // A coordinate that was put elsewhere changes what is held, and not the error.
-void GearModel::State::follow(const GearReadings& now, bool holds) {
+void GearModel::State::follow(const GearReadings& now, bool holds_now) {
+  const bool held = std::exchange(holds, holds_now);
   const double expected_a = a.expectedChange(now.a, dt), expected_b = b.expectedChange(now.b, dt);
   const double change_a = a.changeInStep(now.a, expected_a, dt),
                change_b = b.changeInStep(now.b, expected_b, dt);
-  if (holds && !a.isPutElsewhere(change_a, expected_a) && !b.isPutElsewhere(change_b, expected_b)) {
+  if (holds && held && !a.isPutElsewhere(change_a, expected_a) && !b.isPutElsewhere(change_b, expected_b)) {
     const double sum = error + weigh(change_a, change_b);
     if (isFinite(sum)) error = sum;
   }
