@@ -444,7 +444,9 @@ std::unique_ptr<btTypedConstraint> makeGear(btRigidBody& a, btRigidBody& b,
     gear->setOffset(scalar(0.3));
     return gear;
   }
-  btHingeConstraint of_a(a, frame_a, true), of_b(b, frame_b);
+  btRigidBody& world = btTypedConstraint::getFixedBody();
+  btHingeConstraint of_a(world, a, a.getCenterOfMassTransform() * frame_a, frame_a, true),
+      of_b(world, b, b.getCenterOfMassTransform() * frame_b, frame_b);
   auto gear = std::make_unique<pintle::GearJoint>(of_a, of_b, scalar(0.5));
   gear->setMaxCorrectionSpeed(1);
   return gear;

@@ -18,7 +18,8 @@ namespace {
 // Both coordinates at one pose.
 struct GearReadings {
   GearReading a, b;
-  bool areFinite() const { return a.isFinite() && b.isFinite(); }
+  Scalar places;  ///< a body that is nowhere has no row
+  bool areFinite() const { return a.isFinite() && b.isFinite() && isFinite(places); }
 };
 
 // Adds what a coordinate, times a weight, changes by with the velocities of the gear's bodies, and with those of others.
@@ -49,7 +50,10 @@ void put(btScalar* to, const Vec3& v) {
 struct GearModel::State {
   State(const btRigidBody& body_a, const btRigidBody& body_b) : a(body_a), b(body_b) {}
 
-  GearReadings read(const GearPoses& at) const { return {a.read(at), b.read(at)}; }
+  /// Not finite where one is unknown, or a body is nowhere.
+  GearReadings read(const GearPoses& at) const {
+    return {a.read(at), b.read(at), at.of.x_a().sum() + at.of.x_b().sum()};
+  }
   /// Weight of the change of the second coordinate; that of the first one's is 1.
   double weigh(double change_a, double change_b) const {
     return double(a.factor()) * change_a + double(ratio) * double(b.factor()) * change_b;
@@ -64,7 +68,7 @@ struct GearModel::State {
       0;  ///< C, rad or m. Its sum of changes rounds 1e-16 of one in a step, whatever they add up to.
   Scalar ratio = std::numeric_limits<Scalar>::quiet_NaN();  ///< none was given
   bool holds = true;
-  Scalar dt = Scalar(1) / 60;                               ///< s, of the last step
+  Scalar dt = Scalar(1) / 60;  ///< s, of the last step
   bool has_row = false;
   GearRow row;
 };
@@ -75,7 +79,8 @@ void GearModel::State::follow(const GearReadings& now, bool holds_now) {
   const double expected_a = a.expectedChange(now.a, dt), expected_b = b.expectedChange(now.b, dt);
   const double change_a = a.changeInStep(now.a, expected_a, dt),
                change_b = b.changeInStep(now.b, expected_b, dt);
-  if (holds && held && !a.isPutElsewhere(change_a, expected_a) && !b.isPutElsewhere(change_b, expected_b)) {
+  if (holds && held && !a.isPutElsewhere(change_a, expected_a) &&
+      !b.isPutElsewhere(change_b, expected_b)) {
     const double sum = error + weigh(change_a, change_b);
     if (isFinite(sum)) error = sum;
   }

@@ -8,6 +8,7 @@
 #include <pintle/joints/turning.h>
 
 #include <cmath>
+#include <limits>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
@@ -95,7 +96,9 @@ GearReading GearSide::readAngle(const GearPoses& at) const {
   now.L.setZero();
   now.A_a = now.A_b = m_factor * equations::twist_row<Scalar>(Vec3(a.col(m_named->m_main)),
                                                               Vec3(b.col(m_named->m_main)));
-  now.rest = isSeen(twist) ? std::atan2(double(twist.y), double(twist.x)) : m_rest;
+  // Where the axes of the joint are all but opposite there is no angle.
+  now.rest = isSeen(twist) ? std::atan2(double(twist.y), double(twist.x))
+                           : std::numeric_limits<double>::quiet_NaN();
   return now;
 }
 
