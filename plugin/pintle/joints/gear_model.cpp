@@ -54,7 +54,7 @@ struct GearModel::State {
   GearReadings read(const GearPoses& at) const {
     return {a.read(at), b.read(at), at.of.x_a().sum() + at.of.x_b().sum()};
   }
-  /// Weight of the change of the second coordinate; that of the first one's is 1.
+  /// What changes of the coordinates, as their sides count them, make of the sum: rad or m.
   double weigh(double change_a, double change_b) const {
     return double(a.factor()) * change_a + double(ratio) * double(b.factor()) * change_b;
   }
@@ -64,8 +64,8 @@ struct GearModel::State {
   double sum() const { return a.value() + double(ratio) * b.value(); }
 
   GearSide a, b;
-  double error =
-      0;  ///< C, rad or m. Its sum of changes rounds 1e-16 of one in a step, whatever they add up to.
+  /// C, rad or m. A step rounds it by 1e-16 of what it adds, whatever the count.
+  double error = 0;
   Scalar ratio = std::numeric_limits<Scalar>::quiet_NaN();  ///< none was given
   bool holds = true;
   Scalar dt = Scalar(1) / 60;  ///< s, of the last step
@@ -76,16 +76,13 @@ struct GearModel::State {
 // A coordinate that was put elsewhere changes what is held, and not the error.
 void GearModel::State::follow(const GearReadings& now, bool holds_now) {
   const bool held = std::exchange(holds, holds_now);
-  const double expected_a = a.expectedChange(now.a, dt), expected_b = b.expectedChange(now.b, dt);
-  const double change_a = a.changeInStep(now.a, expected_a, dt),
-               change_b = b.changeInStep(now.b, expected_b, dt);
-  if (holds && held && !a.isPutElsewhere(change_a, expected_a) &&
-      !b.isPutElsewhere(change_b, expected_b)) {
-    const double sum = error + weigh(change_a, change_b);
+  const GearSide::Change of_a = a.changeInStep(now.a, dt), of_b = b.changeInStep(now.b, dt);
+  if (holds && held && !of_a.is_put_elsewhere && !of_b.is_put_elsewhere) {
+    const double sum = error + weigh(of_a.size, of_b.size);
     if (isFinite(sum)) error = sum;
   }
-  a.follow(now.a, change_a);
-  b.follow(now.b, change_b);
+  a.follow(now.a, of_a.size);
+  b.follow(now.b, of_b.size);
 }
 
 GearModel::GearModel(btGearConstraint& gear, RowCount max_rows)
@@ -95,22 +92,18 @@ GearModel::GearModel(btGearConstraint& gear, RowCount max_rows)
 
 GearModel::~GearModel() = default;
 
+const char* GearModel::name() const { return "GearJoint"; }
+
 btGearConstraint& GearModel::gear() const {
   return static_cast<btGearConstraint&>(const_cast<GearModel*>(this)->constraint());
 }
 
-void GearModel::begin() {
+void GearModel::couple(const GearCoordinate& a, const GearCoordinate& b) {
   const BodyPair pair(bodyA(), bodyB());
   const GearPoses at{bodyA(), bodyB(), pair};
-  m_state->a.begin(at);
-  m_state->b.begin(at);
-}
-
-void GearModel::couple(const GearCoordinate& a, const GearCoordinate& b) {
-  m_state->a.name(a, gear().getAxisA());
-  m_state->b.name(b, gear().getAxisB());
+  m_state->a.name(a, gear().getAxisA(), at);
+  m_state->b.name(b, gear().getAxisB(), at);
   m_state->error = 0;
-  begin();
 }
 
 // --- what stands in Bullet's object --------------------------------------------------------------
@@ -129,15 +122,16 @@ void GearModel::read(Complaints* complaints) {
   const bool is_ratio = isFinite(ratio);
   if (!is_ratio && complaints != nullptr) complaints->add("ratio", ratio, "must be finite");
   const bool is_a = isLong(axis_a, "axisA"), is_b = isLong(axis_b, "axisB");
-  const bool has_other_ratio = is_ratio && ratio != state.ratio;
-  if (has_other_ratio) {
-    const BodyPair pair(bodyA(), bodyB());
-    if (pair.finite()) updateState(pair);
-    state.ratio = ratio;
-  }
-  bool is_other = is_a && state.a.takeAxis(axis_a, bodyA());
-  is_other = (is_b && state.b.takeAxis(axis_b, bodyB())) || is_other;
-  if (is_other) begin();
+  const bool has_other_ratio = is_ratio && ratio != state.ratio,
+             has_other_a = is_a && !state.a.hasAxis(axis_a),
+             has_other_b = is_b && !state.b.hasAxis(axis_b);
+  if (!has_other_ratio && !has_other_a && !has_other_b) return;
+  const BodyPair pair(bodyA(), bodyB());
+  if (pair.finite()) updateState(pair);
+  if (has_other_ratio) state.ratio = ratio;
+  const GearPoses at{bodyA(), bodyB(), pair};
+  if (has_other_a) state.a.takeAxis(axis_a, bodyA(), at);
+  if (has_other_b) state.b.takeAxis(axis_b, bodyB(), at);
 }
 
 void GearModel::updateState(const PosePair& poses) {
@@ -225,8 +219,8 @@ void GearModel::addRows(const PosePair& poses, Rows& rows) const {
   GearRow row;
   addTo(row, state.a, there.a, 1, bodyA(), bodyB(), state.dt);
   addTo(row, state.b, there.b, state.ratio, bodyA(), bodyB(), state.dt);
-  const auto C =
-      Scalar(state.error + state.weigh(state.a.change(there.a, 0), state.b.change(there.b, 0)));
+  const auto C = Scalar(
+      state.error + state.weigh(state.a.nearestChange(there.a), state.b.nearestChange(there.b)));
   if (row.L_a == Vec3(-row.L_b) && isFinite(C + row.A_a.sum() + row.A_b.sum() + row.L_b.sum()))
     rows.addEquality(row.L_b, -row.A_a, row.A_b, C);
 }

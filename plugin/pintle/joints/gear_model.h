@@ -26,7 +26,7 @@ class GearModel : public Joint {
   GearModel(btGearConstraint& gear, RowCount max_rows);
   ~GearModel() override;
 
-  const char* name() const override { return "GearJoint"; }
+  const char* name() const override;
   void addRows(const PosePair& poses, Rows& rows) const override;
   /// The two axes, each with a circle about it.
   void drawJoint(btIDebugDraw& drawer) const override;
@@ -63,7 +63,6 @@ class GearModel : public Joint {
   const GearRow* beginStep();
   /// The same for another solver.
   const GearRow* beginStep(Scalar dt);
-  void begin();
   Scalar maxCorrection() const;
 
   std::unique_ptr<State> m_state;

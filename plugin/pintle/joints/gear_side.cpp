@@ -22,13 +22,9 @@ Vector3<double> turnedBy(const btMatrix3x3& R, const Vector3<double>& v) {
   return {inDoubles(R[0]).dot(v), inDoubles(R[1]).dot(v), inDoubles(R[2]).dot(v)};
 }
 
-bool isSameAxis(const btVector3& a, const btVector3& b) {
-  return a.x() == b.x() && a.y() == b.y() && a.z() == b.z();
-}
-
 }  // namespace
 
-void GearSide::name(const GearCoordinate& coordinate, const btVector3& axis) {
+void GearSide::name(const GearCoordinate& coordinate, const btVector3& axis, const GearPoses& at) {
   m_named = coordinate;
   m_a = coordinate.m_a;
   m_b = coordinate.m_b;
@@ -36,25 +32,30 @@ void GearSide::name(const GearCoordinate& coordinate, const btVector3& axis) {
   m_has_axis = true;
   m_factor = coordinate.m_sign;
   m_turns = double(coordinate.m_turns);
+  begin(at);
 }
 
-bool GearSide::takeAxis(const btVector3& axis, const btRigidBody& body) {
-  if (m_has_axis && isSameAxis(axis, m_axis)) return false;
+bool GearSide::hasAxis(const btVector3& axis) const {
+  return m_has_axis && axis.x() == m_axis.x() && axis.y() == m_axis.y() && axis.z() == m_axis.z();
+}
+
+void GearSide::takeAxis(const btVector3& axis, const btRigidBody& body, const GearPoses& at) {
   const Vector3<double> from = inDoubles(axis);
   const double length = std::sqrt(from.dot(from));
-  m_has_axis = true;
   m_named.reset();
   m_a = nullptr;
   m_b = &body;
   m_axis = axis;
+  m_has_axis = true;
   m_factor = Scalar(length);
-  m_turns = m_rest = 0;
+  m_turns = 0;
   m_n_in_b.setZero();
   if (length > 0) m_n_in_b = from / length;
   m_v_in_b = any_tangent(m_n_in_b);
-  return true;
+  begin(at);
 }
 
+// Before anything is known of its motion.
 void GearSide::begin(const GearPoses& at) {
   const btMatrix3x3& R = at[*m_b].getBasis();
   m_n = turnedBy(R, m_n_in_b);
@@ -124,6 +125,17 @@ double GearSide::change(const GearReading& now, double expected) const {
   return isPosition() ? change : change + 2 * pi * std::round((expected - change) / (2 * pi));
 }
 
+// Two fast bodies may turn against each other by more than half a turn: then it is their velocities that tell.
+GearSide::Change GearSide::changeInStep(const GearReading& now, Scalar dt) const {
+  const double most = isPosition() ? double(max_strange_move) : double(max_strange_turn);
+  const double nearest = nearestChange(now);
+  const bool is_far = turnsFar(dt);
+  if (!is_far && std::abs(nearest) <= most) return {nearest, false};
+  const double expected = expectedChange(now, dt), size = is_far ? change(now, expected) : nearest;
+  return {size, std::abs(size - expected) > std::abs(expected) + most};
+}
+
+// rad or m: what velocities of the last step have made of it.
 double GearSide::expectedChange(const GearReading& now, Scalar dt) const {
   if (!(btFabs(m_factor) > 0)) return 0;
   const auto moved = [&](const Vec3& A, const btRigidBody& body) {
@@ -143,12 +155,7 @@ bool GearSide::turnsFar(Scalar dt) const {
   if (m_a == nullptr || isPosition()) return false;
   const Scalar speed2 = btMax(m_a->getInterpolationAngularVelocity().length2(),
                               m_b->getInterpolationAngularVelocity().length2());
-  return !turnIsNearest(*m_a, *m_b, dt, btSqrt(speed2));
-}
-
-bool GearSide::isPutElsewhere(double change, double expected) const {
-  const double most = isPosition() ? double(max_strange_move) : double(max_strange_turn);
-  return std::abs(change - expected) > std::abs(expected) + most;
+  return speed2 * dt * dt >= 1 && !turnIsNearest(*m_a, *m_b, dt, btSqrt(speed2));
 }
 
 void GearSide::follow(const GearReading& now, double change) {

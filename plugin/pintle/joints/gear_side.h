@@ -35,24 +35,22 @@ class GearSide {
   explicit GearSide(const btRigidBody& body) : m_a(nullptr), m_b(&body) {}
 
   /// Another coordinate, as long as Bullet's object has this axis.
-  void name(const GearCoordinate& coordinate, const btVector3& axis);
-  /// Takes over the axis of Bullet's object (finite, in the frame of `body`, of any length). Returns whether it is another one: the
-  /// coordinate is then the rotation of that body.
-  bool takeAxis(const btVector3& axis, const btRigidBody& body);
-  /// Before anything is known of its motion.
-  void begin(const GearPoses& at);
+  void name(const GearCoordinate& coordinate, const btVector3& axis, const GearPoses& at);
+  /// True if Bullet's object has the axis that it had last.
+  bool hasAxis(const btVector3& axis) const;
+  /// The rotation of `body`, one of the gear's, about an axis in its frame (finite, of any length), counted from here on.
+  void takeAxis(const btVector3& axis, const btRigidBody& body, const GearPoses& at);
 
   GearReading read(const GearPoses& at) const;
-  /// By how much the coordinate has changed since it was followed last (rad or m), if it is near `expected`.
-  double change(const GearReading& now, double expected) const;
-  /// What velocities of the last step, of dt, make of it: rad or m.
-  double expectedChange(const GearReading& now, Scalar dt) const;
-  /// The nearest change, or, if bodies may have turned further, the one that is nearest to what is expected.
-  double changeInStep(const GearReading& now, double expected, Scalar dt) const {
-    return change(now, turnsFar(dt) ? expected : 0);
-  }
-  /// True if nothing but its owner has moved it by so much more than is expected.
-  bool isPutElsewhere(double change, double expected) const;
+  /// By how much the coordinate has changed since it was followed last (rad or m): the nearest, as of a pose alone.
+  double nearestChange(const GearReading& now) const { return change(now, 0); }
+  /// How a step of dt has changed it.
+  struct Change {
+    double size;  ///< rad or m
+    /// By its owner: it differs by too much from what velocities have made of it.
+    bool is_put_elsewhere;
+  };
+  Change changeInStep(const GearReading& now, Scalar dt) const;
   void follow(const GearReading& now, double change);
 
   /// rad or m.
@@ -69,10 +67,13 @@ class GearSide {
   ///@}
 
  private:
+  void begin(const GearPoses& at);
   GearReading readAngle(const GearPoses& at) const;
   GearReading readPosition(const GearPoses& at) const;
   GearReading readRotation(const GearPoses& at) const;
+  double change(const GearReading& now, double expected) const;
   bool turnsFar(Scalar dt) const;
+  double expectedChange(const GearReading& now, Scalar dt) const;
 
   const btRigidBody *m_a, *m_b;
   std::optional<GearCoordinate> m_named;
