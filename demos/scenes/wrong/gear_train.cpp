@@ -8,10 +8,9 @@ namespace scenes {
 Scene gear_train_scene() {
   const double ratio = 2, speed = 10, brake = 50;  // rad/s of the first wheel, N m
   Scene scene{"gear_train", "a motor turns three wheels against a brake"};
-  scene.show(
-      Group::wrong, "Gears that drift",
-      "A motor turns the first of three wheels, and a brake pulls at the last one. Look at "
-      "it fall behind: Bullet's gear holds speeds, and what is left of them adds up.");
+  scene.show(Group::wrong, "Gears that drift",
+             "A motor turns the first of three wheels, and a brake pulls at the last one. Look at "
+             "it fall behind: Bullet's gear holds speeds, and what is left of them adds up.");
   scene.gravity = 0;
   double radius = 0.1, at_x = 0, turning = speed;
   for (int i = 0; i < 3; ++i) {

@@ -221,8 +221,8 @@ void GearModel::addRows(const PosePair& poses, Rows& rows) const {
   addTo(row, state.b, there.b, state.ratio, bodyA(), bodyB(), state.dt);
   const auto C = Scalar(
       state.error + state.weigh(state.a.nearestChange(there.a), state.b.nearestChange(there.b)));
-  if (row.L_a == Vec3(-row.L_b) && isFinite(C + row.A_a.sum() + row.A_b.sum() + row.L_b.sum()))
-    rows.addEquality(row.L_b, -row.A_a, row.A_b, C);
+  if (row.isPair() && isFinite(C + row.A_a.sum() + row.A_b.sum() + row.L_b.sum()))
+    rows.addEquality(row.L_b, -row.A_a, row.A_b, C).max_speed = maxCorrection();
 }
 
 void GearModel::drawJoint(btIDebugDraw& drawer) const {

@@ -13,6 +13,9 @@ struct GearRow {
   Scalar position = 0;   ///< C, rad or m
   Scalar rate = 0;       ///< dC/dt by bodies that are none of the gear's, rad/s or m/s
   Scalar max_speed = 0;  ///< of the correction of C, rad/s or m/s
+
+  /// True if it is a Row (rows/row.h): forces on the two bodies are equal and opposite.
+  bool isPair() const { return L_a == Vec3(-L_b); }
 };
 
 }  // namespace PINTLE_PRECISION

@@ -149,7 +149,7 @@ bool IslandBuilder::keepRow(IslandJoint& to, IslandRow& row) {
   return true;
 }
 
-void IslandBuilder::addOurs(IslandJoint& to) {
+void IslandBuilder::addOurs(IslandJoint& to, double rate) {
   Joint& joint = *to.ours;
   const BodyPair pair(joint.constraint().getRigidBodyA(), joint.constraint().getRigidBodyB());
   const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
@@ -171,7 +171,8 @@ void IslandBuilder::addOurs(IslandJoint& to) {
       setAxisLaw(to, pair, row);
     } else {
       if (settings.group != rows[i].group) settings = settingsOf(joint, rows[i].group);
-      setEqualityLaw(to, settings, {double(rows[i].position), double(rows[i].max_speed)}, row);
+      setEqualityLaw(to, settings, {double(rows[i].position), double(rows[i].max_speed), rate},
+                     row);
     }
     if (!keepRow(to, row)) m_island.rows.pop_back();
   }
@@ -218,9 +219,10 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
 
 void IslandBuilder::addGear(IslandJoint& to) {
   Joint& joint = *to.ours;
-  to.ours = nullptr;  // as a row of Bullet's
   const GearRow* const from = JointAccess::beginGear(joint, m_info.m_timeStep);
   if (from == nullptr) return;
+  if (from->isPair()) return addOurs(to, double(from->rate));
+  to.ours = nullptr;  // as a row of Bullet's
   IslandRow& row = newRow();
   row.has_position = false;
   row.index = 0;

@@ -38,7 +38,8 @@ class IslandBuilder {
   }
 
  private:
-  void addOurs(IslandJoint& to);
+  /// `rate`: of its equalities (EqualityState).
+  void addOurs(IslandJoint& to, double rate = 0);
   /// What equalities of one group of a joint have in common.
   struct EqualitySettings {
     int group;
@@ -56,7 +57,7 @@ class IslandBuilder {
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
   void addLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion, AxisState& state,
                 IslandRow& row) const;
-  /// A gear of Pintle's: its row is known at the start of the step.
+  /// A gear of Pintle's. A row whose forces are not equal and opposite is known at the start of the step alone.
   void addGear(IslandJoint& to);
   struct StockRows;
   /// Asks a joint for its rows by its virtual methods, as Bullet does.
