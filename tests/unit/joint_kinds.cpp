@@ -432,22 +432,17 @@ void add(std::vector<Kind>& list, const char* name, int variants, const Nature& 
   }
 }
 
-// Between axes of bodies, and between hinges on bodies of the world: of those the gear needs no more than frames.
+// Between axes of bodies, and between the angle and the position of a slider, of which the gear needs no more than frames.
 std::unique_ptr<btTypedConstraint> makeGear(btRigidBody& a, btRigidBody& b,
                                             const btTransform& frame_a, const btTransform& frame_b,
                                             int variant) {
   const btVector3 axis_a = frame_a.getBasis().getColumn(2),
                   axis_b = frame_b.getBasis().getColumn(2);
   if (variant == 0) return std::make_unique<pintle::GearJoint>(a, b, axis_a, axis_b, scalar(2.5));
-  if (variant == 1) {
-    auto gear = std::make_unique<pintle::GearJoint>(a, b, axis_a * 2, axis_b, -1);
-    gear->setOffset(scalar(0.3));
-    return gear;
-  }
-  btRigidBody& world = btTypedConstraint::getFixedBody();
-  btHingeConstraint of_a(world, a, a.getCenterOfMassTransform() * frame_a, frame_a, true),
-      of_b(world, b, b.getCenterOfMassTransform() * frame_b, frame_b);
-  auto gear = std::make_unique<pintle::GearJoint>(of_a, of_b, scalar(0.5));
+  if (variant == 1) return std::make_unique<pintle::GearJoint>(a, b, axis_a * 2, axis_b, -1);
+  btSliderConstraint slider(a, b, frame_a, frame_b, true);
+  auto gear = std::make_unique<pintle::GearJoint>(pintle::GearCoordinate::angleOf(slider), slider,
+                                                  scalar(0.5));
   gear->setMaxCorrectionSpeed(1);
   return gear;
 }
