@@ -17,7 +17,7 @@ constexpr const char* kOverview[] = {
 std::vector<Drawing> drawings() {
   std::vector<Drawing> all;
   std::vector<Sketch::Tile> tiles(std::size(kOverview));
-  for (const auto& draw : {drawHinges, drawPoints, drawFrames, drawSwings, drawShafts})
+  for (const auto& draw : {drawHinges, drawPoints, drawFrames, drawSwings, drawShafts, drawGears})
     for (const Made& made : draw()) {
       all.push_back({made.name, made.svg});
       for (std::size_t i = 0; i < tiles.size(); ++i)

@@ -24,6 +24,7 @@ std::vector<Made> drawPoints();
 std::vector<Made> drawFrames();
 std::vector<Made> drawSwings();
 std::vector<Made> drawShafts();
+std::vector<Made> drawGears();
 
 // --- places --------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@
 #include <pintle/joints/contact_joint.h>
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/gear_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/universal_joint.h>
@@ -134,7 +135,9 @@ BulletJoint make_joint(const Joint& joint, btRigidBody& a, btRigidBody& b) {
     case Kind::angle: return angle(joint, a, b, in_a, in_b);
     case Kind::distance: return distance(joint, a, b, in_a, in_b);
     case Kind::contact: return contact(joint, a, b, in_a, in_b);
-    case Kind::gear: return make_stock_joint(joint, a, b);  // Pintle has none of its own
+    case Kind::gear:
+      return {std::make_unique<pintle::GearJoint>(
+          a, b, in_a.getBasis().getColumn(2), in_b.getBasis().getColumn(2), btScalar(joint.ratio))};
   }
   return {};
 }

@@ -14,6 +14,7 @@
 #include <pintle/equations/dot.h>
 #include <pintle/equations/dot_hinge.h>
 #include <pintle/equations/effective_mass.h>
+#include <pintle/equations/gear.h>
 #include <pintle/equations/impulse.h>
 #include <pintle/equations/impulse_reaction.h>
 #include <pintle/equations/orientation_lock.h>

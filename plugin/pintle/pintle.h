@@ -11,6 +11,7 @@
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/draw_joints.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/gear_joint.h>
 #include <pintle/joints/generic_6dof_joint.h>
 #include <pintle/joints/generic_6dof_spring_2_joint.h>
 #include <pintle/joints/generic_6dof_spring_joint.h>

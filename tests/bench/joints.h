@@ -11,6 +11,7 @@
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/gear_joint.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/slider_joint.h>
 #include <pintle/joints/two_point_hinge.h>
@@ -19,6 +20,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btConeTwistConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btFixedConstraint.h>
+#include <BulletDynamics/ConstraintSolver/btGearConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btHingeConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
 #include <BulletDynamics/ConstraintSolver/btSliderConstraint.h>
@@ -347,9 +349,31 @@ inline std::vector<Case> coneTwists() {
   return cases;
 }
 
+template <class Gear>
+Case gear(const char* name, const char* stock) {
+  return {name, stock, sizeof(Gear), [](JointStep& s) {
+            return std::unique_ptr<btTypedConstraint>(
+                std::make_unique<Gear>(*s.a, *s.b, JointStep::frameA().getBasis().getColumn(2),
+                                       JointStep::frameB().getBasis().getColumn(2), 2));
+          }};
+}
+
+inline std::vector<Case> gears() {
+  // Of two hinges on the world.
+  const auto of_hinges = [](JointStep& s) {
+    btHingeConstraint of_a(*s.a, JointStep::frameA().getOrigin(), btVector3(0, 0, 1)),
+        of_b(*s.b, JointStep::frameB().getOrigin(), btVector3(0, 0, 1));
+    return std::unique_ptr<btTypedConstraint>(std::make_unique<pintle::GearJoint>(of_a, of_b, 2));
+  };
+  return {gear<btGearConstraint>("stock gear", nullptr),
+          gear<pintle::GearJoint>("gear", "stock gear"),
+          {"gear of hinges", "stock gear", sizeof(pintle::GearJoint), of_hinges}};
+}
+
 inline std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const auto& some : {others(), sliders(), locksAndHinges(), coneTwists(), ownJoints()})
+  for (const auto& some :
+       {others(), sliders(), locksAndHinges(), coneTwists(), ownJoints(), gears()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_joint.h>
+#include <pintle/joints/gear_joint.h>
 #include <pintle/joints/generic_6dof_joint.h>
 #include <pintle/joints/generic_6dof_spring_2_joint.h>
 #include <pintle/joints/generic_6dof_spring_joint.h>
@@ -117,6 +118,33 @@ TEST(BulletFile, ABallIsLoadedAsBullets) {
   ASSERT_NE(of, nullptr);
   EXPECT_EQ(of->getPivotInA(), btVector3(btScalar(0.5), 0, 0));
   EXPECT_EQ(of->getPivotInB(), btVector3(btScalar(-0.5), btScalar(0.25), 0));
+}
+
+TEST(BulletFile, AGearIsLoadedAsBullets) {
+  Boxes written;
+  written.world.add_joint<pintle::GearJoint>(written.a, written.b, btVector3(0, 0, 1),
+                                             btVector3(0, btScalar(0.5), 0), btScalar(-2.5));
+  Loaded loaded(written.world.bullet());
+  const auto* const of = onlyJoint<btGearConstraint>(loaded);
+  ASSERT_NE(of, nullptr);
+  EXPECT_EQ(of->getAxisA(), btVector3(0, 0, 1));
+  EXPECT_EQ(of->getAxisB(), btVector3(0, btScalar(0.5), 0));
+  EXPECT_EQ(of->getRatio(), btScalar(-2.5));
+}
+
+// Of a gear between two hinges the file has their axes in the bodies that it acts on.
+TEST(BulletFile, AGearOfHingesIsLoadedAsOneOfAxes) {
+  Boxes written;
+  btRigidBody& post = written.world.add_box(0, written.half, scenes::pose_at(btVector3(2, 0, 0)));
+  auto& fixed = written.world.add_joint<pintle::QuaternionHinge>(post, written.b, at(-0.5, 0.3),
+                                                                 at(0.5, 0.3), true);
+  auto& other = written.world.add_joint<pintle::QuaternionHinge>(written.a, written.b, at(0.5, 0),
+                                                                 at(-0.5, 0), false);
+  pintle::GearJoint gear(fixed, other, 2);
+  EXPECT_EQ(&gear.getRigidBodyA(), &written.b);
+  EXPECT_EQ(gear.getAxisA(), at(0.5, 0.3).getBasis().getColumn(2));
+  EXPECT_EQ(&gear.getRigidBodyB(), &written.a);
+  EXPECT_EQ(gear.getAxisB(), at(0.5, 0).getBasis().getColumn(2));
 }
 
 TEST(BulletFile, ASliderIsLoadedAsBullets) {

@@ -95,7 +95,7 @@ TEST(SwingDecomposition, IsWhatTheHingesAreMadeOf) {
 
 // J = {n, (s/2)/sin(s/2) h x n} is the gradient of sigma, along itself and across. Up to 1e-4 from
 // pi: sigma has no gradient at pi, and epsilon / cos(s/2) of its digits before.
-const std::vector<double> kSmoothSwings = {0, 1e-8, 1e-3, -pi, pi - 1e-4};
+const std::vector<double> kSmoothHingeSwings = {0, 1e-8, 1e-3, -pi, pi - 1e-4};
 
 double half_over_sine(double swing) { return swing == 0 ? 1 : (swing / 2) / std::sin(swing / 2); }
 
@@ -124,7 +124,7 @@ SwingGradient swing_gradient(const Hinge& hinge) {
 
 TYPED_TEST(HingeRows, NAndHCrossNAreTheGradientOfTheSymmetricSwing) {
   using T = TypeParam;
-  for (const Hinge& hinge : hinges(kSmoothSwings, {0, 1})) {
+  for (const Hinge& hinge : hinges(kSmoothHingeSwings, {0, 1})) {
     const SwingGradient exact = swing_gradient(hinge);
     const Vector3<T> n = hinge.halfway(hinge.m).template cast<T>();
     const auto swing = this->swing(hinge.axis_a(2), hinge.axis_b(2));
@@ -142,7 +142,7 @@ TYPED_TEST(HingeRows, NAndHCrossNAreTheGradientOfTheSymmetricSwing) {
 TYPED_TEST(HingeRows, UnitRowsNormalToHAreThatGradientTimesAnInvertibleMatrix) {
   using T = TypeParam;
   Random random(5);
-  for (const Hinge& hinge : hinges(kSmoothSwings, {0, 1})) {
+  for (const Hinge& hinge : hinges(kSmoothHingeSwings, {0, 1})) {
     const SwingGradient exact = swing_gradient(hinge);
     const auto swing = this->swing(hinge.axis_a(2), hinge.axis_b(2));
     const Vector n = hinge.halfway(hinge.m);

@@ -8,6 +8,7 @@
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/gear_joint.h>
 #include <pintle/joints/generic_6dof_joint.h>
 #include <pintle/joints/generic_6dof_spring_2_joint.h>
 #include <pintle/joints/generic_6dof_spring_joint.h>
@@ -431,6 +432,37 @@ void add(std::vector<Kind>& list, const char* name, int variants, const Nature& 
   }
 }
 
+// Between axes of bodies, and between the angle and the position of a slider, of which the gear needs no more than frames.
+std::unique_ptr<btTypedConstraint> makeGear(btRigidBody& a, btRigidBody& b,
+                                            const btTransform& frame_a, const btTransform& frame_b,
+                                            int variant) {
+  const btVector3 axis_a = frame_a.getBasis().getColumn(2),
+                  axis_b = frame_b.getBasis().getColumn(2);
+  if (variant == 0) return std::make_unique<pintle::GearJoint>(a, b, axis_a, axis_b, scalar(2.5));
+  if (variant == 1) return std::make_unique<pintle::GearJoint>(a, b, axis_a * 2, axis_b, -1);
+  btSliderConstraint slider(a, b, frame_a, frame_b, true);
+  auto gear = std::make_unique<pintle::GearJoint>(pintle::GearCoordinate::angleOf(slider), slider,
+                                                  scalar(0.5));
+  gear->setMaxCorrectionSpeed(1);
+  return gear;
+}
+
+void addGear(std::vector<Kind>& list) {
+  Kind kind;
+  kind.name = "GearJoint";
+  kind.bytes = sizeof(pintle::GearJoint);
+  kind.variants = 3;
+  kind.holds = false;  // no more than one row
+  kind.free_body = "A";
+  kind.limits_look_ahead = false;
+  kind.make = makeGear;
+  kind.make_one = [](btRigidBody& a, const btTransform& frame) {
+    const btVector3 axis = frame.getBasis().getColumn(2);
+    return std::make_unique<pintle::GearJoint>(a, btTypedConstraint::getFixedBody(), axis, axis);
+  };
+  list.push_back(kind);
+}
+
 }  // namespace
 
 std::vector<Kind> all() {
@@ -453,6 +485,7 @@ std::vector<Kind> all() {
   add<pintle::Hinge2Joint>(list, "Hinge2Joint", 7, {true, "B", ""});
   add<pintle::DotHinge>(list, "DotHinge", 6);
   add<TwoPointHinge>(list, "TwoPointHinge", 9);
+  addGear(list);
   add<pintle::CrossProductHinge>(list, "CrossProductHinge", 3);
   add<pintle::CrossProductMatrixHinge>(list, "CrossProductMatrixHinge", 3);
   add<pintle::SingleRowLock>(list, "SingleRowLock", 3);

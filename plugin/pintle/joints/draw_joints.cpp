@@ -15,8 +15,9 @@ void draw(btDynamicsWorld& world, btIDebugDraw& drawer) {
   if (!(drawsFrames(drawer) || drawsLimits(drawer))) return;
   for (int i = 0; i < world.getNumConstraints(); ++i) {
     btTypedConstraint& constraint = *world.getConstraint(i);
-    // Bullet draws its own types, and what derives from them.
-    if (constraint.getConstraintType() != StandaloneJoint::type) continue;
+    // Bullet draws its own types, and what derives from them; of gears nothing.
+    const btTypedConstraintType type = constraint.getConstraintType();
+    if (type != StandaloneJoint::type && type != GEAR_CONSTRAINT_TYPE) continue;
     auto* joint = dynamic_cast<Joint*>(&constraint);
     if (joint != nullptr && constraint.getDbgDrawSize() > 0) joint->drawJoint(drawer);
   }

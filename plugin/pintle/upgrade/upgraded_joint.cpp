@@ -4,6 +4,7 @@
 #include <pintle/finite.h>
 #include <pintle/joints/ball_joint.h>
 #include <pintle/joints/cone_twist_model.h>
+#include <pintle/joints/gear_model.h>
 #include <pintle/joints/quaternion_hinge.h>
 #include <pintle/joints/six_dof_model.h>
 #include <pintle/joints/slider_joint.h>
@@ -92,6 +93,7 @@ const StockClass* lookUp(const std::type_info& type) {
       upgrade<btPoint2PointConstraint, BallModel>(),
       upgrade<btSliderConstraint, SliderModel>(),
       upgrade<btConeTwistConstraint, ConeTwistModel>(),
+      upgrade<btGearConstraint, GearModel>(),
       // (Not yet the others of six degrees of freedom: in loops, as of a skirt, limits of three angles do not converge on the exact solver, and
       // stiff springs shake on Bullet's iterations.)
       upgrade<btFixedConstraint, SixDofModel>(),

@@ -1,6 +1,7 @@
 #include <pintle/solver/bullet/island_builder.h>
 
 #include <pintle/joint_rows.h>
+#include <pintle/joints/gear_row.h>
 #include <pintle/solver/bullet/joint_access.h>
 #include <pintle/solver/bullet/row_shapes.h>
 #include <pintle/solver/constants.h>
@@ -148,7 +149,7 @@ bool IslandBuilder::keepRow(IslandJoint& to, IslandRow& row) {
   return true;
 }
 
-void IslandBuilder::addOurs(IslandJoint& to) {
+void IslandBuilder::addOurs(IslandJoint& to, double rate) {
   Joint& joint = *to.ours;
   const BodyPair pair(joint.constraint().getRigidBodyA(), joint.constraint().getRigidBodyB());
   const RowList& rows = JointAccess::begin(joint, pair, m_info.m_timeStep, m_shapes.data());
@@ -170,7 +171,8 @@ void IslandBuilder::addOurs(IslandJoint& to) {
       setAxisLaw(to, pair, row);
     } else {
       if (settings.group != rows[i].group) settings = settingsOf(joint, rows[i].group);
-      setEqualityLaw(to, settings, row);
+      setEqualityLaw(to, settings, {double(rows[i].position), double(rows[i].max_speed), rate},
+                     row);
     }
     if (!keepRow(to, row)) m_island.rows.pop_back();
   }
@@ -192,17 +194,17 @@ IslandBuilder::EqualitySettings IslandBuilder::settingsOf(const Joint& joint, in
 }
 
 void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
-                                   IslandRow& row) const {
+                                   const EqualityState& state, IslandRow& row) const {
   const auto& [group, erp, cfm, bound, left] = settings;
-  const double position = double(row.start->position);
+  const auto& [position, max_speed, rate] = state;
   double target = left != 0 ? left * velocityAlong(of, row.J, &IslandBody::v_free) : 0;
+  target -= rate;
   if (bound < AxisLaw::unbounded) {
     target -= erp * position / m_island.dt;
     return row.law.add({target, cfm * row.K, -bound, bound, true, false, Axis::parts});
   }
   // Bullet's correction is a velocity, of which the next steps leave so much, too.
-  row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position,
-                     double(row.start->max_speed));
+  row.open = closing(left > 0 ? std::fmin(1, erp / (1 - left)) : erp, position, max_speed);
   // In double precision that little is what the last solve has left. In single precision it is rounding, with which bodies would shake.
   constexpr bool is_exact = sizeof(Scalar) > 4;
   if (cfm > 0) {
@@ -211,7 +213,27 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
     target -= row.open / m_island.dt;
     row.open = 0;
   }
-  row.law.add({target, cfm * row.K, -AxisLaw::unbounded, AxisLaw::unbounded});
+  // What moves by others is driven by them.
+  row.law.add({target, cfm * row.K, -AxisLaw::unbounded, AxisLaw::unbounded, rate != 0});
+}
+
+void IslandBuilder::addGear(IslandJoint& to) {
+  Joint& joint = *to.ours;
+  const GearRow* const from = JointAccess::beginGear(joint, m_info.m_timeStep);
+  if (from == nullptr) return;
+  if (from->isPair()) return addOurs(to, double(from->rate));
+  to.ours = nullptr;  // as a row of Bullet's
+  IslandRow& row = newRow();
+  row.has_position = false;
+  row.index = 0;
+  // Bullet's sign of an impulse is the other one.
+  const auto of = [](const Vec3& v) -> Vector3d { return -v.cast<double>(); };
+  row.J = {of(from->L_a), of(from->A_a), of(from->L_b), of(from->A_b)};
+  row.K = m_island.inverseMass(to, row.J, row.J);
+  setEqualityLaw(to, settingsOf(joint, 0),
+                 {-double(from->position), double(from->max_speed), -double(from->rate)}, row);
+  if (!keepRow(to, row)) return m_island.rows.pop_back();
+  to.equalities = to.rows;
 }
 
 void IslandBuilder::setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const {
@@ -438,11 +460,17 @@ void IslandBuilder::add(btTypedConstraint& joint, Joint* upgraded, const SolverB
   to.first_row = int(m_island.rows.size());
   to.ours = upgraded != nullptr ? upgraded : JointAccess::ours(joint);
   const btSolverBody &a = bodies[solver_body_a], &b = bodies[solver_body_b];
+  const bool is_clients =
+      upgraded == nullptr && to.ours != nullptr && JointAccess::mayHaveOtherRows(joint);
+  const bool is_gear = to.ours != nullptr && JointAccess::isGear(joint, *to.ours);
+  if (is_gear && is_clients) to.ours = nullptr;
   if (to.ours == nullptr) {
     StockRows rows;
     askStock(joint, a, b, rows);
     addStock(to, rows, 0);
-  } else if (upgraded == nullptr && JointAccess::mayHaveOtherRows(joint)) {
+  } else if (is_gear) {
+    addGear(to);
+  } else if (is_clients) {
     addClients(to, a, b);
   } else {
     addOurs(to);

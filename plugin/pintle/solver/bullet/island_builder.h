@@ -38,7 +38,8 @@ class IslandBuilder {
   }
 
  private:
-  void addOurs(IslandJoint& to);
+  /// `rate`: of its equalities (EqualityState).
+  void addOurs(IslandJoint& to, double rate = 0);
   /// What equalities of one group of a joint have in common.
   struct EqualitySettings {
     int group;
@@ -46,11 +47,18 @@ class IslandBuilder {
     double left;  ///< what damping leaves of the velocity that forces lead to
   };
   EqualitySettings settingsOf(const Joint& joint, int group) const;
+  /// What is to become of the C of an equality (m or rad): closed at no more than max_speed, while it changes by what is no body of
+  /// its joint.
+  struct EqualityState {
+    double position, max_speed, rate = 0;
+  };
   void setEqualityLaw(const IslandJoint& of, const EqualitySettings& settings,
-                      IslandRow& row) const;
+                      const EqualityState& state, IslandRow& row) const;
   void setAxisLaw(const IslandJoint& of, const BodyPair& pair, IslandRow& row) const;
   void addLimit(const IslandJoint& of, const Axis& axis, const AxisMotion& motion, AxisState& state,
                 IslandRow& row) const;
+  /// A gear of Pintle's. A row whose forces are not equal and opposite is known at the start of the step alone.
+  void addGear(IslandJoint& to);
   struct StockRows;
   /// Asks a joint for its rows by its virtual methods, as Bullet does.
   void askStock(btTypedConstraint& joint, const btSolverBody& a, const btSolverBody& b,

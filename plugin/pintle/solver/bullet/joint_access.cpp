@@ -10,6 +10,7 @@
 #include <pintle/joints/distance_joint.h>
 #include <pintle/joints/dot_hinge.h>
 #include <pintle/joints/fixed_joint.h>
+#include <pintle/joints/gear_joint.h>
 #include <pintle/joints/generic_6dof_joint.h>
 #include <pintle/joints/generic_6dof_spring_2_joint.h>
 #include <pintle/joints/generic_6dof_spring_joint.h>
@@ -86,15 +87,20 @@ int JointAccess::ignoredSettings(Joint& joint) {
   return complaints.count();
 }
 
+const GearRow* JointAccess::beginGear(Joint& joint, Scalar dt) {
+  return static_cast<GearModel&>(joint).beginStep(dt);
+}
+
 JointAccess::Known JointAccess::find(btTypedConstraint& constraint) {
   const std::type_info& type = typeid(constraint);
   auto* const joint = dynamic_cast<Joint*>(&constraint);
-  if (joint == nullptr) return {&type};
+  if (joint == nullptr) return {&type, 0, false, type == typeid(btGearConstraint)};
   return {&type, reinterpret_cast<char*>(joint) - reinterpret_cast<char*>(&constraint),
           isOneOf<AngularLimit, BallJoint, ConeTwistJoint, ConstantVelocityJoint, ContactJoint,
-                  DistanceJoint, DotHinge, FixedJoint, Generic6DofJoint, Generic6DofSpring2Joint,
-                  Generic6DofSpringJoint, Hinge2Joint, QuaternionHinge, SliderJoint, TwoPointHinge,
-                  UniversalJoint, WedgeJoint>(type)};
+                  DistanceJoint, DotHinge, FixedJoint, GearJoint, Generic6DofJoint,
+                  Generic6DofSpring2Joint, Generic6DofSpringJoint, Hinge2Joint, QuaternionHinge,
+                  SliderJoint, TwoPointHinge, UniversalJoint, WedgeJoint>(type),
+          dynamic_cast<GearModel*>(&constraint) != nullptr};
 }
 
 ClientRows findClientRows(Joint& joint, const btContactSolverInfo& info) {

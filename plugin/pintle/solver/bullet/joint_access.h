@@ -17,6 +17,8 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+struct GearRow;
+
 struct JointAccess {
   /// The joint, if the constraint is one of Pintle's.
   static Joint* ours(btTypedConstraint& constraint) {
@@ -38,6 +40,12 @@ struct JointAccess {
     joint.m_bullet_rows.setCount(1);
     return joint.m_rows;
   }
+  /// True if `joint`, which stands for this constraint, is a GearModel: its row is of another kind than those of other joints.
+  static bool isGear(btTypedConstraint& constraint, const Joint& joint) {
+    return known(constraint).is_gear && &joint.constraint() == &constraint;
+  }
+  /// Its row at the start of a step, null if there is none.
+  static const GearRow* beginGear(Joint& joint, Scalar dt);
   /// How many of the settings that stand in the constraint of Bullet's are not used.
   static int ignoredSettings(Joint& joint);
   ///@{
@@ -123,6 +131,7 @@ struct JointAccess {
     const std::type_info* type = nullptr;
     std::ptrdiff_t place = 0;  ///< of the Joint in each object of the type; 0: none
     bool is_own = false;       ///< a type of Pintle's, which asks for nothing but its rows
+    bool is_gear = false;      ///< one of Pintle's gears, or Bullet's, for which one of Pintle's stands
   };
   // To look this up takes as long as some of a joint's rows: so a type is looked up once.
   static const Known& known(btTypedConstraint& constraint) {
