@@ -28,6 +28,10 @@ constexpr Scalar settling_speed = 1;
 /// Cosine of 85 degrees: a spring about an outer angle keeps at least this fraction of its pull.
 constexpr Scalar min_cosine_of_springs = Scalar(0.0872);
 
+/// Fraction of a pose drive's bound that the torque along the expected one may have. With more, too little is left across it to stop what it did
+/// not expect: ragdolls whose drives are at their bounds shake.
+constexpr Scalar max_part_along = Scalar(0.95);
+
 /// s: a joint is taken as one that starts apart for so long at most. What is still open then is held open by a load, or by a mouse that drags
 /// it, and closes as ERP says.
 constexpr Scalar longest_start = 1;
