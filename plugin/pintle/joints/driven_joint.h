@@ -35,7 +35,7 @@ class DrivenJoint : public Joint {
   /// True after setPoseDrive.
   bool hasPoseDrive() const { return m_pose_drive && isDriveOn(); }
   ///@{
-  /// What setPoseDrive set, the target made unit. Without a drive the identity, and a drive of nothing.
+  /// The last settings of setPoseDrive, the target made unit. Without a drive the identity, and a drive of nothing.
   btQuaternion getPoseTarget() const;
   PoseDrive getPoseDrive() const;
   ///@}
@@ -60,7 +60,7 @@ class DrivenJoint : public Joint {
   Scalar addPoseDrive(const Frame& a, const Frame& b, Rows& rows, Scalar friction = 0) const;
 
  private:
-  // What a joint without a drive does not call.
+  // Called with a drive only.
   bool isDriveOn() const;
   void beginDrive();
 

@@ -73,7 +73,7 @@ struct Axis {
   /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
   bool normalized_motor = false;
   bool is_any_angle = false;  ///< low and high are what Bullet's clients call no limit: (-pi, pi)
-  /// Whether `spring` is that of a pose drive, which has no motor: max_servo_force bounds it, and its rest moves at motor_velocity.
+  /// True if `spring` is that of a pose drive, which has no motor: max_servo_force bounds it, and its rest moves at motor_velocity.
   bool spring_drives = false;
   Scalar motor_velocity = 0;
   Scalar max_motor_impulse = 0;  ///< N m s, a step
