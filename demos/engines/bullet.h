@@ -13,6 +13,10 @@ struct BulletJoint {
   std::function<void(double speed, double dt)> drive = {};
 };
 
+inline btQuaternion turn_to_bullet(const Eigen::Quaterniond& q) {
+  return {btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())};
+}
+
 // Makes the joint of a kind, with its limits, spring and motor; null: there is none.
 using MakeJoint = BulletJoint (*)(const scenes::Joint&, btRigidBody& a, btRigidBody& b);
 

@@ -237,7 +237,9 @@ bool is_known(const Joint& joint) {
   const bool may_give =
       joint.kind == Kind::distance || (joint.kind == Kind::slider && !range.limited());
   const bool may_drive = joint.kind == Kind::hinge || joint.kind == Kind::slider;
-  if ((joint.spring.frequency > 0 && !may_give) || (joint.motor.speed && !may_drive)) return false;
+  if ((joint.spring.frequency > 0 && !may_give) || (joint.motor.speed && !may_drive) ||
+      joint.muscle.stiffness > 0)
+    return false;
   const bool has_zero = !range.limited() || (range.low <= 0 && range.high >= 0);
   const bool in_a_turn = !range.limited() || (range.low >= -scenes::pi && range.high <= scenes::pi);
   switch (joint.kind) {

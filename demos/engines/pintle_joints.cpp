@@ -69,6 +69,11 @@ BulletJoint cone_twist(const Joint& joint, btRigidBody& a, btRigidBody& b, const
   auto shoulder = std::make_unique<pintle::ConeTwistJoint>(b, a, in_b, in_a);  // the limb is first
   shoulder->setLimit(btScalar(joint.spans.about_z), btScalar(joint.spans.about_y),
                      btScalar(joint.spans.twist));
+  if (const scenes::Muscle& muscle = joint.muscle; muscle.stiffness > 0)
+    shoulder->setPoseDrive(
+        turn_to_bullet(muscle.pose.conjugate()),
+        pintle::PoseDrive::fromStiffness(btScalar(muscle.stiffness), btScalar(muscle.damping),
+                                         btScalar(muscle.max_torque)));
   return {std::move(shoulder)};
 }
 

@@ -66,7 +66,13 @@ BulletJoint cone_twist(const Joint& joint, btRigidBody& a, btRigidBody& b, const
   auto shoulder = std::make_unique<btConeTwistConstraint>(b, a, in_b, in_a);  // the limb is first
   shoulder->setLimit(btScalar(joint.spans.about_z), btScalar(joint.spans.about_y),
                      btScalar(joint.spans.twist));
-  return {std::move(shoulder)};
+  if (!(joint.muscle.stiffness > 0)) return {std::move(shoulder)};
+  shoulder->enableMotor(true);
+  shoulder->setMotorTargetInConstraintSpace(turn_to_bullet(joint.muscle.pose));
+  btConeTwistConstraint* const driven = shoulder.get();
+  return {std::move(shoulder), [driven, torque = joint.muscle.max_torque](double, double dt) {
+            driven->setMaxMotorImpulse(btScalar(torque * dt));
+          }};
 }
 
 // Also for a constant velocity joint, which Bullet does not have.

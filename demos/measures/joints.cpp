@@ -35,6 +35,12 @@ JointErrors joint_errors(const Joint& joint, const State& a, const State& b) {
   return {};
 }
 
+double muscle_error(const Joint& joint, const State& a, const State& b) {
+  if (!(joint.muscle.stiffness > 0)) return 0;
+  const Eigen::Matrix3d R = ((a.pose * joint.in_a).inverse() * (b.pose * joint.in_b)).linear();
+  return Eigen::AngleAxisd(joint.muscle.pose.toRotationMatrix().transpose() * R).angle();
+}
+
 double Overshoot::operator()(const State& a, const State& b) {
   const scenes::Isometry3d relative = (a.pose * joint_.in_a).inverse() * (b.pose * joint_.in_b);
   const Eigen::Matrix3d& R = relative.linear();

@@ -51,7 +51,7 @@ class Observer {
       const State &a = now[joint.a], &b = now[joint.b];
       const JointErrors left = joint_errors(joint, a, b);
       gap = larger(gap, left.gap);
-      axis = larger(axis, left.axis);
+      axis = larger(axis, larger(left.axis, muscle_error(joint, a, b)));
       if (scene_.has(Error::overshoot)) grow(Error::overshoot, overshoots_[i](a, b));
     }
     max_gap_ = larger(max_gap_, gap);

@@ -44,6 +44,8 @@ struct JointErrors {
 };
 JointErrors joint_errors(const scenes::Joint& joint, const engines::State& a,
                          const engines::State& b);
+// rad: between the pose of a joint and that to which its muscle turns it; 0 if it has none.
+double muscle_error(const scenes::Joint& joint, const engines::State& a, const engines::State& b);
 
 // Of all joints, as they stand, m; infinite: a body is lost.
 struct Gaps {

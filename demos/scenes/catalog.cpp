@@ -32,6 +32,7 @@ std::vector<Scene> catalog() {
       PINTLE_SCENE(brick_wall_scene),
       bridge_scene(100),
       ragdoll_scene(),
+      PINTLE_SCENE(active_ragdoll_scene),
       drive_shaft_scene(Kind::universal),
       drive_shaft_scene(Kind::constant_velocity),
       slider_crank_scene(),

@@ -80,6 +80,15 @@ struct Motor {
   double max_torque = 0;                     // N m, of a slider N
 };
 
+// Turns b against a about a cone-twist joint to a pose. Bullet's own motor has no stiffness: it goes to the pose as fast as its bound lets it.
+struct Muscle {
+  Eigen::Quaterniond pose =
+      Eigen::Quaterniond::Identity();  // of the joint's frame of b in that of a
+  double stiffness = 0;                // N m/rad; 0: there is none
+  double damping = 0;                  // N m s/rad
+  double max_torque = 0;               // N m
+};
+
 struct Joint {
   Kind kind;
   int a, b;               // bodies, a the one nearer to the ground
@@ -88,14 +97,15 @@ struct Joint {
   Spans spans = {pi, pi, pi};
   Spring spring = {};
   Motor motor = {};
+  Muscle muscle = {};
   double restitution = 0;  // of a contact, or of a slider's limits
   double ratio = 1;        // of a gear: turns of a for one of b
   double breaks_at = 0;    // N s in a step, beyond which it breaks; 0: never
 };
 
 enum class Error {
-  gap,         // m: between what a joint holds together; the mean over time of the worst joint
-  axis,        // rad: between axes or orientations that a joint holds together; likewise
+  gap,   // m: between what a joint holds together; the mean over time of the worst joint
+  axis,  // rad: between axes or orientations that a joint holds together, or a muscle; likewise
   overshoot,   // rad, or m where the limit is one of a distance: the farthest beyond it
   energy,      // of the scene's energy_scale: the largest change
   gained,      // the same, only upwards: where limits and contacts may take energy away

@@ -27,6 +27,7 @@ class UniversalJoint;
 class WedgeJoint;
 
 // Their bases, and what they hold.
+class DrivenJoint;
 class FrameJoint;
 class HingeBase;
 class Joint;
@@ -38,6 +39,7 @@ class HingeModel;
 class QuaternionHingeModel;
 class SixDofModel;
 class SliderModel;
+struct PoseDrive;
 class StandaloneJoint;
 
 // unstable/: for comparison only.

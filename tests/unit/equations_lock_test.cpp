@@ -204,6 +204,23 @@ TYPED_TEST(Lock, UnitRowsAreTheGradientTimesAMatrixThatKeepsTheError) {
   }
 }
 
+// So a torque of -k phi by unit rows, that of a pose drive, has the potential k phi^2 / 2.
+TYPED_TEST(Lock, ErrorIsTheGradientOfHalfItsSquare) {
+  for (const Hinge& hinge : all_hinges()) {
+    const Turn p = turn(hinge, hinge.bodies);
+    if (!(std::abs(p.w) > 1e-3)) continue;  // at half a turn the potential has a ridge
+    const auto potential = [&](const auto& bodies) {
+      using S = typename std::decay_t<decltype(bodies.x_a)>::Scalar;
+      const auto phi = equations::rotation_vector(turn(hinge, bodies));
+      return S(phi.dot(phi) / 2);
+    };
+    const Vector phi = this->error(matrix(hinge.frame_a()), matrix(hinge.frame_b()));
+    ASSERT_LE(mismatch(angular_row(phi), gradient(potential, hinge.bodies)), 10 * this->kTolerance);
+    ASSERT_LE(mismatch(angular_row(phi), difference(potential, hinge.bodies)),
+              10 * (this->kTolerance + difference_tolerance));
+  }
+}
+
 TYPED_TEST(Lock, OneFullStepOfUnitRowsTakesAnyErrorAway) {
   for (const Hinge& hinge : all_hinges()) {
     const Matrix3<double> F_a = matrix(hinge.frame_a());

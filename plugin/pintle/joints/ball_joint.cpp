@@ -3,13 +3,15 @@
 #include <pintle/body_pair.h>
 #include <pintle/bullet/stock_ball.h>
 #include <pintle/bullet/complaints.h>
+#include <pintle/frame.h>
 #include <pintle/joints/drawing.h>
 #include <pintle/rows/position_rows.h>
 
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
-BallModel::BallModel(btPoint2PointConstraint& ball, RowCount max_rows) : Joint(ball, max_rows) {
+BallModel::BallModel(btPoint2PointConstraint& ball, RowCount max_rows)
+    : DrivenJoint(ball, max_rows) {
   m_settings.pivot_a = m_settings.pivot_b = noPoint();
   BallModel::read(nullptr);
 }
@@ -75,6 +77,17 @@ PINTLE_FLATTEN void BallModel::addRows(const PosePair& poses, Rows& rows) const 
     addDocumentPositionRows(at, rows);
   else
     addConservingPositionRows(at, rows);
+  if (hasPoseDrive()) addDrive(poses, rows);
+}
+
+void BallModel::prepare(const PosePair& poses, Rows& rows) {
+  beginPoseDrive();
+  addRows(poses, rows);
+}
+
+PINTLE_NOINLINE void BallModel::addDrive(const PosePair& poses, Rows& rows) const {
+  const btTransform own = btTransform::getIdentity();
+  addPoseDrive({poses.pose_a(), own}, {poses.pose_b(), own}, rows);
 }
 
 }  // namespace PINTLE_PRECISION

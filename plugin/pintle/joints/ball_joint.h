@@ -1,6 +1,7 @@
 // Purpose: the ball joint (document, 3.1.3), in the place of btPoint2PointConstraint.
 #pragma once
 
+#include <pintle/joints/driven_joint.h>
 #include <pintle/joints/joint_of.h>
 
 #include <BulletDynamics/ConstraintSolver/btPoint2PointConstraint.h>
@@ -18,7 +19,7 @@ struct BallSettings {
 };
 
 /// A ball joint of Bullet's as Pintle holds it: a point of each body coincide.
-class BallModel : public Joint {
+class BallModel : public DrivenJoint {
  public:
   static constexpr RowCount row_count{3};  ///< the most that it has
 
@@ -33,15 +34,18 @@ class BallModel : public Joint {
  protected:
   static int rowsOfStock(const btPoint2PointConstraint&) { return row_count.rows; }
   ImpulseSetting impulseSetting() const override { return m_settings.impulse; }
+  DriveRoom driveRoom() const override { return {{6, 3}, 0}; }
+  void prepare(const PosePair& poses, Rows& rows) override;
 
  private:
   const btPoint2PointConstraint& ball() const;
   void read(Complaints* complaints) override;
+  void addDrive(const PosePair& poses, Rows& rows) const;
 
   BallSettings m_settings;
 };
 
-/// A point of each body coincide; rotation is free.
+/// A point of each body coincide; rotation is free, or driven to a pose (setPoseDrive), which is that of body b's own axes in body a's.
 ///
 /// It is a btPoint2PointConstraint: everything of that is Bullet's own, but for the rows. Of m_setting m_damping is the part
 /// of the velocity that the joint takes away (1: all of it), m_impulseClamp > 0 the most that each world axis may apply in a

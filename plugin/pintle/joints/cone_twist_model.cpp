@@ -177,7 +177,7 @@ void ConeTwistModel::setVelocity(const btVector3& velocity) {
 // Memory for motor and friction is taken when one of them is first set.
 ConeTwistModel::Rotation& ConeTwistModel::rotation() {
   if (!m_rotation) {
-    setRowCount({8, axis_count});
+    setRowCount(driven_row_count);
     m_rotation = std::make_unique<Rotation>();
     m_rotation->axis.chosen = Axis::Drive::pose;
     m_rotation->axis.max_motor_impulse = infinity;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pintle/bullet/stock_cone_twist.h>
+#include <pintle/joints/driven_joint.h>
 #include <pintle/joints/observed_joint.h>
 #include <pintle/rows/far_limit.h>
 
@@ -59,7 +60,7 @@ struct ConeTwistReadings {
 
 /// A cone-twist joint of Bullet's as Pintle holds it. What stands in Bullet's object is read at the start of each step; what Bullet
 /// does not have (spans that differ on both sides, springs, a motor of a velocity, friction) is kept here.
-class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
+class ConeTwistModel : public ObservedJoint<ConeTwistModel, DrivenJoint> {
  public:
   /// The numbers of its axes.
   enum AxisIndex {
@@ -71,6 +72,8 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
   };
   /// The most that it has without motor and friction.
   static constexpr RowCount row_count{6, limits};
+  /// The same with them, or with a pose drive.
+  static constexpr RowCount driven_row_count{8, axis_count};
 
   /// Reads this constraint of Bullet's, which it is a part of, or which it stands for.
   ConeTwistModel(btConeTwistConstraint& cone, RowCount max_rows);
@@ -84,6 +87,7 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
  protected:
   static int rowsOfStock(const btConeTwistConstraint& cone) { return countedRows(cone); }
   void hideLimits() { hideBroken(cone()); }
+  DriveRoom driveRoom() const override { return {driven_row_count, rotation_axis}; }
 
  private:
   friend ObservedJoint;
@@ -106,6 +110,7 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
   void constrain(const Observation& seen, Rows& rows) const;
   Locks addLocks(const Observation& at, Rows& rows) const;
   void addPivotRows(const Observation& at, Rows& rows) const;
+  Scalar addDrive(const Observation& at, const Locks& locks, Rows& rows) const;
   Scalar addRotation(const Observation& at, const Locks& locks, Rows& rows) const;
   equations::AngularRow<Scalar> coneRow(const Observation& at,
                                         const equations::Swing<Scalar>& swing) const;
@@ -167,7 +172,7 @@ class ConeTwistModel : public ObservedJoint<ConeTwistModel, Joint> {
   DirectionLimit m_twist_look;           ///< the range of the twist
 };
 
-extern template class ObservedJoint<ConeTwistModel, Joint>;
+extern template class ObservedJoint<ConeTwistModel, DrivenJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

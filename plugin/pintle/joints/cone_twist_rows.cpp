@@ -90,7 +90,9 @@ inline ConeTwistModel::Observation ConeTwistModel::observe(const PosePair& poses
 
 inline void ConeTwistModel::remember(const Observation& seen, bool in_step) {
   m_seen = false;
-  if (in_step) show(seen);
+  if (!in_step) return;
+  beginPoseDrive();
+  show(seen);
 }
 
 // --- what a client reads -------------------------------------------------------------------------
@@ -184,8 +186,7 @@ void ConeTwistModel::drawJoint(btIDebugDraw& drawer) const {
 inline void ConeTwistModel::constrain(const Observation& here, Rows& rows) const {
   const Locks locks = m_swings == Swings::cone ? Locks() : addLocks(here, rows);
   if (!m_settings.angular_only) addPivotRows(here, rows);
-  const Scalar driven =
-      m_rotation && m_rotation->axis.driven() ? addRotation(here, locks, rows) : Scalar(0);
+  const Scalar driven = addDrive(here, locks, rows);
   const Axis &swing = m_settings.swing_limit, &twist = m_settings.twist_limit;
   if (!swing.limited() && !twist.limited()) return;
   const Turning turning{rows.turn(), driven};
@@ -218,6 +219,14 @@ ConeTwistModel::Locks ConeTwistModel::addLocks(const Observation& at, Rows& rows
   for (const Vec3& u : addSwingRows(swing, getMaxCorrectionSpeed(), rows))
     locks.about[locks.count++] = u;
   return locks;
+}
+
+// A pose drive takes the place of Bullet's motor, and has friction along.
+inline Scalar ConeTwistModel::addDrive(const Observation& at, const Locks& locks,
+                                       Rows& rows) const {
+  if (hasPoseDrive())
+    return addPoseDrive(at.a, at.b, rows, m_rotation ? m_rotation->axis.max_friction : Scalar(0));
+  return m_rotation && m_rotation->axis.driven() ? addRotation(at, locks, rows) : Scalar(0);
 }
 
 // Motor and friction: about the way to the target, and about two axes across it, so that the motor's
@@ -341,7 +350,7 @@ void ConeTwistModel::addNearTwistLimit(const Observation& at, const Turning& tur
     addRange(rows, twist_axis, J_b, angle, m_settings.twist_limit);
 }
 
-template class ObservedJoint<ConeTwistModel, Joint>;
+template class ObservedJoint<ConeTwistModel, DrivenJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -35,6 +35,10 @@ constexpr Scalar max_strange_turn = SIMD_PI / 4;
 /// m: the same of a position. Joints close gaps at 1 m/s, 0.03 m in a step at 30 Hz.
 constexpr Scalar max_strange_move = Scalar(0.25);
 
+/// Fraction of a pose drive's bound that the torque along the expected one may have. With more, too little is left across it to stop what it did
+/// not expect: ragdolls whose drives are at their bounds shake.
+constexpr Scalar max_part_along = Scalar(0.95);
+
 /// s: a joint is taken as one that starts apart for so long at most. What is still open then is held open by a load, or by a mouse that drags
 /// it, and closes as ERP says.
 constexpr Scalar longest_start = 1;

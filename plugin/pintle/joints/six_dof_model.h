@@ -4,7 +4,7 @@
 
 #include <pintle/bullet/stock_bits.h>
 #include <pintle/bullet/stock_six_dof.h>
-#include <pintle/joints/joint.h>
+#include <pintle/joints/driven_joint.h>
 #include <pintle/joints/observed_joint.h>
 #include <pintle/rows/unwrapped_angle.h>
 
@@ -32,7 +32,7 @@ struct SixDofSettings {
 /// - two: as in a hinge, of which the angle counts its turns;
 /// - one: as in a universal joint;
 /// - none: limits are those of the Euler angles (joints/euler_turn.h).
-class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
+class SixDofModel : public ObservedJoint<SixDofModel, DrivenJoint> {
  public:
   static constexpr RowCount row_count{6, 6};  ///< the most that it has
 
@@ -58,6 +58,7 @@ class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
   ///@}
   void hideLimits();
   const ErpCfm* groups() const override { return m_erp_cfm; }
+  DriveRoom driveRoom() const override { return {{9, axis_count + 3}, axis_count}; }
 
   ///@{
   /// Throw std::invalid_argument for an axis that is none of 0 to 5, or none of 3 to 5.
@@ -83,7 +84,7 @@ class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
   void addTurnLocks(const Observation& seen, Rows& rows) const;
   void addLock(const Observation& seen, Rows& rows) const;
   void addUniversalRow(const Observation& seen, Rows& rows) const;
-  void addAngles(const Observation& seen, Rows& rows) const;
+  void addAngles(const Observation& seen, Scalar driven, Rows& rows) const;
   void addPositionLocks(const Observation& seen, Rows& rows) const;
   void addPositions(const Observation& seen, Rows& rows) const;
   void prepareAxes(const Observation& seen);
@@ -139,7 +140,7 @@ class SixDofModel : public ObservedJoint<SixDofModel, Joint> {
   std::unique_ptr<EulerTurn> m_euler;  ///< which has these
 };
 
-extern template class ObservedJoint<SixDofModel, Joint>;
+extern template class ObservedJoint<SixDofModel, DrivenJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

@@ -187,6 +187,7 @@ void SixDofModel::remember(Observation& seen, bool in_step) {
     *m_euler = *seen.euler;
   }
   if (!in_step) return;
+  beginPoseDrive();
   if (m_has_changing_axes && PosePair::is_finite(seen.sum())) prepareAxes(seen);
   if (m_second != nullptr)
     showPoses(*m_second);
@@ -298,9 +299,12 @@ inline void SixDofModel::constrain(const Observation& seen, Rows& rows) const {
   if (m_turning != Turning::box) addTurnLocks(seen, rows);
   if ((m_locked & all_positions) != 0) addPositionLocks(seen, rows);
   const bool turns = (m_acting & all_angles) != 0, travels = (m_acting & all_positions) != 0;
+  const Scalar driven = hasPoseDrive() && m_turning != Turning::locked
+                            ? addPoseDrive(seen.a, seen.b, rows)
+                            : Scalar(0);
   // As Bullet has them: the last one's impulse is known.
   if (travels && !m_read.frame_offset) addPositions(seen, rows);
-  if (turns) addAngles(seen, rows);
+  if (turns) addAngles(seen, driven, rows);
   if (travels && m_read.frame_offset) addPositions(seen, rows);
 }
 
@@ -338,7 +342,7 @@ void SixDofModel::addUniversalRow(const Observation& seen, Rows& rows) const {
   added.group = group(first_angle + 3 - m_of_a - m_of_b);
 }
 
-void SixDofModel::addAngles(const Observation& seen, Rows& rows) const {
+void SixDofModel::addAngles(const Observation& seen, Scalar driven, Rows& rows) const {
   if (m_turning == Turning::universal &&
       seen.crossCosine() * seen.crossCosine() > max_cross_cosine2)
     return;
@@ -351,7 +355,7 @@ void SixDofModel::addAngles(const Observation& seen, Rows& rows) const {
     const Scalar scale = seen.scale(i), angle = scale * seen.angle(i);
     const Vec3 J_b = scale * seen.row(i);
     const Reach along =
-        Reach{angle_sign * J_b.dot(reach.moved()), reach.gained() * J_b.norm()}.of(axis);
+        Reach{angle_sign * J_b.dot(reach.moved()), (reach.gained() + driven) * J_b.norm()}.of(axis);
     const bool limit = axis.limited() && along.reaches(axis, angle);
     if (!limit && !axis.driven()) continue;
     rows.addAngularAxis(first_angle + i, J_b, angle, axis, limit, angle_sign);
@@ -403,7 +407,7 @@ void SixDofModel::addPositions(const Observation& seen, Rows& rows) const {
   }
 }
 
-template class ObservedJoint<SixDofModel, Joint>;
+template class ObservedJoint<SixDofModel, DrivenJoint>;
 
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

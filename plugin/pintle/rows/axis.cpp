@@ -70,6 +70,9 @@ void yieldToOthers(double pull, Scalar K, AxisRow (&rows)[Axis::parts]) {
   AxisRow &given = rows[Axis::spring_pull], &rest = rows[Axis::spring_yield];
   rest = given;
   rest.target -= Scalar(double(given.cfm) * double(K) * pull);
+  // Both together keep the bounds.
+  if (rest.lower > -infinity) rest.lower = btMin(Scalar(0), rest.lower - Scalar(pull));
+  if (rest.upper < infinity) rest.upper = btMax(Scalar(0), rest.upper - Scalar(pull));
   given = {0, 0, Scalar(pull), Scalar(pull)};
 }
 

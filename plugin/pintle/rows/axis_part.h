@@ -123,8 +123,12 @@ inline AxisPart motorPart(const Axis& axis, const AxisMotion& m) {
 }
 
 inline AxisPart ownSpringPart(const Axis& axis, const AxisMotion& m) {
-  AxisPart part = springPart(axis.spring, m.position - axis.spring_rest, 1 / m.fps, m.K, -infinity,
-                             infinity);
+  const bool is_bounded = axis.spring_drives && axis.max_servo_force < infinity;
+  const Scalar bound = is_bounded ? axis.max_servo_force / m.fps : infinity;
+  AxisPart part =
+      springPart(axis.spring, m.position - axis.spring_rest, 1 / m.fps, m.K, -bound, bound);
+  if (axis.spring_drives)
+    part.row.target += (1 - softnessOf(axis.spring, 1 / m.fps, m.K).beta) * axis.motor_velocity;
   part.rigid = part.row.cfm <= max_yield_cfm;
   return part;
 }

@@ -73,6 +73,8 @@ struct Axis {
   /// Whether max_motor_impulse is a change of speed, rad/s: times the inertia of body a about the row.
   bool normalized_motor = false;
   bool is_any_angle = false;  ///< low and high are what Bullet's clients call no limit: (-pi, pi)
+  /// True if `spring` is that of a pose drive, which has no motor: max_servo_force bounds it, and its rest moves at motor_velocity.
+  bool spring_drives = false;
   Scalar motor_velocity = 0;
   Scalar max_motor_impulse = 0;  ///< N m s, a step
   Scalar max_motor_force = 0;  ///< N m, added to it: what Bullet bounds differs from joint to joint

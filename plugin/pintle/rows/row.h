@@ -69,7 +69,7 @@ inline bool isSameRow(const Row& a, const Row& b) {
 }
 
 /// No joint has more rows.
-constexpr int max_joint_rows = 8;
+constexpr int max_joint_rows = 9;
 
 /// Room for the rows of a joint, `Axes` of which may be free coordinates.
 template <int N, int Axes = 0>
