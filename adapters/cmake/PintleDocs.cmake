@@ -17,7 +17,7 @@ set(DOXYGEN_PROJECT_BRIEF "Joints for the Bullet physics engine")
 set(DOXYGEN_RECURSIVE YES)
 set(DOXYGEN_FILE_PATTERNS "*.h" "*.md")
 # What is installed for the headers that are public, and nobody includes by himself.
-set(DOXYGEN_EXCLUDE_PATTERNS "*/joint_passes.h" "*/hinge_rows.h" "*/drawing.h" "*/turning.h" "*/euler_turn.h" "*/gear_row.h" "*/gear_side.h" "*/single_row.h" "*/observed_joint_rows.h")
+set(DOXYGEN_EXCLUDE_PATTERNS "*/joint_passes.h" "*/hinge_rows.h" "*/drawing.h" "*/turning.h" "*/euler_turn.h" "*/pose_drive_rows.h" "*/gear_row.h" "*/gear_side.h" "*/single_row.h" "*/observed_joint_rows.h")
 set(DOXYGEN_FILTER_PATTERNS "\"*.h=${PINTLE_SED} -f ${pintle_site}/headers.sed\"" "\"*.md=${PINTLE_AWK} -f ${pintle_site}/pages.awk\"")
 set(DOXYGEN_VERBATIM_VARS DOXYGEN_FILTER_PATTERNS)
 set(DOXYGEN_FILTER_SOURCE_FILES NO)

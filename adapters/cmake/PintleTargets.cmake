@@ -113,7 +113,7 @@ function(pintle_install)
     PATTERN solver EXCLUDE PATTERN record EXCLUDE PATTERN upgrade EXCLUDE
     PATTERN axis_part.h EXCLUDE PATTERN block.h EXCLUDE
     PATTERN drawing.h EXCLUDE PATTERN hinge_rows.h EXCLUDE PATTERN solver_rows.h EXCLUDE PATTERN single_row.h EXCLUDE
-    PATTERN turning.h EXCLUDE PATTERN joints/constants.h EXCLUDE PATTERN euler_turn.h EXCLUDE
+    PATTERN turning.h EXCLUDE PATTERN joints/constants.h EXCLUDE PATTERN euler_turn.h EXCLUDE PATTERN pose_drive_rows.h EXCLUDE
     PATTERN gear_row.h EXCLUDE PATTERN gear_side.h EXCLUDE
     PATTERN private_member.h EXCLUDE PATTERN complaints.h EXCLUDE PATTERN frames.h EXCLUDE PATTERN stock_ball.h EXCLUDE
     PATTERN stock_limits.h EXCLUDE PATTERN open_slider.h EXCLUDE)

@@ -32,7 +32,7 @@ foreach(header IN LISTS headers)
   if(NOT header MATCHES "pintle/(fwd|pintle).h")
     string(APPEND includes "#include <${header}>\n")
   endif()
-  if(header MATCHES "^pintle/joints/[a-z_]+.h" AND NOT header MATCHES "(/joint|_base|_model|/frame_joint|/gear_coordinate|/posed_joint|/standalone_joint|/observed_joint|/hinge_of|/six_dof_of|/joint_of|/seen_poses|/bullet_rows).h" AND NOT all MATCHES "#include <${header}>")
+  if(header MATCHES "^pintle/joints/[a-z_]+.h" AND NOT header MATCHES "(/joint|_base|_model|/frame_joint|/gear_coordinate|/driven_joint|/pose_drive|/posed_joint|/standalone_joint|/observed_joint|/hinge_of|/six_dof_of|/joint_of|/seen_poses|/bullet_rows).h" AND NOT all MATCHES "#include <${header}>")
     message(FATAL_ERROR "pintle/pintle.h does not include ${header}")
   endif()
   if(header MATCHES "(/observed_joint|/hinge_of|/six_dof_of|/joint_of|/joint_solver|/upgrading_solver).h")  # templates

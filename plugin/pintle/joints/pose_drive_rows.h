@@ -21,16 +21,17 @@
 namespace pintle {
 inline namespace PINTLE_PRECISION {
 
+/// The rows of a pose drive, with its settings.
 class PoseDriveRows {
  public:
-  static constexpr int count = 3;
+  static constexpr int count = 3;  ///< the most that it has
 
   /// The target is unit.
   void set(const btQuaternion& target, const PoseDrive& settings);
-  void clear() { m_is_on = false; }
-  bool isOn() const { return m_is_on; }
-  const btQuaternion& target() const { return m_target; }
-  const PoseDrive& settings() const { return m_settings; }
+  void clear() { m_is_on = false; }                         ///< There are none.
+  bool isOn() const { return m_is_on; }                     ///< True from set to clear.
+  const btQuaternion& target() const { return m_target; }   ///< as set
+  const PoseDrive& settings() const { return m_settings; }  ///< as set
 
   /// Another step: the next rows choose axes and bounds for it.
   void begin() { m_step_begins = true; }

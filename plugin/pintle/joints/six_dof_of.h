@@ -23,16 +23,15 @@ class SixDofOf : public JointOf<Stock, SixDofModel> {
     this->angleAxis(axis);
     return this->accumulatedAngle(axis);
   }
-  ///@{
-  /// Impulses of the last step along axis 0 to 5 (N s or N m s), positive along the coordinate. A locked axis has none of its own. Those of the
-  /// outer two of three free angles are torques about Bullet's getAxis.
+  /// Impulse of the limit of axis 0 to 5 in the last step (N s or N m s), positive along the coordinate. A locked axis has none of its own. That of
+  /// one of the outer two of three free angles is a torque about Bullet's getAxis.
   btScalar getLimitImpulse(int axis) const {
     return this->axisImpulse(this->anyAxis(axis), Axis::limit);
   }
+  /// The same of its motor.
   btScalar getMotorImpulse(int axis) const {
     return this->axisImpulse(this->anyAxis(axis), Axis::motor);
   }
-  ///@}
 
  protected:
   /// `arguments`: those of a constructor of Stock.
@@ -54,18 +53,16 @@ class Generic6DofOf : public SixDofOf<Stock> {
   Generic6DofOf(btRigidBody& rbB, const btTransform& frameInB, bool useLinearReferenceFrameB = true)
       : SixDofOf<Stock>(rbB, frameInB, useLinearReferenceFrameB) {}
 
-  ///@{
-  /// Count the rows of the step, as getInfo1 does, and write them at other poses of the bodies; no more than were counted. The velocities
-  /// are the bodies' own, whatever is given.
+  /// Counts the rows of the step, as getInfo1 does.
   void getInfo1NonVirtual(btTypedConstraint::btConstraintInfo1* info) {
     Generic6DofOf::getInfo1(info);
   }
+  /// Writes them at other poses of the bodies, no more than were counted. The velocities are the bodies' own, whatever is given.
   void getInfo2NonVirtual(btTypedConstraint::btConstraintInfo2* info, const btTransform& transA,
                           const btTransform& transB, const btVector3&, const btVector3&,
                           const btVector3&, const btVector3&) {
     this->writeRowsAt(*info, transA, transB);
   }
-  ///@}
 };
 
 }  // namespace PINTLE_PRECISION

@@ -16,8 +16,8 @@ inline namespace PINTLE_PRECISION {
 /// memory that are linear in the joints of a tree. An island without joints is solved by Bullet's own code, to the same bits. Its
 /// tolerances and bounds are SolverOptions; what it did in a step is in lastStep(), and a StepLog writes it down.
 ///
-/// **Stock joints are upgraded.** A hinge, ball, slider, cone-twist, fixed or universal joint of Bullet's is solved as the joint of
-/// Pintle's that has its equations, with the settings that stand in the object, which stays as it is (SequentialJointSolver). What is said of Bullet's joints
+/// **Stock joints are upgraded.** A hinge, ball, slider, cone-twist or gear of Bullet's, or any of its joints of six degrees of freedom,
+/// is solved as the joint of Pintle's that has its equations, with the settings that stand in the object, which stays as it is (SequentialJointSolver). What is said of Bullet's joints
 /// below is of other classes, of clients' subclasses, and of all with setUpgradesBulletJoints(false).
 ///
 /// **Joints hold.** At the end of a step that converges, every joint and limit is where it should be to 1e-9 m or rad (1e-6 in

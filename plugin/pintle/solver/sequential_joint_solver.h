@@ -20,7 +20,8 @@ inline namespace PINTLE_PRECISION {
 /// The object, its address, its type and its file stay. A step leaves there what one of Bullet's leaves: applied impulse, feedback,
 /// the enabled flag of a joint that breaks, and what getters tell of angles, positions and limits.
 ///
-/// - A client's subclass keeps its own rows, and so does any other class.
+/// - A client's subclass keeps its own rows, and so does any other class. (Joints of six degrees of freedom that are none of these are
+///   upgraded by the exact solvers alone.)
 /// - A joint that sleeps, is removed for a step, or is made anew starts anew, by its limits' turn. An accumulated angle is counted on.
 /// - Stock's settings have stock's ranges: a range of a turn or more is free. Pintle's own (springs, servos, friction, more turns)
 ///   need an object of Pintle's.

@@ -15,9 +15,12 @@ inline namespace PINTLE_PRECISION {
 class Joint;
 struct StockClass;
 
-/// The class of a constraint, if it is exactly one of Bullet's that has a counterpart here; else null: a client's subclass has rows of
-/// its own.
-const StockClass* stockClassOf(const btTypedConstraint& constraint);
+/// How the joints are solved.
+enum class SolvedBy : unsigned char { iterations, exact_solver };
+
+/// The class of a constraint, if it is exactly one of Bullet's that has a counterpart here for such a solver; else null: a client's subclass
+/// has rows of its own.
+const StockClass* stockClassOf(const btTypedConstraint& constraint, SolvedBy solver);
 
 /// The joint as Bullet's solver sees it: a constraint with the bodies of the stock one.
 class UpgradedJoint : public btTypedConstraint {

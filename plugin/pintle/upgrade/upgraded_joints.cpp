@@ -23,7 +23,7 @@ void UpgradedJoints::find(btTypedConstraint* const* constraints, int count,
   to.assign(std::size_t(count), nullptr);
   const std::lock_guard<std::mutex> lock(m_mutex);
   for (int i = 0; i < count; ++i)
-    if (const StockClass* const of = stockClassOf(*constraints[i]))
+    if (const StockClass* const of = stockClassOf(*constraints[i], m_solver))
       to[std::size_t(i)] = &joint(*of, *constraints[i]);
 }
 
@@ -40,7 +40,7 @@ UpgradedJoint& UpgradedJoints::joint(const StockClass& of, btTypedConstraint& st
 
 std::string UpgradedJoints::whyIgnored(const btTypedConstraint& constraint) {
   auto& stock = const_cast<btTypedConstraint&>(constraint);
-  const StockClass* const of = stockClassOf(constraint);
+  const StockClass* const of = stockClassOf(constraint, m_solver);
   if (of == nullptr) {
     auto* const ours = dynamic_cast<Joint*>(&stock);
     return ours != nullptr ? ours->whyIgnored() : std::string();

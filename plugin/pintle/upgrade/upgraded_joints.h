@@ -17,6 +17,7 @@ inline namespace PINTLE_PRECISION {
 /// that is another object, starts anew. May be used by several threads at once.
 class UpgradedJoints {
  public:
+  explicit UpgradedJoints(SolvedBy solver = SolvedBy::iterations) : m_solver(solver) {}
   /// A step of the world begins. (A solver that is not told takes it that one does where a constraint comes again.)
   void beginStep();
   /// The joints in the place of these constraints; null where there is none.
@@ -34,6 +35,7 @@ class UpgradedJoints {
   UpgradedJoint& joint(const StockClass& of, btTypedConstraint& stock);
   void beginStep(long kept_for);
 
+  const SolvedBy m_solver;
   mutable std::mutex m_mutex;
   std::unordered_map<const btTypedConstraint*, Entry> m_all;
   long m_step = 0;

@@ -42,7 +42,7 @@ class WorldMemory {
   std::unordered_map<const btTypedConstraint*, Slot> m_slots;
   std::unordered_map<const btRigidBody*, MotionsOfBody> m_motions;
   long m_step = 0;
-  UpgradedJoints m_upgraded;
+  UpgradedJoints m_upgraded{SolvedBy::exact_solver};
   StepReport m_report;
 };
 

@@ -91,5 +91,16 @@ void prefetch(const void* object) {
 #endif
 }
 
+/// Moves the elements that `are` to the end of `to`, and keeps the order of both. (The standard's stable_partition takes memory.)
+template <class T, class Are>
+void takeIf(const Are& are, std::vector<T>& from, std::vector<T>& to) {
+  const auto takes = [&](const T& of) {
+    if (!are(of)) return false;
+    to.push_back(of);
+    return true;
+  };
+  from.erase(std::remove_if(from.begin(), from.end(), takes), from.end());
+}
+
 }  // namespace PINTLE_PRECISION
 }  // namespace pintle

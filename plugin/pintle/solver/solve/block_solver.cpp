@@ -69,15 +69,13 @@ void BlockSolver::begin(Sweep sweep, std::vector<Vector6d>& velocities,
 }
 
 void BlockSolver::takePressing() {
-  std::vector<ActiveSet::Place>& limits = m_work.limits;
-  const auto pressing =
-      std::stable_partition(limits.begin(), limits.end(), [&](const ActiveSet::Place& of) {
-        const LawPiece& piece = m_work.pieces[of.r];
-        return !piece.acts || (rebounds(of.row->law, piece.target) &&
-                               std::abs(piece.target) * m_island.dt > m_options.newton_tolerance);
-      });
-  m_work.pressing.assign(pressing, limits.end());
-  limits.erase(pressing, limits.end());
+  const auto presses = [&](const ActiveSet::Place& of) {
+    const LawPiece& piece = m_work.pieces[of.r];
+    return piece.acts && !(rebounds(of.row->law, piece.target) &&
+                           std::abs(piece.target) * m_island.dt > m_options.newton_tolerance);
+  };
+  m_work.pressing.clear();
+  takeIf(presses, m_work.limits, m_work.pressing);
 }
 
 bool BlockSolver::pulls(const ActiveSet::Place& of) const {
@@ -88,13 +86,10 @@ bool BlockSolver::pulls(const ActiveSet::Place& of) const {
 }
 
 bool BlockSolver::releaseLimits(std::vector<ContactRow>& to, std::vector<Vector6d>& velocities) {
-  std::vector<ActiveSet::Place>& pressing = m_work.pressing;
-  const auto leave = std::stable_partition(pressing.begin(), pressing.end(),
-                                           [&](const ActiveSet::Place& of) { return !pulls(of); });
-  if (leave == pressing.end()) return false;
   std::vector<ActiveSet::Place>& those = m_work.held;  // none is, before the end
-  those.assign(leave, pressing.end());
-  pressing.erase(leave, pressing.end());
+  those.clear();
+  takeIf([&](const ActiveSet::Place& of) { return pulls(of); }, m_work.pressing, those);
+  if (those.empty()) return false;
   changeImpulses(velocities, [&] {
     for (const ActiveSet::Place& of : those) {
       m_work.y[of.at] = 0;

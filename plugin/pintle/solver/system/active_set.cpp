@@ -115,11 +115,8 @@ void ActiveSet::changeMost(const std::vector<Place>& rows) {
 }
 
 void ActiveSet::takeLimits() {
-  std::vector<Place>& bounded = m_work.bounded;
-  const auto limits = std::stable_partition(bounded.begin(), bounded.end(),
-                                            [](const Place& of) { return !isLimit(of.row->law); });
-  m_work.limits.assign(limits, bounded.end());
-  bounded.erase(limits, bounded.end());
+  m_work.limits.clear();
+  takeIf([](const Place& of) { return isLimit(of.row->law); }, m_work.bounded, m_work.limits);
 }
 
 void ActiveSet::measure(const std::vector<Place>& rows, const Vector6d* v) {
