@@ -51,12 +51,6 @@ class Projection {
   bool mayLeave(const IslandRow& row, size_t r) const {
     return m_closes[r] && !row.law.isEquality() && (!m_work.pieces[r].acts || isSpring(row, r));
   }
-  /// Of a row of K, relative to its own: springs resist as in the step, what closes hardly gives.
-  double softnessOf(const IslandRow& row, size_t r) const {
-    return m_resists[r]
-               ? std::max(m_softness, m_work.pieces[r].softness * row.by_root_K * row.by_root_K)
-               : m_softness;
-  }
   bool factorise(bool at_end);
   bool regularise();
   void giveLittle() {
@@ -98,7 +92,7 @@ class Projection {
   double m_asked = 1;   ///< of what Bullet's rows are to close
   double m_most_bend = infinity;  ///< m or rad: a larger bend is by what other rows ask for
   std::vector<double>&m_u = m_memory.u, &m_goal = m_memory.goal;
-  std::vector<char>&m_closes = m_memory.closes, &m_resists = m_memory.resists;
+  std::vector<char>& m_closes = m_memory.closes;
   std::vector<char>& m_bends =
       m_memory.bends;  ///< of each row that closes: whether it is measured at the end
   std::vector<double>& m_open = m_memory.open;  ///< what was open at first, in the units of K
@@ -123,7 +117,6 @@ bool Projection::findGoals() {
                        !rebounds && (beyond || !isLimit(row.law));
     const bool comes_back = beyond && (!piece.acts || is_spring);
     m_closes[r] = holds || comes_back || open != 0;
-    m_resists[r] = is_spring && !m_closes[r];
     m_has_equalities = m_has_equalities || row.law.isEquality();
     m_may_leave = m_may_leave || mayLeave(row, r);
     if (!m_closes[r]) return;
@@ -153,7 +146,6 @@ bool Projection::addPassed() {
     const double* const stop = passedRigidStop(row.law, m_u[r]);
     if (stop == nullptr || !(std::abs(m_u[r] - *stop) * m_island.dt > m_tolerance)) return;
     m_closes[r] = m_bends[r] = any = true;
-    m_resists[r] = false;
     m_may_leave = m_may_leave || mayLeave(row, r);
     m_goal[r] = *stop;
   });
@@ -169,7 +161,7 @@ bool Projection::factorise(bool at_end) {
   if (at_end) differentiateAtEnd(m_island, m_component, m_work.moved, m_bends, m_memory.J);
   forEachRow(m_island, m_component, [&](int c, int i, const IslandRow& row, size_t r) {
     m_K.setRow(c, i, at_end ? m_memory.J[r] : row.J, row.root_K, row.by_root_K);
-    m_K.setActing(m_K.row(c, i), m_closes[r] || m_resists[r], softnessOf(row, r));
+    m_K.setActing(m_K.row(c, i), m_closes[r], m_softness);
   });
   m_memory.broyden.begin();
   return m_K.factorise(m_options.least_pivot);
@@ -406,7 +398,6 @@ void Projection::begin() {
   m_u.resize(rows);
   setZero(rows, m_goal);
   m_closes.assign(rows, false);
-  m_resists.assign(rows, false);
   if (actsInHalves(m_island, m_component)) {  // so nothing pushes them
     moveBodies(m_island, m_component, m_work.way.data(), m_work.moved);
   } else {

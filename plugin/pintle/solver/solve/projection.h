@@ -24,12 +24,12 @@ struct PosesReport {
 struct ProjectionMemory {
   void reserve(size_t bodies, size_t rows, size_t unknowns) {
     pintle::reserve(bodies, start, nearest, first, way);
-    pintle::reserve(rows, u, goal, J, closes, resists, bends, may_pass);
+    pintle::reserve(rows, u, goal, J, closes, bends, may_pass);
     pintle::reserve(unknowns, open);
     broyden.reserve(unknowns);
   }
   size_t bytes() const {
-    return bytesOf(start, nearest, first, way, u, goal, J, closes, resists, bends, may_pass, open) +
+    return bytesOf(start, nearest, first, way, u, goal, J, closes, bends, may_pass, open) +
            broyden.bytes();
   }
 
@@ -42,7 +42,6 @@ struct ProjectionMemory {
   std::vector<double> u, goal;  ///< measured over the step, and wanted
   std::vector<RowJacobian> J;   ///< where bodies are
   std::vector<char> closes;     ///< poses close it
-  std::vector<char> resists;    ///< it is a spring that resists the move
   std::vector<char> bends;      ///< it is measured at the end
   std::vector<char> may_pass;   ///< poses may pass it
   std::vector<double> open;     ///< what was open at first, in the units of K
