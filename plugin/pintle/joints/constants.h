@@ -28,8 +28,8 @@ constexpr Scalar settling_speed = 1;
 /// Cosine of 85 degrees: a spring about an outer angle keeps at least this fraction of its pull.
 constexpr Scalar min_cosine_of_springs = Scalar(0.0872);
 
-/// rad: a coordinate of a gear whose change in a step differs by more from what velocities have made of it was put elsewhere. Bullet turns no
-/// body by more in a step; with less, what other joints close of theirs would be taken for that.
+/// rad: a coordinate of a gear that changes in a step by so much more than twice what velocities have made of it was put elsewhere. With less,
+/// what other joints close of theirs would be taken for that.
 constexpr Scalar max_strange_turn = SIMD_PI / 4;
 
 /// m: the same of a position. Joints close gaps at 1 m/s, 0.03 m in a step at 30 Hz.

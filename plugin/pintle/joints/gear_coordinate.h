@@ -15,7 +15,9 @@ inline namespace PINTLE_PRECISION {
 
 /// The angle of a hinge (rad), or the position (m) or angle (rad) of a slider, of Bullet's class or any that derives from it, Pintle's
 /// among them. It is measured as that joint has it, but counts its own revolutions: limits of the joint may change it by none. The
-/// joint's bodies and frames are taken here; the joint itself may end before the gear does.
+/// joint's bodies and frames are taken here; the joint itself may end before the gear does. Its bodies may not, either of them, though only one
+/// is a body of the gear; and in a world of threads a joint whose other body moves freely stays in the world as long as the gear, so that they are
+/// of one island.
 class GearCoordinate {
  public:
   ///@{

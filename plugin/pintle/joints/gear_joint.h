@@ -27,8 +27,8 @@ inline namespace PINTLE_PRECISION {
 /// it all the same, whatever moves it.
 ///
 /// - setRatio during a run keeps the angles: what is held from there on is the sum that they have then.
-/// - A body that is put elsewhere keeps its place, and the gear holds the new sum: a coordinate that changes in a step by 45 degrees or 0.25 m
-///   more than its velocity says. What is less is an error, which is corrected at getMaxCorrectionSpeed (of a position
+/// - A body that is put elsewhere keeps its place, and the gear holds the new sum: a coordinate that changes in a step by more than 45 degrees or
+///   0.25 m, and by so much more than twice what its velocity says. What is less is an error, which is corrected at getMaxCorrectionSpeed (of a position
 ///   getMaxLinearCorrectionSpeed) at the most, by either coordinate.
 /// - A gear that is disabled lets go, and enabled again holds what it finds.
 /// - setAxisA and setAxisB, of a gear of two joints: that coordinate is the rotation of the body from there on.

@@ -62,7 +62,7 @@ constexpr int forecast_differences = 4;
 constexpr int elimination_chain = 16;
 
 /// Relative to a row's own K: the most that rows of nets give while poses are moved, and times what they gave before in each try. A net's K goes
-/// from 1e-8 (a skirt of flat plates) to 1. With 1e-4 at most, limits of a skirt are passed by 20 degrees, with 1e-2 by 5. A larger
+/// from 1e-8 (a skirt of flat plates) to 1. With 1e-4 at most, limits of a skirt are passed by 20 degrees, with 1e-2 by 6. A larger
 /// factor saves tries and gives more than is needed.
 constexpr double most_softness = 1e-2, softness_growth = 100;
 

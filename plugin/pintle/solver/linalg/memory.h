@@ -94,12 +94,14 @@ void prefetch(const void* object) {
 /// Moves the elements that `are` to the end of `to`, and keeps the order of both. (The standard's stable_partition takes memory.)
 template <class T, class Are>
 void takeIf(const Are& are, std::vector<T>& from, std::vector<T>& to) {
-  const auto takes = [&](const T& of) {
-    if (!are(of)) return false;
-    to.push_back(of);
-    return true;
-  };
-  from.erase(std::remove_if(from.begin(), from.end(), takes), from.end());
+  size_t kept = 0;
+  for (size_t i = 0; i < from.size(); ++i) {
+    if (are(from[i]))
+      to.push_back(from[i]);
+    else
+      from[kept++] = from[i];
+  }
+  from.erase(from.begin() + std::ptrdiff_t(kept), from.end());
 }
 
 }  // namespace PINTLE_PRECISION

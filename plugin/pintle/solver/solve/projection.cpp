@@ -31,7 +31,7 @@ class Projection {
   void begin();
   bool findGoals();
   bool addPassed();
-  bool turnsFar() const;
+  bool isFarOpen() const;
   bool rebounds(const IslandRow& row, size_t r) const {
     const LawPiece& piece = m_work.pieces[r];
     return piece.acts && pintle::rebounds(row.law, piece.target);
@@ -199,8 +199,8 @@ bool Projection::straighten() {
   return any;
 }
 
-// Whether there is anything to straighten.
-bool Projection::turnsFar() const {
+// There is something to straighten.
+bool Projection::isFarOpen() const {
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
     any = any || (m_bends[r] && row.open != 0 && row.law.isEquality() && !row.isOfArms());
@@ -411,7 +411,7 @@ PosesReport Projection::run(bool has_factor) {
   begin();
   has_factor = findGoals() && has_factor;
   m_bends = m_closes;
-  m_is_net = m_work.has_loops && !turnsFar();
+  m_is_net = m_work.has_loops && !isFarOpen();
   giveLittle();
   double open = findResidual();
   if (open <= m_tolerance) return {open};
