@@ -432,25 +432,6 @@ TEST(GearJoint, DoesNotJumpWhereAnAxisIsLockedLimitedAndFreed) {
   EXPECT_LT(fastest, 10 + 2 * 3 / (1 + 2 / (ratio * ratio)) + 0.5);
 }
 
-// By more than half a turn in a step: its velocity says which way.
-TEST(GearJoint, CountsATurnOfItsCarrierOnceHoweverOftenItIsLookedAt) {
-  Shop shop;
-  btRigidBody& carrier = shop.world.add_box(0, vec(0.1, 0.1, 0.1), scenes::pose_at(vec(5, 0, 0)));
-  carrier.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-  btRigidBody& wheel = shop.world.add_box(1, vec(0.4, 0.4, 0.1), scenes::pose_at(vec(5, 0, 0)));
-  auto& on_carrier = shop.world.add_joint<QuaternionHinge>(
-      carrier, wheel, vec(0, 0, 0), vec(0, 0, 0), vec(0, 0, 1), vec(0, 0, 1));
-  auto& gear = shop.world.add_joint<GearJoint>(on_carrier, shop.addWheel(1), scalar(1));
-  btTransform pose = carrier.getCenterOfMassTransform();
-  for (int i = 1; i <= 20; ++i) {
-    pose.setRotation(btQuaternion(vec(0, 0, 1), scalar(3.6 * i)));
-    carrier.setWorldTransform(pose);
-    shop.step();
-    const double first = double(gear.getCoordinateA());
-    EXPECT_NEAR(double(gear.getCoordinateA()), first, 1e-3) << i;
-  }
-}
-
 // A client puts both wheels where they were at the start, of which they are some revolutions off by then.
 TEST(GearJoint, LetsBodiesBePutElsewhere) {
   const double ratio = 2.5;
