@@ -1,4 +1,4 @@
-// What a gear holds: coordinates of joints, over any number of revolutions, on Bullet's solver and on the exact one. Angles are
+// Gears hold coordinates of joints, over any number of revolutions, on Bullet's solver and on the exact one. Angles are
 // measured by the bodies' poses.
 #include <gtest/gtest.h>
 #include <pintle/joints/gear_joint.h>
@@ -102,7 +102,7 @@ struct Shop {
 // rad: what poses of single precision round, of an angle and its multiple.
 double rounding(double ratio) { return (1 + std::abs(ratio)) * (is_double ? 1e-9 : 2e-6); }
 
-// Of speeds. Gears close loops, of which the exact solver's rows are soft by 1e-8 of their K (SolverOptions::dependent_softness).
+// The tolerance of speeds. Gears close loops, of which the exact solver's rows are soft by 1e-8 of their K (SolverOptions::dependent_softness).
 constexpr double of_speeds = is_double ? 1e-6 : 1e-4;
 
 // A torque on the first wheel accelerates what both wheels weigh at it.
@@ -144,7 +144,7 @@ TEST(GearJoint, DoesNotDriftOverManyRevolutions) {
   EXPECT_NEAR(double(gear.getCoordinateA()) / (2.02e6 * pi), 1, 1e-6);
 }
 
-// Of a hinge and of a body alone: 10^5 revolutions of poses that obey the gear, from a count of 10^6.
+// The coordinates of a hinge and of a body alone: 10^5 revolutions of poses that obey the gear, from a count of 10^6.
 TEST(GearJoint, RoundsNoMoreAfterMoreRevolutions) {
   for (const bool has_hinges : {false, true}) {
     SCOPED_TRACE(has_hinges);
@@ -210,7 +210,7 @@ double driftOfLoadedChain() {
   return std::abs(shop.angle(0) - shop.angle(4));
 }
 
-// What four iterations leave of a load adds up in stock's. Here ERP takes it back.
+// The rest of a load that four iterations leave adds up in stock's. Here ERP takes it back.
 TEST(GearJoint, KeepsBoundedWhatIterationsLeave) {
   PINTLE_SKIP_ON_EXACT_SOLVER(
       "a gear of Bullet's is compared, of which iterations leave something");
@@ -301,7 +301,7 @@ TEST(GearJoint, MovesTwoSlidersAlike) {
   }
 }
 
-// Of an arm and a finger on it: it acts on both, and on nothing that it leaves out.
+// A gear of an arm and a finger on it acts on both, and on nothing that it leaves out.
 TEST(GearJoint, MimicsAJointOfTheSameArm) {
   Shop shop;
   QuaternionHinge& root = shop.addWheel(2);
@@ -432,6 +432,28 @@ TEST(GearJoint, DoesNotJumpWhereAnAxisIsLockedLimitedAndFreed) {
   EXPECT_LT(fastest, 10 + 2 * 3 / (1 + 2 / (ratio * ratio)) + 0.5);
 }
 
+// Two bodies may turn against each other by more than half a turn in a step: then it is their velocities that tell.
+TEST(GearJoint, CountsAFastTurnOnceHoweverOftenItIsLookedAt) {
+  Shop shop;
+  const btTransform place = scenes::pose_at(vec(5, 0, 0));
+  btRigidBody &a = shop.world.add_box(1, vec(0.1, 0.1, 0.1), place),
+              &b = shop.world.add_box(1, vec(0.1, 0.1, 0.1), place);
+  auto& hinge = shop.world.add_joint<QuaternionHinge>(a, b, vec(0, 0, 0), vec(0, 0, 0),
+                                                      vec(0, 0, 1), vec(0, 0, 1));
+  auto& gear = shop.world.add_joint<GearJoint>(hinge, shop.addWheel(1), scalar(1));
+  gear.setEnabled(false);
+  double last = 0;
+  for (int i = 0; i < 20; ++i) {
+    a.setAngularVelocity(vec(0, 0, -300));
+    b.setAngularVelocity(vec(0, 0, 300));
+    shop.step();
+    const double now = double(gear.getCoordinateA());
+    EXPECT_EQ(double(gear.getCoordinateA()), now) << i;
+    EXPECT_GT(std::abs(now - last), pi) << i;
+    last = now;
+  }
+}
+
 // A client puts both wheels where they were at the start, of which they are some revolutions off by then.
 TEST(GearJoint, LetsBodiesBePutElsewhere) {
   const double ratio = 2.5;
@@ -487,7 +509,7 @@ TEST(GearJoint, LetsARackBePutElsewhere) {
   }
 }
 
-// What is less than 45 degrees is an error, which closes at the speed of corrections.
+// Less than 45 degrees is an error, which closes at the speed of corrections.
 TEST(GearJoint, ClosesAnErrorAtABoundedSpeed) {
   Shop shop;
   shop.addWheel(1);

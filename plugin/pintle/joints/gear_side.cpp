@@ -127,6 +127,7 @@ double GearSide::change(const GearReading& now, double expected) const {
 
 // Two fast bodies may turn against each other by more than half a turn: then it is their velocities that tell.
 GearSide::Change GearSide::changeInStep(const GearReading& now, Scalar dt) const {
+  if (now.rest == m_rest) return {0, false};  // looked already
   const double most = isPosition() ? double(max_strange_move) : double(max_strange_turn);
   const double nearest = nearestChange(now);
   const bool is_far = turnsFar(dt);
