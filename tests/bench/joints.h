@@ -359,7 +359,7 @@ Case gear(const char* name, const char* stock) {
 }
 
 inline std::vector<Case> gears() {
-  // Of two hinges on the world.
+  // It couples two hinges on the world.
   const auto of_hinges = [](JointStep& s) {
     btHingeConstraint of_a(*s.a, JointStep::frameA().getOrigin(), btVector3(0, 0, 1)),
         of_b(*s.b, JointStep::frameB().getOrigin(), btVector3(0, 0, 1));

@@ -132,7 +132,7 @@ TEST(BulletFile, AGearIsLoadedAsBullets) {
   EXPECT_EQ(of->getRatio(), btScalar(-2.5));
 }
 
-// Of a gear between two hinges the file has their axes in the bodies that it acts on.
+// The file of a gear between two hinges has their axes in the bodies that it acts on.
 TEST(BulletFile, AGearOfHingesIsLoadedAsOneOfAxes) {
   Boxes written;
   btRigidBody& post = written.world.add_box(0, written.half, scenes::pose_at(btVector3(2, 0, 0)));

@@ -90,7 +90,7 @@ TEST(GearEquations, AnAxisThatGoesRoundAConeCountsItsSolidAngle) {
   Vector x = start;
   for (int i = 0; i < steps; ++i) x = equations::carried<double>(x, axis(i), axis(i + 1));
   const double angle = equations::angle_against<double>(start, axis(0), x);
-  // Of chords, which are shorter than the circle by (2 pi / steps)^2.
+  // Chords are shorter than the circle by (2 pi / steps)^2.
   EXPECT_NEAR(std::remainder(angle - 2 * pi * (1 - std::cos(half)), 2 * pi), 0, 1e-5);
 }
 

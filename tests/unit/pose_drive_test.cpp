@@ -8,6 +8,7 @@
 #include <pintle/joints/generic_6dof_spring_joint.h>
 #include <pintle/joints/hinge_2_joint.h>
 #include <pintle/solver/exact_joint_solver.h>
+#include <scenes/catalog.h>
 #include <scenes/world.h>
 
 #include <algorithm>
@@ -42,7 +43,7 @@ using Sequential = btSequentialImpulseConstraintSolver;
 using Exact = pintle::ExactJointSolver;
 
 constexpr double rates[] = {30, 60, 120, 240};  // steps a second
-// Of some hundred steps.
+// The rounding of some hundred steps.
 constexpr double rounding = support::is_double ? 1e-12 : 1e-4;
 
 btQuaternion about(const btVector3& axis, double angle) { return {axis, scalar(angle)}; }
@@ -252,7 +253,7 @@ TYPED_TEST(PoseDriveOfOne, NeedsNoStiffness) {
 
 // --- its bound -----------------------------------------------------------------------------------
 
-// Of a cube that nothing else acts on the torque is what its spin changes by.
+// The spin of a cube that nothing else acts on changes by the torque.
 TYPED_TEST(PoseDriveOfOne, TorqueIsNeverLongerThanItsBound) {
   Random random(7);
   double longest = 0;
@@ -441,7 +442,7 @@ TYPED_TEST(PoseDriveOfALimb, SixDofLimitsWinAndLocksHold) {
       auto& joint =
           made.world.template add_joint<pintle::Generic6DofSpring2Joint>(a, b, at(0), at(-0.3));
       for (int i = 0; i < 3; ++i) joint.setLimit(3 + i, scalar(-0.4), scalar(0.4));
-      // Of the others as many are locked.
+      // As many of the others are locked.
       for (int i = 1; i <= locked; ++i) joint.setLimit(3 + (axis + i) % 3, 0, 0);
       btVector3 n(0, 0, 0);
       n[axis] = 1;
@@ -515,44 +516,22 @@ TYPED_TEST(PoseDriveOfALimb, ComesBeforeBulletsMotor) {
 
 // --- a ragdoll -----------------------------------------------------------------------------------
 
-// Hangs by its pelvis, which does not move, with twenty drives: a spine of four, neck and head, arms and legs of four each. Each drive is as
-// stiff as makes what it carries swing at `frequency`, critically damped.
+// That of the scene: it hangs by its pelvis, which does not move, with twenty drives. Each is as stiff as makes what it carries swing at `frequency`,
+// critically damped.
 template <class Joint>
 class Ragdoll {
  public:
-  Ragdoll(scenes::World& world, double frequency, double max_torque) : m_world(world) {
-    add(0, vec(0.1, 0.16, 0.08), vec(0, 0, 0), -1, vec(0, 0, 0));
-    int last = 0;
-    double top = 0.08;
-    for (int i = 0; i < 4; ++i, top += 0.16)
-      last = add(8, vec(0.1, 0.15, 0.08), vec(0, 0, top + 0.08), last, vec(0, 0, top));
-    const int chest = last;
-    const int neck = add(1, vec(0.05, 0.05, 0.05), vec(0, 0, top + 0.05), chest, vec(0, 0, top));
-    add(4, vec(0.09, 0.08, 0.12), vec(0, 0, top + 0.22), neck, vec(0, 0, top + 0.1));
-    struct Part {
-      double mass, length;
-    };
-    for (const double side : {-1., 1.}) {
-      double y = 0.15;
-      last = chest;
-      for (const Part& part : {Part{1.5, 0.15}, Part{2, 0.3}, Part{1.5, 0.26}, Part{0.5, 0.18}}) {
-        last = add(part.mass, vec(0.045, part.length / 2, 0.045),
-                   vec(0, side * (y + part.length / 2), top - 0.08), last,
-                   vec(0, side * y, top - 0.08));
-        y += part.length;
-      }
-      double z = -0.08;
-      last = 0;
-      for (const Part& part : {Part{8, 0.4}, Part{4, 0.42}, Part{1, 0.1}}) {
-        last = add(part.mass, vec(0.07, 0.07, part.length / 2),
-                   vec(0, side * 0.1, z - part.length / 2), last, vec(0, side * 0.1, z));
-        z -= part.length;
-      }
-    }
-    for (const Limb& limb : m_limbs) {
-      const double w = 2 * pi * frequency, I = inertiaOf(limb);
-      m_drives.push_back(
-          PoseDrive::fromStiffness(scalar(w * w * I), scalar(2 * w * I), scalar(max_torque)));
+  Ragdoll(scenes::World& world, double frequency, double max_torque) {
+    const scenes::Scene scene = scenes::named("active_ragdoll");
+    m_bodies = world.add_bodies(scene);
+    const double faster = frequency / scene_frequency;
+    for (const scenes::Joint& from : scene.joints) {
+      m_limbs.push_back({from.a, m_bodies[size_t(from.b)],
+                         &world.add_joint_of<Joint>(from, m_bodies),
+                         scenes::to_bullet(from.in_b).getOrigin()});
+      m_drives.push_back(PoseDrive::fromStiffness(scalar(faster * faster * from.muscle.stiffness),
+                                                  scalar(faster * from.muscle.damping),
+                                                  scalar(max_torque)));
     }
   }
 
@@ -614,23 +593,6 @@ class Ragdoll {
     btVector3 in_body;  ///< pivot
   };
 
-  int add(double mass, const btVector3& half, const btVector3& position, int parent,
-          const btVector3& at) {
-    btRigidBody& body = m_world.add_box(mass, half, scenes::pose_at(position));
-    m_bodies.push_back(&body);
-    if (parent >= 0) {
-      btRigidBody& on = *m_bodies[size_t(parent)];
-      const btVector3 in_a = at - on.getCenterOfMassPosition(), in_b = at - position;
-      Joint* joint;
-      if constexpr (std::is_same_v<Joint, pintle::BallJoint>) {
-        joint = &m_world.add_joint<Joint>(on, body, in_a, in_b);
-      } else {
-        joint = &m_world.add_joint<Joint>(on, body, scenes::pose_at(in_a), scenes::pose_at(in_b));
-      }
-      m_limbs.push_back({parent, &body, joint, in_b});
-    }
-    return int(m_bodies.size()) - 1;
-  }
   btVector3 pivot(const Limb& limb) const {
     return limb.body->getCenterOfMassTransform()(limb.in_body);
   }
@@ -646,15 +608,6 @@ class Ragdoll {
       visit(*limb.body);
     }
   }
-  double inertiaOf(const Limb& limb) const {
-    double sum = 0;
-    forEachCarried(limb, [&](const btRigidBody& body) {
-      const btVector3& own = body.getLocalInertia();
-      sum += double((body.getCenterOfMassPosition() - pivot(limb)).length2() / body.getInvMass() +
-                    std::max(own.x(), std::max(own.y(), own.z())));
-    });
-    return sum;
-  }
   btVector3 errorOf(size_t i) const {
     const Limb& limb = m_limbs[i];
     btQuaternion turn = limb.body->getOrientation() *
@@ -665,7 +618,8 @@ class Ragdoll {
     return sine > 0 ? v * scalar(2 * std::atan2(sine, double(turn.w())) / sine) : v;
   }
 
-  scenes::World& m_world;
+  static constexpr double scene_frequency = 10;  // Hz
+
   std::vector<btRigidBody*> m_bodies;
   std::vector<Limb> m_limbs;
   std::vector<PoseDrive> m_drives;

@@ -58,7 +58,7 @@ btVector3 GearCoordinate::axisIn(const btRigidBody& body) const {
   return frame.getBasis().getColumn(m_main) * (is_b ? m_sign : -m_sign);
 }
 
-// Of the bodies of both joints it acts on one of each: those that leave out no body that moves; else those that leave out what the
+// It acts on one body of each joint: those that leave out no body that moves; else those that leave out what the
 // joints have in common, their carrier; else the joints' bodies b.
 GearCoordinate::Bodies GearCoordinate::bodiesOf(const GearCoordinate& a, const GearCoordinate& b) {
   btRigidBody* const of_a[] = {a.m_b, a.m_a};

@@ -15,7 +15,7 @@ GearJoint::GearJoint(const GearCoordinate& a, const GearCoordinate& b, btScalar 
   couple(a, b);
 }
 
-// To where the bodies are now.
+// Counts on to where the bodies are now.
 void GearJoint::follow() {
   readFromBullet();
   const BodyPair pair(m_rbA, m_rbB);

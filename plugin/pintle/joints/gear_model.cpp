@@ -54,11 +54,11 @@ struct GearModel::State {
   GearReadings read(const GearPoses& at) const {
     return {a.read(at), b.read(at), at.of.x_a().sum() + at.of.x_b().sum()};
   }
-  /// What changes of the coordinates, as their sides count them, make of the sum: rad or m.
+  /// The change of the sum (rad or m) by changes of the coordinates, as their sides count them.
   double weigh(double change_a, double change_b) const {
     return double(a.factor()) * change_a + double(ratio) * double(b.factor()) * change_b;
   }
-  /// What bodies have done since the last call; whether the gear holds them from here on.
+  /// Counts the motion of the bodies since the last call. `holds_now`: the gear holds them from here on.
   void follow(const GearReadings& now, bool holds_now);
   /// rad or m.
   double sum() const { return a.value() + double(ratio) * b.value(); }

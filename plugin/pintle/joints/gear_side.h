@@ -42,7 +42,7 @@ class GearSide {
   void takeAxis(const btVector3& axis, const btRigidBody& body, const GearPoses& at);
 
   GearReading read(const GearPoses& at) const;
-  /// By how much the coordinate has changed since it was followed last (rad or m): the nearest, as of a pose alone.
+  /// The change of the coordinate since it was followed last (rad or m): the nearest, as of a pose alone.
   double nearestChange(const GearReading& now) const { return change(now, 0); }
   /// How a step of dt has changed it.
   struct Change {
@@ -81,7 +81,7 @@ class GearSide {
   bool m_has_axis = false;       ///< one was given
   Scalar m_factor = 0;           ///< of the coordinate: a sign, or the length of the axis
   double m_turns = 0, m_rest = 0;
-  // Of the rotation of one body: in its frame, and in the world where it was followed last.
+  // Directions n and v of the rotation of one body: in its frame, and n and x in the world where it was followed last.
   Vector3<double> m_n_in_b = Vector3<double>::Zero(), m_v_in_b = Vector3<double>::Zero();
   Vector3<double> m_n = Vector3<double>::Zero(), m_x = Vector3<double>::Zero();
 };

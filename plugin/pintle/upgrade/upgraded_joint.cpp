@@ -129,10 +129,9 @@ const StockClass* stockClassOf(const btTypedConstraint& constraint, SolvedBy sol
   const std::type_info& type = typeid(constraint);
   Known& known = all[reinterpret_cast<std::uintptr_t>(&type) / 16 % all.size()];
   if (known.type != &type) known = {&type, lookUp(type)};
-  return known.stock != nullptr && known.stock->by_exact_solver_alone &&
-                 solver != SolvedBy::exact_solver
-             ? nullptr
-             : known.stock;
+  const StockClass* const of = known.stock;
+  const bool is_left = of != nullptr && of->by_exact_solver_alone && solver == SolvedBy::iterations;
+  return is_left ? nullptr : of;
 }
 
 std::unique_ptr<UpgradedJoint> UpgradedJoint::make(const StockClass& of, btTypedConstraint& stock) {

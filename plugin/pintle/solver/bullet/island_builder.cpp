@@ -213,7 +213,7 @@ void IslandBuilder::setEqualityLaw(const IslandJoint& of, const EqualitySettings
     target -= row.open / m_island.dt;
     row.open = 0;
   }
-  // What moves by others is driven by them.
+  // A row that others move is driven by them.
   row.law.add({target, cfm * row.K, -AxisLaw::unbounded, AxisLaw::unbounded, rate != 0});
 }
 

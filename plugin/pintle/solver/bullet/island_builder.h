@@ -47,7 +47,7 @@ class IslandBuilder {
     double left;  ///< what damping leaves of the velocity that forces lead to
   };
   EqualitySettings settingsOf(const Joint& joint, int group) const;
-  /// What is to become of the C of an equality (m or rad): closed at no more than max_speed, while it changes by what is no body of
+  /// The C of an equality (m or rad), which is to be closed at no more than max_speed, while it changes by what is no body of
   /// its joint.
   struct EqualityState {
     double position, max_speed, rate = 0;

@@ -31,7 +31,11 @@ class Projection {
   void begin();
   bool findGoals();
   bool addPassed();
-  bool isFarOpen() const;
+  /// Its directions turn with the bodies while it closes what is far open.
+  bool mayStraighten(const IslandRow& row, size_t r) const {
+    return m_bends[r] && row.open != 0 && row.law.isEquality() && !row.isOfArms();
+  }
+  bool mayStraighten() const;
   bool rebounds(const IslandRow& row, size_t r) const {
     const LawPiece& piece = m_work.pieces[r];
     return piece.acts && pintle::rebounds(row.law, piece.target);
@@ -192,19 +196,18 @@ bool Projection::leaveLimits() {
 bool Projection::straighten() {
   bool any = false;
   forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
-    if (row.open == 0 || !row.law.isEquality() || row.isOfArms()) return;
-    any = any || m_bends[r];
+    if (!mayStraighten(row, r)) return;
     m_bends[r] = false;
+    any = true;
   });
   return any;
 }
 
-// There is something to straighten.
-bool Projection::isFarOpen() const {
+// True if there is a row to straighten.
+bool Projection::mayStraighten() const {
   bool any = false;
-  forEachRow(m_island, m_component, [&](int, int, const IslandRow& row, size_t r) {
-    any = any || (m_bends[r] && row.open != 0 && row.law.isEquality() && !row.isOfArms());
-  });
+  forEachRow(m_island, m_component,
+             [&](int, int, const IslandRow& row, size_t r) { any = any || mayStraighten(row, r); });
   return any;
 }
 
@@ -310,7 +313,7 @@ double Projection::iterate(double open, bool goes_on_anyhow) {
   bool is_fresh = false, is_of_softness = false, closes_any = false;
   for (int steps = 0; steps < m_options.max_iterations; ++steps) {
     const double now = step(open, is_fresh);
-    // What passes limits by more than was open is no way to close it.
+    // A step that passes limits by more than was open is no way to close it.
     const bool closes = now < open && m_passed <= std::fmax(open, passed),
                is_fast = closes && now < m_options.contraction * open;
     closes_any = closes_any || closes;
@@ -411,7 +414,7 @@ PosesReport Projection::run(bool has_factor) {
   begin();
   has_factor = findGoals() && has_factor;
   m_bends = m_closes;
-  m_is_net = m_work.has_loops && !isFarOpen();
+  m_is_net = m_work.has_loops && !mayStraighten();
   giveLittle();
   double open = findResidual();
   if (open <= m_tolerance) return {open};
